@@ -139,7 +139,7 @@ fn judge(out: &Path) -> ExitCode {
     match stoss::run::judge_folder(out) {
         Ok(verdict) => {
             let told = tell(&verdict.to_string());
-            if verdict.level == stoss::watch::Level::Wrong { ExitCode::from(WRONG) } else { told }
+            if verdict.level == stoss::watch::Severity::Wrong { ExitCode::from(WRONG) } else { told }
         }
         Err(error) => {
             say!("error: {error}");

@@ -20,7 +20,7 @@ fn points(height: f64) -> [Vector3<f64>; 4] {
 fn main() {
     let layer = Layer::new(1000.0, THICKNESS);
     // The weight is the area of the surface that the vertex stands for.
-    let term = PairTerm { kind: PairKind::VertexTriangle, weight: 0.01, parallel: None };
+    let term = PairTerm { kind: PairKind::VertexTriangle, weight: 0.01, mollifier: None };
     println!("distance   energy      force on the vertex   force of the step from the layer's rim");
     for distance in [0.12, 0.099, 0.07, 0.04, 0.01, 0.001] {
         let at = |height: f64| term.at_state(&layer, &points(height), None);

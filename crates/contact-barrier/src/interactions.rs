@@ -35,8 +35,8 @@ impl Interactions {
         self.table[b as usize * n + a as usize] = interaction;
     }
 
-    /// Lets nothing act between two bodies.
-    pub fn take_out(&mut self, [a, b]: [u32; 2]) {
+    /// Excludes contact between two bodies.
+    pub fn exclude(&mut self, [a, b]: [u32; 2]) {
         let n = self.bodies.len();
         for (k, entry) in self.table.iter_mut().enumerate() {
             let pair = [self.bodies[k / n], self.bodies[k % n]];
@@ -69,7 +69,7 @@ impl Interactions {
     }
 
     /// The same between different bodies alone: none acts on itself.
-    pub fn between_bodies(&self) -> Self {
+    pub(crate) fn between_bodies(&self) -> Self {
         let (mut all, n) = (self.clone(), self.bodies.len());
         for (k, entry) in all.table.iter_mut().enumerate() {
             if self.bodies[k / n] == self.bodies[k % n] {
@@ -104,7 +104,7 @@ impl Interactions {
         }
     }
 
-    /// Whether nothing acts on anything.
+    /// Whether no classes act on each other.
     pub fn is_empty(&self) -> bool {
         self.table.iter().all(Option::is_none)
     }

@@ -4,12 +4,12 @@
 //! (theory/barrier). There is no slave and no master, no slot and no active set.
 //!
 //! * [`Layer`]: the barrier `psi`, its derivatives and its divided difference;
-//! * [`Parallel`]: the factor `m` that fades pairs of nearly parallel edges out;
+//! * [`EdgeMollifier`]: the factor `m` that fades pairs of nearly parallel edges out;
 //! * [`PairStart`], [`PairForce`]: the force of a pair between two states, or at one, with tangent;
 //! * [`Friction`], [`FrictionForce`]: friction of a pair in a step;
 //! * [`Skin`]: vertices, edges, triangles and points of integration of all bodies, with their weights;
 //! * [`Interactions`]: who acts on whom, how stiff, with which friction;
-//! * [`first_look`]: surfaces that cross before the first step, and the smallest distances;
+//! * [`check_initial`]: surfaces that cross before the first step, and the smallest distances;
 //! * [`Overlaps`]: bodies that overlap, and how far they have to be moved;
 //! * [`GeneralContact`]: the sum, as a potential of the solver, with the collision detection that keeps iterates from passing through each other.
 //!
@@ -17,29 +17,28 @@
 //!
 #![doc = include_str!("../README.md")]
 
-mod areas;
 mod general;
+mod initial;
 mod inset;
 mod interactions;
 mod layer;
+mod mollifier;
 mod overlap;
 mod pair;
-mod parallel;
 mod proximity;
 mod sensitivity;
 mod skin;
 mod slip;
-mod start;
 mod tangent;
 
 pub use general::{GeneralContact, GeneralOptions};
+pub use initial::{InitialCheck, Nearest, check_initial};
 pub use inset::mitre;
 pub use interactions::{Interaction, Interactions};
 pub use layer::Layer;
+pub use mollifier::EdgeMollifier;
 pub use overlap::{Overlaps, Relation, Separation};
 pub use pair::{PairForce, PairStart, PairTerm, StepForce};
-pub use parallel::Parallel;
 pub use skin::{Skin, SkinFacet, is_closed};
 pub use slip::{Friction, FrictionForce, Stick};
-pub use start::{FirstLook, Nearest, first_look};
 pub use tangent::Tangent;

@@ -1,8 +1,9 @@
 //! Bodies that overlap: how far one has to be moved to be free of the other.
 
-use crate::{Interactions, Skin, SkinFacet, first_look, is_closed};
+use crate::{Interactions, Skin, SkinFacet, check_initial, is_closed};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
+use stoss_contact::position;
 use stoss_geometry::Aabb;
 
 /// Directions that are tried.
@@ -144,7 +145,7 @@ impl<'a> Overlaps<'a> {
         for (k, body) in [a, b].into_iter().enumerate() {
             let by = if k == 0 { *shift } else { Vector3::zeros() };
             let region = boxes[1 - k].inflated(margin);
-            let at = |node: u32| Vector3::from_column_slice(&self.q[3 * node as usize..3 * node as usize + 3]) + by;
+            let at = |node: u32| position(self.q, node) + by;
             for facet in &self.bodies[&body].facets {
                 let around = facet.nodes.iter().fold(Aabb::empty(), |all, &n| all.union(&Aabb::from_points([&at(n)])));
                 if !around.overlaps(&region) {
@@ -190,8 +191,8 @@ impl<'a> Overlaps<'a> {
         by: &Vector3<f64>,
         reach: f64,
     ) -> Relation {
-        let look = first_look(&local.skin, &self.rules, &local.moved(by), reach);
-        if !look.crossings.is_empty() {
+        let check = check_initial(&local.skin, &self.rules, &local.moved(by), reach);
+        if !check.crossings.is_empty() {
             return Relation::Cross;
         }
         let shift = shift + by;
@@ -201,7 +202,7 @@ impl<'a> Overlaps<'a> {
             let is_nested = holds(&first, &second) || holds(&second, &first);
             return if is_nested { Relation::Inside } else { Relation::Cross };
         }
-        Relation::Apart(look.nearest.values().next().map(|nearest| nearest.distance))
+        Relation::Apart(check.nearest.values().next().map(|nearest| nearest.distance))
     }
 
     /// Whether one of two bodies is wholly inside the other: all points just below its surface that are checked.
@@ -263,7 +264,7 @@ impl<'a> Overlaps<'a> {
 
     /// Directions in which `a` may be moved out of `b`, the most promising first.
     fn directions(&self, local: &Local, [a, b]: [u32; 2], shift: &Vector3<f64>, reach: f64) -> Vec<Vector3<f64>> {
-        let look = first_look(&local.skin, &self.rules, &local.q, reach);
+        let check = check_initial(&local.skin, &self.rules, &local.q, reach);
         let is_first = |facet: u32| self.rules.body(local.skin.facets()[facet as usize].class) == a;
         let mut areas = vec![Vector3::zeros(); local.skin.facets().len()];
         for (t, triangle) in local.skin.triangles().iter().enumerate() {
@@ -277,7 +278,7 @@ impl<'a> Overlaps<'a> {
         };
         let is_closed = [a, b].map(|body| self.bodies[&body].is_closed);
         let is_open = |facet: u32| !is_closed[usize::from(!is_first(facet))];
-        let crossed: Vec<u32> = look.crossings.iter().map(|([_, facet], _)| *facet).collect();
+        let crossed: Vec<u32> = check.crossings.iter().map(|([_, facet], _)| *facet).collect();
         // A body has to leave an open surface on its outer side.
         let of_open: Vec<u32> = crossed.iter().copied().filter(|&facet| is_open(facet)).collect();
         let normals: Vec<Vector3<f64>> = if !of_open.is_empty() {
@@ -285,7 +286,7 @@ impl<'a> Overlaps<'a> {
         } else if !crossed.is_empty() {
             crossed.into_iter().map(out_of).collect()
         } else {
-            look.nearest.values().flat_map(|nearest| nearest.facets.map(out_of)).collect()
+            check.nearest.values().flat_map(|nearest| nearest.facets.map(out_of)).collect()
         };
         let shrinking = if is_closed == [true; 2] { self.shrinking([a, b], shift) } else { Vector3::zeros() };
         let sum: Vector3<f64> = normals.iter().sum();

@@ -1,11 +1,11 @@
 //! The force of one pair: between two states with exactly the work of its energy, or at one state.
 
 use crate::layer::LayerStep;
-use crate::parallel::Crossing;
+use crate::mollifier::EdgePair;
 use crate::sensitivity::Sensitivity;
 use crate::slip::{Pressed, SlipLine, Variation};
 use crate::tangent::Tangent;
-use crate::{Friction, FrictionForce, Layer, Parallel};
+use crate::{EdgeMollifier, Friction, FrictionForce, Layer};
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{ClosestPair, PairKind, closest, combine};
 
@@ -17,7 +17,7 @@ pub struct PairTerm {
     /// Weight `w`, an area.
     pub weight: f64,
     /// The factor `m` of two edges; none for other kinds, and `m = 1`.
-    pub parallel: Option<Parallel>,
+    pub mollifier: Option<EdgeMollifier>,
 }
 
 /// Energy and gradient of a pair, to be added to a residual; the force on point `i` is `-gradient[i]`.
@@ -82,7 +82,7 @@ impl PairTerm {
         }
         let (c, r) = (pair.weights, combine(&pair.weights, x));
         let [psi, slope, curvature] = layer.evaluate(pair.distance_squared);
-        let (m, state) = self.parallel.map_or((1.0, None), |p| p.at_state(&Crossing::new(x)));
+        let (m, state) = self.mollifier.map_or((1.0, None), |p| p.at_state(&EdgePair::new(x)));
         let m_gradient = state.as_ref().map_or([Vector3::zeros(); 4], |s| s.gradient);
         let d_gradient = c.map(|c| r * (2.0 * c));
         force.barrier.energy = self.weight * m * psi;
@@ -142,7 +142,7 @@ impl PairTerm {
         }
         let r = combine(&pair.weights, x);
         let [_, slope, _] = layer.evaluate(pair.distance_squared);
-        let (m, _) = self.parallel.map_or((1.0, None), |p| p.at_state(&Crossing::new(x)));
+        let (m, _) = self.mollifier.map_or((1.0, None), |p| p.at_state(&EdgePair::new(x)));
         let normal = r * (-2.0 * self.weight * m * slope);
         let dx = std::array::from_fn(|i| x[i] - x_n[i]);
         Pressed { kind: self.kind, normal, weights: pair.weights, x: *x, dx }.along(friction, d)
@@ -158,7 +158,7 @@ pub struct PairStart {
     closest: ClosestPair,
     r: Vector3<f64>,
     psi: f64,
-    crossing: Option<Crossing>,
+    edges: Option<EdgePair>,
     energy: f64,
 }
 
@@ -168,9 +168,9 @@ impl PairStart {
         let closest = closest(term.kind, x);
         let r = combine(&closest.weights, x);
         let [psi, ..] = layer.evaluate(closest.distance_squared);
-        let m = term.parallel.map_or(1.0, |p| p.factor(x));
-        let crossing = term.parallel.map(|_| Crossing::new(x));
-        Self { term, layer, x: *x, closest, r, psi, crossing, energy: term.weight * m * psi }
+        let m = term.mollifier.map_or(1.0, |p| p.factor(x));
+        let edges = term.mollifier.map(|_| EdgePair::new(x));
+        Self { term, layer, x: *x, closest, r, psi, edges, energy: term.weight * m * psi }
     }
 
     /// Energy at the start of the step.
@@ -211,9 +211,9 @@ impl PairStart {
         let [psi, slope, _] = layer.evaluate(d);
         let LayerStep { b, slope: db, dissipated } = layer.step(d_n, d);
         let patterns = Patterns::new(self, &end, x);
-        let (m_mean, m_np1, varies) = match (&term.parallel, &self.crossing) {
-            (Some(parallel), Some(crossing)) => {
-                let between = parallel.between(crossing, &Crossing::new(x));
+        let (m_mean, m_np1, varies) = match (&term.mollifier, &self.edges) {
+            (Some(mollifier), Some(edges)) => {
+                let between = mollifier.between(edges, &EdgePair::new(x));
                 (0.5 * (between.m_n + between.m_np1), between.m_np1, between.varies)
             }
             _ => (1.0, 1.0, None),
@@ -395,7 +395,7 @@ mod tests {
         fn the_balance_is_between_zero_and_one_and_turns_around_with_time(x_n in points(), noise in points(), exponent in -16.0..0.5f64) {
             let x: [_; 4] = std::array::from_fn(|i| x_n[i] + noise[i] * 10f64.powf(exponent));
             for kind in [PairKind::VertexTriangle, PairKind::EdgeEdge, PairKind::VertexEdge, PairKind::VertexVertex] {
-                let term = PairTerm { kind, weight: 1.0, parallel: None };
+                let term = PairTerm { kind, weight: 1.0, mollifier: None };
                 let at = |x| PairStart::new(term, Layer::new(1.0, 1.0), x);
                 let (forth, back) = (at(&x_n).theta(&x), at(&x).theta(&x_n));
                 prop_assert!((0.0..=1.0).contains(&forth));

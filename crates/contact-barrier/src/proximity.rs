@@ -1,8 +1,8 @@
 //! Which pairs may come near each other in a step, without looking for them in every iteration.
 //!
-//! All points follow a *course*: straight lines from common starts, passed during the same time, and some room around them. Pairs that the courses, with the room, may bring together are the candidates: as long
-//! as the points are somewhere on their courses, all at the same time, no other pair can be in the layer, nor can others pass through each other. Only relative motion counts, so a body that flies, turns or
-//! bends far in a step has no more candidates than one at rest. Where an iterate leaves the courses, they start again from it.
+//! All points follow a *path*: straight lines from common starts, passed during the same time, and some room around them. Pairs that the paths, with the room, may bring together are the candidates: as long
+//! as the points are somewhere on their paths, all at the same time, no other pair can be in the layer, nor can others pass through each other. Only relative motion counts, so a body that flies, turns or
+//! bends far in a step has no more candidates than one at rest. Where an iterate leaves the paths, they start again from it.
 
 use crate::{Interactions, PairTerm, Skin};
 use nalgebra::Vector3;
@@ -11,13 +11,13 @@ use stoss_geometry::{BoundingVolume, BoundingVolumeTree, MovingBox, PairKind, cl
 /// Part of the distance of a pair that an iteration leaves of it at least.
 const KEEP: f64 = 0.1;
 
-/// Room around the courses, in parts of the mean motion, and at most in parts of a mean edge.
+/// Room around the paths, in parts of the mean motion, and at most in parts of a mean edge.
 const ROOM: [f64; 2] = [0.5, 0.1];
 
-/// Candidates on a course: so many for each point, and so many in any case. A motion over many facets at once would make every pair one: it is shortened until they are fewer.
+/// Candidates on a path: so many for each point, and so many in any case. A motion over many facets at once would make every pair one: it is shortened until they are fewer.
 const MOST: [usize; 2] = [250, 200_000];
 
-/// A course is not made shorter than this part of the motion.
+/// A path is not made shorter than this part of the motion.
 const SHORTEST: f64 = 1.0 / 1024.0;
 
 /// A pair that may come near in the step.
@@ -32,7 +32,7 @@ pub(crate) struct Candidate {
     /// Classes of the first and of the second primitive.
     pub classes: [u32; 2],
     /// Whether the first primitive is a point of integration: those lie in facets, and cannot pass through others unless these do.
-    pub is_inner: bool,
+    pub is_integration_point: bool,
 }
 
 impl Candidate {
@@ -55,7 +55,7 @@ impl Candidate {
     }
 }
 
-/// The courses of the points and the pairs that follow.
+/// The paths of the points and the pairs that follow.
 #[derive(Debug, Default)]
 pub(crate) struct Proximity {
     /// Facets of each class, and a tree over them.
@@ -83,7 +83,7 @@ impl Proximity {
         Self { trees, thickness, edge: skin.mean_edge(), most: MOST, ..Self::default() }
     }
 
-    /// Courses from `x` by `motion`, and their candidates.
+    /// Paths from `x` by `motion`, and their candidates.
     pub fn begin(
         &mut self,
         skin: &Skin,
@@ -100,7 +100,7 @@ impl Proximity {
         self.kept.extend(self.candidates.iter().zip(is_inside).filter(|(_, inside)| **inside).map(|(c, _)| *c));
     }
 
-    /// Makes sure that the way from `x` by a part of `increment` (none: no motion) is on the courses; returns that part, and whether the candidates are new. The part is less than 1 where all
+    /// Makes sure that the way from `x` by a part of `increment` (none: no motion) is on the paths; returns that part, and whether the candidates are new. The part is less than 1 where all
     /// of it would make too many candidates.
     pub fn hold(
         &mut self,
@@ -120,14 +120,14 @@ impl Proximity {
         (self.follow(skin, rules, x, &motion), true)
     }
 
-    /// Whether the points are on their courses, with the room around them, all at the same time. The points between two such places are, too.
+    /// Whether the points are on their paths, with the room around them, all at the same time. The points between two such places are, too.
     fn holds(&self, x: impl Iterator<Item = Vector3<f64>> + Clone) -> bool {
-        let courses = || self.start.iter().zip(&self.motion);
-        let (along, square) = x.clone().zip(courses()).fold((0.0, 0.0), |(along, square), (x, (start, motion))| {
+        let paths = || self.start.iter().zip(&self.motion);
+        let (along, square) = x.clone().zip(paths()).fold((0.0, 0.0), |(along, square), (x, (start, motion))| {
             (along + (x - start).dot(motion), square + motion.norm_squared())
         });
         let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
-        x.zip(courses()).all(|(x, (start, motion))| (x - start - motion * t).amax() <= self.room)
+        x.zip(paths()).all(|(x, (start, motion))| (x - start - motion * t).amax() <= self.room)
     }
 
     fn follow(&mut self, skin: &Skin, rules: &Interactions, x: &[Vector3<f64>], motion: &[Vector3<f64>]) -> f64 {
@@ -139,7 +139,7 @@ impl Proximity {
         part
     }
 
-    /// Begins the courses again; false if that makes too many candidates, and these are `limited`.
+    /// Begins the paths again; false if that makes too many candidates, and these are `limited`.
     fn try_follow(
         &mut self,
         skin: &Skin,
@@ -169,9 +169,9 @@ impl Proximity {
         triangles.extend(skin.triangles().iter().map(|points| of_points(points)));
         edges.clear();
         edges.extend(skin.edges().iter().map(|points| of_points(points)));
-        let courses = Courses { skin, rules, start, motion, triangles, edges, around };
+        let paths = Paths { skin, rules, start, motion, triangles, edges, around };
         for (facets, tree) in trees.iter_mut() {
-            let around = |k: usize| courses.of_facet(facets[k]);
+            let around = |k: usize| paths.of_facet(facets[k]);
             if tree.len() == facets.len() {
                 tree.refit(around);
             } else {
@@ -186,7 +186,7 @@ impl Proximity {
                 }
                 let mut visit = |k: usize, l: usize| {
                     if candidates.len() <= most {
-                        courses.pairs(first[k], second[l], candidates);
+                        paths.pairs(first[k], second[l], candidates);
                     }
                 };
                 if a == b {
@@ -203,7 +203,7 @@ impl Proximity {
         is_complete
     }
 
-    /// Whether a pair is in the layer at the start of the courses or at their end; most of the others are there for the room around them.
+    /// Whether a pair is in the layer at the start of the paths or at their end; most of the others are there for the room around them.
     pub fn expects(&self, candidate: &Candidate) -> bool {
         let (x, motion) = (candidate.of(&self.start), candidate.of(&self.motion));
         candidate.may_meet(&x, &motion, self.thickness)
@@ -216,7 +216,7 @@ impl Proximity {
     /// Part of the motion `increment` from `x`, at most 1, on which no pair comes nearer than a tenth of its distance.
     pub fn safe_fraction(&self, x: &[Vector3<f64>], increment: &[Vector3<f64>]) -> f64 {
         let mut fraction: f64 = 1.0;
-        for candidate in self.candidates.iter().filter(|candidate| !candidate.is_inner) {
+        for candidate in self.candidates.iter().filter(|candidate| !candidate.is_integration_point) {
             let [x, d] = [candidate.of(x), candidate.of(increment)];
             // What stays apart by more than the layer leaves enough of any distance that matters.
             if candidate.may_meet(&x, &d, self.thickness) {
@@ -228,7 +228,7 @@ impl Proximity {
 }
 
 /// Where the points may be.
-struct Courses<'a> {
+struct Paths<'a> {
     skin: &'a Skin,
     rules: &'a Interactions,
     start: &'a [Vector3<f64>],
@@ -238,7 +238,7 @@ struct Courses<'a> {
     around: f64,
 }
 
-impl Courses<'_> {
+impl Paths<'_> {
     fn of_point(&self, p: u32) -> MovingBox {
         MovingBox::new(&self.start[p as usize], &self.motion[p as usize], self.around)
     }
@@ -272,22 +272,22 @@ impl Courses<'_> {
                 return;
             }
             for &t in skin.triangles_of(g) {
-                if !skin.is_beside(point, t) && here.overlaps(&self.triangles[t as usize]) {
+                if !skin.is_adjacent(point, t) && here.overlaps(&self.triangles[t as usize]) {
                     let [a, b, c] = skin.triangles()[t as usize];
                     let weight = skin.point_weight(point, t, share);
                     found.push(Candidate {
                         facets: [f.min(g), f.max(g)],
                         points: [point, a, b, c],
-                        term: PairTerm { kind: PairKind::VertexTriangle, weight, parallel: None },
+                        term: PairTerm { kind: PairKind::VertexTriangle, weight, mollifier: None },
                         classes,
-                        is_inner: skin.is_inner(point),
+                        is_integration_point: skin.is_integration_point(point),
                     });
                 }
             }
         };
         skin.vertices_of(f).iter().for_each(|&v| add(v));
         if share > 0.0 {
-            skin.triangles_of(f).iter().flat_map(|&t| skin.inner_points(t)).for_each(add);
+            skin.triangles_of(f).iter().flat_map(|&t| skin.integration_points(t)).for_each(add);
         }
     }
 
@@ -308,13 +308,13 @@ impl Courses<'_> {
                     // The edge with the smaller numbers comes first.
                     let ([[a, b], [c, d]], [f, g]) =
                         if e < other { ([e, other], [f, g]) } else { ([other, e], [g, f]) };
-                    let (weight, parallel) = skin.edge_weight([k, l]);
+                    let (weight, mollifier) = skin.edge_weight([k, l]);
                     found.push(Candidate {
                         facets: [f.min(g), f.max(g)],
                         points: [a, b, c, d],
-                        term: PairTerm { kind: PairKind::EdgeEdge, weight, parallel: Some(parallel) },
+                        term: PairTerm { kind: PairKind::EdgeEdge, weight, mollifier: Some(mollifier) },
                         classes: [f, g].map(|facet| self.class(facet)),
-                        is_inner: false,
+                        is_integration_point: false,
                     });
                 }
             }
@@ -357,7 +357,7 @@ mod tests {
         for p in 0..skin.point_count() as u32 {
             for (t, &[a, b, c]) in skin.triangles().iter().enumerate() {
                 let classes = [u32::from(skin.terms(p)[0].0 >= 12), class(skin.facet_of_triangle(t as u32))];
-                if rules.between(classes[0], classes[1]).is_some() && !skin.is_beside(p, t as u32) {
+                if rules.between(classes[0], classes[1]).is_some() && !skin.is_adjacent(p, t as u32) {
                     pairs.push((PairKind::VertexTriangle, [p, a, b, c]));
                 }
             }
@@ -373,7 +373,7 @@ mod tests {
         pairs
     }
 
-    /// What comes into the layer on the courses, with the room around them, is a candidate, and so is what was kept; the courses start again where they are left.
+    /// What comes into the layer on the paths, with the room around them, is a candidate, and so is what was kept; the paths start again where they are left.
     #[test]
     fn nothing_near_is_missed() {
         let mut rng = Rng::with_seed(7);
@@ -418,7 +418,7 @@ mod tests {
             for t in [0.0, 0.5, 1.0] {
                 let there: Vec<_> = (0..x.len()).map(|p| far[p] + d[p] * t).collect();
                 check(&proximity, &there);
-                assert!(!proximity.hold(&skin, &rules, &there, None).1, "the way is on the courses");
+                assert!(!proximity.hold(&skin, &rules, &there, None).1, "the way is on the paths");
             }
             let kept = all.iter().filter(|pair| is_inside(pair, &x));
             for pair in kept {
@@ -450,7 +450,7 @@ mod tests {
             shortened += usize::from(part < 1.0);
             for t in [0.0, 0.5, 1.0] {
                 let there: Vec<_> = (0..x.len()).map(|p| x[p] + d[p] * (part * t)).collect();
-                assert!(!proximity.hold(&skin, &rules, &there, None).1, "the way is on the courses");
+                assert!(!proximity.hold(&skin, &rules, &there, None).1, "the way is on the paths");
                 for (kind, points) in all(&skin, &rules) {
                     let distance = closest(kind, &points.map(|p| there[p as usize])).distance_squared.sqrt();
                     if distance < THICKNESS {

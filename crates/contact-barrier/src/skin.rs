@@ -1,8 +1,9 @@
 //! The surfaces of all bodies as one set of vertices, edges, triangles and points of integration.
 
-use crate::Parallel;
+use crate::EdgeMollifier;
 use nalgebra::Vector3;
 use std::collections::BTreeSet;
+use stoss_contact::position;
 use stoss_reference_element::FacetNodes;
 
 /// Weight of the vertices and edges against that of the surface, which keeps out what points of integration do not see: corners, and edges that cross.
@@ -59,7 +60,6 @@ impl Skin {
     ///
     /// The order of facets decides the order of sums, nothing else.
     pub fn new(facets: Vec<SkinFacet>, reference: &[f64], place: &dyn Fn(u32) -> Option<Vec<(u32, f64)>>) -> Self {
-        let at = |node: u32| Vector3::from_column_slice(&reference[3 * node as usize..3 * node as usize + 3]);
         let mut nodes: Vec<u32> = facets.iter().flat_map(|f| f.nodes.iter().copied()).collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -70,7 +70,7 @@ impl Skin {
         let mut positions: Vec<Vector3<f64>> = Vec::with_capacity(nodes.len() + facets.len());
         for &node in &nodes {
             skin.push(&place(node).unwrap_or_else(|| vec![(node, 1.0)]));
-            positions.push(at(node));
+            positions.push(position(reference, node));
         }
         for (f, facet) in facets.iter().enumerate() {
             let corners: Vec<u32> = facet.nodes.iter().map(|&node| vertex_of(node)).collect();
@@ -184,7 +184,7 @@ impl Skin {
     }
 
     /// Whether vertices lie elsewhere than in their nodes.
-    pub fn is_inset(&self) -> bool {
+    pub(crate) fn is_inset(&self) -> bool {
         self.nodes.iter().enumerate().any(|(k, &node)| self.terms(k as u32) != [(node, 1.0)])
     }
 
@@ -213,7 +213,7 @@ impl Skin {
     }
 
     /// Mean length of the edges of the triangles in the reference.
-    pub fn mean_edge(&self) -> f64 {
+    pub(crate) fn mean_edge(&self) -> f64 {
         self.edge_square.iter().map(|square| square.sqrt()).sum::<f64>() / self.edge_square.len().max(1) as f64
     }
 
@@ -226,10 +226,15 @@ impl Skin {
     pub fn at(&self, point: u32, q: &[f64]) -> Vector3<f64> {
         let mut sum = Vector3::zeros();
         for &(node, weight) in self.terms(point) {
-            let k = 3 * node as usize;
-            sum += Vector3::new(q[k], q[k + 1], q[k + 2]) * weight;
+            sum += position(q, node) * weight;
         }
         sum
+    }
+
+    /// All points of a vector of all nodes.
+    pub(crate) fn place(&self, q: &[f64], points: &mut Vec<Vector3<f64>>) {
+        points.clear();
+        points.extend((0..self.point_count() as u32).map(|p| self.at(p, q)));
     }
 
     /// The facets.
@@ -268,23 +273,23 @@ impl Skin {
     }
 
     /// The points of integration of a triangle.
-    pub fn inner_points(&self, triangle: u32) -> std::ops::Range<u32> {
+    pub(crate) fn integration_points(&self, triangle: u32) -> std::ops::Range<u32> {
         let first = self.vertex_count as u32 + GAUSS.len() as u32 * triangle;
         first..first + GAUSS.len() as u32
     }
 
     /// The triangle that a point of integration is in; none for vertices.
-    pub fn triangle_of_inner(&self, point: u32) -> Option<u32> {
+    pub(crate) fn triangle_of_integration_point(&self, point: u32) -> Option<u32> {
         (point as usize).checked_sub(self.vertex_count).map(|k| (k / GAUSS.len()) as u32)
     }
 
     /// Reference area of a triangle.
-    pub fn area_of(&self, triangle: u32) -> f64 {
-        GAUSS.len() as f64 * self.point_area[self.inner_points(triangle).start as usize]
+    pub(crate) fn reference_area(&self, triangle: u32) -> f64 {
+        GAUSS.len() as f64 * self.point_area[self.integration_points(triangle).start as usize]
     }
 
     /// Whether a point is one of integration.
-    pub fn is_inner(&self, point: u32) -> bool {
+    pub fn is_integration_point(&self, point: u32) -> bool {
         point as usize >= self.vertex_count
     }
 
@@ -294,12 +299,12 @@ impl Skin {
     }
 
     /// The facet that an edge belongs to; the first one of those at it.
-    pub fn facet_of_edge(&self, edge: u32) -> u32 {
+    pub(crate) fn facet_of_edge(&self, edge: u32) -> u32 {
         self.edge_facet[edge as usize]
     }
 
     /// Whether a point is too near to a triangle on the surface itself to be in contact with it: a vertex and a triangle around it, a point of integration and a triangle that shares a corner with its own.
-    pub fn is_beside(&self, point: u32, triangle: u32) -> bool {
+    pub fn is_adjacent(&self, point: u32, triangle: u32) -> bool {
         let corners = &self.triangles[triangle as usize];
         let own = match (point as usize).checked_sub(self.vertex_count) {
             Some(k) => &self.triangles[k / GAUSS.len()][..],
@@ -318,7 +323,7 @@ impl Skin {
             let corners = self.triangles[triangle as usize].map(|v| self.point_area[v as usize]);
             return 0.5 * GUARD * area.min(UNEVEN * corners.into_iter().fold(0.0, f64::max));
         }
-        let other = self.point_area[self.inner_points(triangle).start as usize];
+        let other = self.point_area[self.integration_points(triangle).start as usize];
         // Sizes as far as they differ by more than a little.
         let bound = UNEVEN * area.min(other);
         let [own, other] = [area.max(bound), other.max(bound)];
@@ -327,11 +332,11 @@ impl Skin {
     }
 
     /// Weight of two edges, an area, and the factor that fades them out where they are parallel. It is a small part of the mean of the areas that belong to them, and not more than of a few of the smaller one.
-    pub fn edge_weight(&self, [e, f]: [u32; 2]) -> (f64, Parallel) {
+    pub fn edge_weight(&self, [e, f]: [u32; 2]) -> (f64, EdgeMollifier) {
         let [e, f] = [e as usize, f as usize];
         let (own, other) = (self.edge_area[e], self.edge_area[f]);
         let weight = 0.25 * GUARD * (own + other).min(2.0 * UNEVEN * own.min(other));
-        (weight, Parallel::of_edges(self.edge_square[e], self.edge_square[f]))
+        (weight, EdgeMollifier::of_edges(self.edge_square[e], self.edge_square[f]))
     }
 }
 

@@ -4,7 +4,7 @@ use fastrand::Rng;
 use nalgebra::Vector3;
 use stoss_contact::{ContactRule, LocalContribution, Potential, StepConfiguration};
 use stoss_contact_barrier::{
-    GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, first_look, mitre,
+    GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, check_initial, mitre,
 };
 use stoss_geometry::{PairKind, closest};
 use stoss_reference_element::FacetNodes;
@@ -250,7 +250,7 @@ fn a_layer_between_matching_meshes_has_a_uniform_pressure() {
             for (t, triangle) in skin.triangles().iter().enumerate() {
                 let points = [p, triangle[0], triangle[1], triangle[2]];
                 let pair = closest(PairKind::VertexTriangle, &points.map(|p| x[p as usize]));
-                if skin.is_beside(p, t as u32) || !layer.is_inside(pair.distance_squared) {
+                if skin.is_adjacent(p, t as u32) || !layer.is_inside(pair.distance_squared) {
                     continue;
                 }
                 let r: Vector3<f64> = points.iter().zip(pair.weights).map(|(&p, c)| x[p as usize] * c).sum();
@@ -285,7 +285,7 @@ fn motions_are_stopped_before_surfaces_meet() {
             assert!(part > 0.0 && part <= 1.0);
             stopped += usize::from(part < 1.0);
             q.iter_mut().zip(&direction).for_each(|(q, d)| *q += part * d);
-            let look = first_look(scene.contact.skin(), &rules(0.0), &q, 0.05);
+            let look = check_initial(scene.contact.skin(), &rules(0.0), &q, 0.05);
             assert!(look.crossings.is_empty(), "{case}: {:?}", look.crossings.first());
             assert!(look.nearest.values().all(|nearest| nearest.distance > 0.0));
         }
@@ -312,7 +312,7 @@ fn the_energy_is_that_of_all_pairs() {
         let mut sum = 0.0;
         for p in 0..skin.point_count() as u32 {
             for (t, triangle) in skin.triangles().iter().enumerate() {
-                if !skin.is_beside(p, t as u32) {
+                if !skin.is_adjacent(p, t as u32) {
                     let points = [p, triangle[0], triangle[1], triangle[2]].map(|p| x[p as usize]);
                     let d = closest(PairKind::VertexTriangle, &points).distance_squared;
                     sum += skin.point_weight(p, t as u32, 0.5) * layer.evaluate(d)[0];
@@ -366,7 +366,7 @@ fn inset_surfaces_that_touch_have_no_force() {
         Some(terms)
     };
     let skin = Skin::new(scene.contact.skin().facets().to_vec(), reference, &place);
-    let look = first_look(&skin, &rules(0.0), reference, 2.0 * thickness);
+    let look = check_initial(&skin, &rules(0.0), reference, 2.0 * thickness);
     assert!((look.nearest[&[0, 1]].distance - thickness).abs() < 1e-12, "{:?}", look.nearest);
     let options = GeneralOptions { thickness: thickness * (1.0 - 1e-12), damping: 0.0 };
     let contact = GeneralContact::new("general", skin, rules(0.0), options).unwrap();

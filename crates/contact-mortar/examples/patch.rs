@@ -22,7 +22,7 @@ fn main() -> Result<(), ContactError> {
     let expected: Vec<f64> = [0.25 * pressure; 4].into_iter().chain(of_master).collect();
     for space in [MultiplierSpace::Standard, MultiplierSpace::Dual] {
         // The other choice are gradients of the weighted gaps, in which weights move with the positions: a penetration shifts forces then.
-        let options = MortarOptions { space, force: Force::HeldWeights, ..MortarOptions::default() };
+        let options = MortarOptions { space, force: Force::FixedWeights, ..MortarOptions::default() };
         let (slave, master) = ([[0u32, 1, 2, 3]], [[4u32, 5, 8, 7], [5, 6, 9, 8]]);
         let mut contact = MortarContact::new("patch", &slave, &master, &positions(0.1), options)?;
         let (q, active) = (positions(gap), [true; 4]);

@@ -3,8 +3,8 @@
 //! `G = grad Phi(q_m) + theta w` does the work `Phi(q_1) - Phi(q_0)`. `w` is the part of the increment that is no rigid motion of the stencil, times positive weights
 //! `a_k`: it has neither resultant nor moment about `q_m`, and of all corrections that have none and do that work `theta w` is the least one.
 
-use crate::slot::at;
 use nalgebra::{Matrix3, Vector3};
+use stoss_contact::position;
 
 /// A relative motion shorter than this, in edges, is round-off.
 const NO_MOTION: f64 = 1e-9;
@@ -32,11 +32,11 @@ impl RelativeMotion {
         let weights: Vec<f64> = (0..nodes.len()).map(|k| weights.get(k).copied().unwrap_or(0.0)).collect();
         let total: f64 = weights.iter().sum();
         let share = if total > 0.0 { 1.0 / total } else { 0.0 };
-        let middle = |node: u32| (at(q_0, node) + at(q_1, node)) * 0.5;
+        let middle = |node: u32| (position(q_0, node) + position(q_1, node)) * 0.5;
         // Positions far from the origin lose no digits.
         let origin = middle(nodes[0]);
         let mut arms: Vec<Vector3<f64>> = nodes.iter().map(|&n| middle(n) - origin).collect();
-        let mut motion: Vec<Vector3<f64>> = nodes.iter().map(|&n| at(q_1, n) - at(q_0, n)).collect();
+        let mut motion: Vec<Vector3<f64>> = nodes.iter().map(|&n| position(q_1, n) - position(q_0, n)).collect();
         let mean = |v: &[Vector3<f64>]| -> Vector3<f64> {
             v.iter().zip(&weights).map(|(v, a)| v * *a).sum::<Vector3<f64>>() * share
         };
@@ -111,11 +111,11 @@ mod tests {
             let nodes: Vec<u32> = (0..7).collect();
             let q_1: Vec<f64> = x.iter().zip(&u).map(|(x, u)| x + u).collect();
             let relative = RelativeMotion::new(&a, &nodes, &x, &q_1);
-            let middle = |k: u32| (at(&x, k) + at(&q_1, k)) * 0.5;
+            let middle = |k: u32| (position(&x, k) + position(&q_1, k)) * 0.5;
             let force: Vector3<f64> = relative.motion.iter().sum();
             let moment: Vector3<f64> = nodes.iter().map(|&k| middle(k).cross(&relative.motion[k as usize])).sum();
             prop_assert!(force.amax() < 1e-13 && moment.amax() < 1e-13, "{force} {moment}");
-            let work: f64 = nodes.iter().map(|&k| relative.motion[k as usize].dot(&at(&u, k))).sum();
+            let work: f64 = nodes.iter().map(|&k| relative.motion[k as usize].dot(&position(&u, k))).sum();
             prop_assert!((work - relative.work).abs() < 1e-13);
             // The projection takes the increment to w.
             let mut projection = vec![0.0; 21 * 21];

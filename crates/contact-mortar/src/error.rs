@@ -26,9 +26,11 @@ pub enum MortarError {
     /// A surface is not usable.
     #[error(transparent)]
     Surface(#[from] ContactError),
-    /// Segments do not tile what lies opposite the master: the master folds over itself, or the surfaces are too far
+    /// Segments do not cover the overlap exactly once: the master folds over itself, or the surfaces are too far
     /// apart for their projections.
-    #[error("{count} slave facets (first: {facet}) are not covered as the master lies opposite")]
+    #[error(
+        "the segments of {count} slave facets (first: {facet}) do not cover the overlap with the master exactly once"
+    )]
     Coverage {
         /// Number of such facets.
         count: usize,

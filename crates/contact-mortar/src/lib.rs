@@ -35,8 +35,8 @@
 //! `stoss_contact::friction` with tractions at the slave nodes and slips that are weighted as the gaps are ([`SlipMeasure`]).
 //!
 //! Its stages: `candidates` (pairs that may meet in a step), segmentation (`stoss-segmentation`), `factors` and `weights` (integrals of a slave facet with
-//! derivatives), `slot` (the weighted gap: value, gradient, second derivative), `discrete` and `law` (force and row), `frictional` and `tangential` (friction),
-//! `method` (the contact method, report). `state` has what is built once, what is constant in a step, and slots at one configuration.
+//! derivatives), `slot` (the weighted gap: value, gradient, second derivative), `discrete` (its discrete gradient), `friction` (slip and traction of a node),
+//! `method` (the contact method: force and row of a slot, report). `state` has what is built once, what is constant in a step, and slots at one configuration.
 //!
 #![doc = include_str!("../README.md")]
 
@@ -45,37 +45,32 @@ mod derivatives;
 mod discrete;
 mod error;
 mod factors;
-mod frames;
 mod friction;
-mod frictional;
 mod integrals;
-mod law;
 mod matrices;
 mod method;
 mod multiplier;
 mod options;
-mod passage;
 mod points;
 mod positions;
-mod sides;
-mod slip;
+mod rows;
+mod sharp_edges;
 mod slot;
 mod state;
 mod surfaces;
-mod tangential;
 pub mod tie;
 mod weights;
 
 pub use derivatives::{PairDerivatives, pair_derivatives};
 pub use error::MortarError;
 pub use factors::Factors;
+pub use friction::SlipMeasure;
 pub use integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
 pub use matrices::MortarMatrices;
 pub use method::MortarContact;
 pub use multiplier::{MultiplierBasis, MultiplierSpace};
 pub use options::{Force, Integrals, MortarOptions};
 pub use points::{PointVariation, QuadraturePoint, for_each_point, for_each_point_with_derivatives};
-pub use slip::SlipMeasure;
 pub use stoss_reference_element::triangle::TriangleRule;
 pub use stoss_segmentation as segmentation;
 pub use surfaces::{CheckExtent, CoverageFault, SurfaceCoverage, SurfaceSegmentation, segment_surfaces};

@@ -21,7 +21,7 @@ pub enum Force {
     Gradient,
     /// The gradient at fixed weights: what statics wants. Where facets are large against the depth the other one has limit points, at which nodes slide out of
     /// the overlap instead of carrying.
-    HeldWeights,
+    FixedWeights,
 }
 
 /// Options of the method.

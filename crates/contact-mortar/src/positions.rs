@@ -1,7 +1,7 @@
 //! Positions at which integrals and gaps are evaluated.
 
 use nalgebra::Vector3;
-use stoss_contact::ContactSurface;
+use stoss_contact::{ContactSurface, position};
 use stoss_reference_element::Nodal;
 
 /// Positions of all nodes, as they are or made from two vectors where they are asked for: a step looks at few of many nodes.
@@ -32,7 +32,7 @@ impl Positions<'_> {
     pub fn of(self, node: u32) -> Vector3<f64> {
         let k = 3 * node as usize;
         match self {
-            Self::At(q) => Vector3::new(q[k], q[k + 1], q[k + 2]),
+            Self::At(q) => position(q, node),
             Self::Mean(a, b) => Vector3::from_fn(|i, _| 0.5 * (a[k + i] + b[k + i])),
             Self::Ahead(q, s, v) => Vector3::from_fn(|i, _| q[k + i] + s * v[k + i]),
         }

@@ -4,7 +4,7 @@
 //! weights move with the positions.
 
 use crate::positions::Positions;
-use crate::sides::Row;
+use crate::rows::Row;
 use crate::surfaces::{area_vector, diagonals};
 use crate::weights::FacetWeights;
 use nalgebra::{Matrix3, Matrix3xX, Vector3};
@@ -13,14 +13,14 @@ use stoss_reference_element::Nodal;
 
 /// Weights of nodes in a gap vector.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Group {
+pub(crate) struct GapWeights {
     /// The slave facet, the first of those that make the normal.
     pub facet: u32,
     /// Corners of the facets that make the normal, as positions in [`Slot::nodes`].
     pub corners: Vec<Nodal<usize>>,
     /// One weight a node, an area.
     pub weights: Vec<f64>,
-    /// `d weights / d x`, row-major, one column a component; empty if held.
+    /// `d weights / d x`, row-major, one column a component; empty if the weights are fixed.
     pub derivative: Vec<f64>,
 }
 
@@ -36,9 +36,9 @@ pub(crate) struct Slot {
     /// Weights of the nodes that are not negative and fade as a node leaves, an area each.
     pub positive: Vec<f64>,
     /// All facets together, with one normal.
-    pub whole: Group,
+    pub whole: GapWeights,
     /// One group a facet, for friction; empty if not asked for.
-    facets: Vec<Group>,
+    facets: Vec<GapWeights>,
 }
 
 /// Value and derivatives of a weighted gap, by the components of [`Slot::nodes`].
@@ -47,8 +47,8 @@ pub(crate) struct Evaluation {
     /// A volume.
     pub value: f64,
     pub gradient: Vec<f64>,
-    /// The gradient at fixed weights, see [`Want::HeldForce`].
-    pub held: Vec<f64>,
+    /// The gradient at fixed weights, see [`Want::FixedWeights`].
+    pub at_fixed_weights: Vec<f64>,
     /// Second derivative, see [`Want`], row-major; empty if not asked for.
     pub hessian: Vec<f64>,
 }
@@ -61,16 +61,11 @@ pub(crate) enum Want {
     /// The second derivative but for that of the weights, too.
     Hessian,
     /// The gradient at fixed weights, too, and the derivative of that one.
-    HeldForce,
+    FixedWeights,
 }
 
 /// Part of the reference area by which the corners of a row's facets take part in [`Slot::positive`], covered or not: they turn the normal.
 const CORNER_WEIGHT: f64 = 1e-3;
-
-pub(crate) fn at(q: &[f64], node: u32) -> Vector3<f64> {
-    let k = 3 * node as usize;
-    Vector3::new(q[k], q[k + 1], q[k + 2])
-}
 
 impl Slot {
     /// Gathers the weights of the facets of a row. `old` are nodes to keep in front.
@@ -105,11 +100,11 @@ impl Slot {
         }
         let nodes = slot.nodes.len();
         slot.positive = vec![0.0; nodes];
-        slot.whole = Group { facet: row.facets[0].0, weights: vec![0.0; nodes], ..Group::default() };
+        slot.whole = GapWeights { facet: row.facets[0].0, weights: vec![0.0; nodes], ..GapWeights::default() };
         for (&(f, a), map) in row.facets.iter().zip(&maps) {
             let corners = Nodal::from_fn(slave.facets()[f as usize].kind(), |k| map[k]);
             slot.whole.corners.push(corners);
-            let mut own = Group { facet: f, corners: vec![corners], ..Group::default() };
+            let mut own = GapWeights { facet: f, corners: vec![corners], ..GapWeights::default() };
             if with_facets {
                 own.weights = vec![0.0; nodes];
             }
@@ -166,7 +161,7 @@ impl Slot {
     }
 
     /// One group a slave facet.
-    pub fn facets(&self) -> &[Group] {
+    pub fn facets(&self) -> &[GapWeights] {
         &self.facets
     }
 
@@ -205,7 +200,7 @@ impl Slot {
         // d Phi = n . dg + b . dc
         let b = (gap - n * value) / length;
         let (own, columns) = (3 * self.nodes.len(), 3 * nodes);
-        let mut by_gap = self.by_gap_held();
+        let mut by_gap = self.by_gap_at_fixed_weights();
         if !self.whole.derivative.is_empty() {
             for (row, &node) in self.whole.derivative.chunks_exact(own).zip(&self.nodes) {
                 let x = q.of(node) - origin;
@@ -236,10 +231,10 @@ impl Slot {
                 self.add_hessian([n, b], value, length, [&by_gap, &by_gap, &by_c], columns, &mut out.hessian);
                 self.add_motion_of_weights(n, true, columns, &mut out.hessian);
             }
-            Want::HeldForce => {
-                let held = self.by_gap_held();
-                out.held = vec![0.0; columns];
-                for (k, g) in out.held[..own].iter_mut().enumerate() {
+            Want::FixedWeights => {
+                let held = self.by_gap_at_fixed_weights();
+                out.at_fixed_weights = vec![0.0; columns];
+                for (k, g) in out.at_fixed_weights[..own].iter_mut().enumerate() {
                     *g = n.dot(&held.column(k)) + b.dot(&by_c.column(k));
                 }
                 out.hessian = vec![0.0; columns * columns];
@@ -251,7 +246,7 @@ impl Slot {
     }
 
     /// Derivative of the gap vector at fixed weights.
-    fn by_gap_held(&self) -> Matrix3xX<f64> {
+    fn by_gap_at_fixed_weights(&self) -> Matrix3xX<f64> {
         let mut out = Matrix3xX::zeros(3 * self.nodes.len());
         for (k, &w) in self.whole.weights.iter().enumerate() {
             (0..3).for_each(|i| out[(i, 3 * k + i)] += w);
@@ -342,7 +337,7 @@ impl Slot {
     }
 
     /// Visits (argument, node, coefficient) of all coefficients of a group that are not zero: argument 0 is its gap vector, then come two diagonals a facet.
-    pub fn for_each_coefficient(group: &Group, mut visit: impl FnMut(usize, usize, f64)) {
+    pub fn for_each_coefficient(group: &GapWeights, mut visit: impl FnMut(usize, usize, f64)) {
         for (k, &w) in group.weights.iter().enumerate().filter(|(_, w)| **w != 0.0) {
             visit(0, k, w);
         }
@@ -356,7 +351,7 @@ impl Slot {
     }
 }
 
-impl Group {
+impl GapWeights {
     fn add_derivative(&mut self, w: &FacetWeights, corner: usize, map: &[usize], nodes: usize) {
         let (count, columns) = (w.node_count(), 3 * nodes);
         self.derivative.resize(nodes * columns, 0.0);

@@ -3,7 +3,7 @@
 use crate::MortarError;
 use crate::candidates::Candidates;
 use crate::positions::Positions;
-use crate::sides::Row;
+use crate::rows::Row;
 use crate::slot::Slot;
 use crate::weights::{FacetWeights, Integration, Without};
 use nalgebra::Vector3;
@@ -19,8 +19,8 @@ pub(crate) struct Surfaces {
     /// The rows of the constraints.
     pub rows: Vec<Row>,
     /// Smooth part of the master that each of its facets belongs to, and how many there are.
-    pub sheets: Vec<usize>,
-    pub sheet_count: usize,
+    pub smooth_parts: Vec<usize>,
+    pub smooth_part_count: usize,
     /// Unit normals of the slave facets in the reference configuration.
     pub normals: Vec<Vector3<f64>>,
     /// Slave nodes without a multiplier, by local number.
@@ -101,21 +101,21 @@ impl Surfaces {
     ) -> Result<Integrated, ContactError> {
         let Self { slave, master, rows, .. } = self;
         let mut segments = Vec::with_capacity(needs.len());
-        let mut facets: Vec<Option<FacetWeights>> = Vec::with_capacity(needs.len() * self.sheet_count);
+        let mut facets: Vec<Option<FacetWeights>> = Vec::with_capacity(needs.len() * self.smooth_part_count);
         for (f, &need) in needs.iter().enumerate() {
             if need == Need::Nothing {
                 segments.push(None);
-                facets.extend((0..self.sheet_count).map(|_| None));
+                facets.extend((0..self.smooth_part_count).map(|_| None));
                 continue;
             }
             let found = candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
-            for sheet in 0..self.sheet_count {
-                let of_sheet = |segment: &&Segment| self.sheets[segment.master_facet as usize] == sheet;
-                let own: Vec<Segment> = found.segments.iter().filter(of_sheet).cloned().collect();
+            for part in 0..self.smooth_part_count {
+                let is_of_part = |segment: &&Segment| self.smooth_parts[segment.master_facet as usize] == part;
+                let own: Vec<Segment> = found.segments.iter().filter(is_of_part).cloned().collect();
                 let corners = |m| q.corners(master, m);
                 facets.push((!own.is_empty()).then(|| {
                     let found = FacetSegmentation { frame: found.frame.clone(), segments: own, hidden: Vec::new() };
-                    let without = without[f * self.sheet_count + sheet];
+                    let without = without[f * self.smooth_part_count + part];
                     self.integration.facet_weights(&found, corners, without, need == Need::Derivative)
                 }));
             }
@@ -126,10 +126,8 @@ impl Surfaces {
         let kept = |k: usize| old.get(k).map_or(&[][..], |slot: &Slot| &slot.nodes);
         let slots = rows.iter().enumerate().map(|(k, row)| {
             if wanted(row) {
-                {
-                    let of = |f: u32| facets[f as usize * self.sheet_count + row.sheet].as_ref();
-                    Slot::gather(row, [slave, master], &of, kept(k), with_facets)
-                }
+                let of = |f: u32| facets[f as usize * self.smooth_part_count + row.smooth_part].as_ref();
+                Slot::gather(row, [slave, master], &of, kept(k), with_facets)
             } else {
                 Slot::default()
             }
@@ -147,11 +145,11 @@ impl Surfaces {
         let facets = self.slave.local_facets().iter().map(|nodes| -> Without {
             std::array::from_fn(|k| nodes.get(k).is_none_or(|&n| self.without[n as usize]))
         });
-        let crosspoints: Vec<Without> = facets.flat_map(|f| std::iter::repeat_n(f, self.sheet_count)).collect();
+        let crosspoints: Vec<Without> = facets.flat_map(|f| std::iter::repeat_n(f, self.smooth_part_count)).collect();
         let Some(carried) = carried else { return crosspoints };
         let mut out = crosspoints.clone();
         for (row, _) in self.rows.iter().zip(carried).filter(|(_, carried)| !**carried) {
-            let place = |f: u32| f as usize * self.sheet_count + row.sheet;
+            let place = |f: u32| f as usize * self.smooth_part_count + row.smooth_part;
             row.facets.iter().for_each(|&(f, corner)| out[place(f)][corner] = true);
         }
         for (out, crosspoints) in out.iter_mut().zip(&crosspoints).filter(|(out, _)| **out == [true; MAX_NODES]) {

@@ -198,7 +198,7 @@ proptest! {
         let stick = if exact { Stick::Multiplier } else { Stick::Penalty };
         // With integrals that move the midpoint rules leave the derivatives of their weights out.
         let integrals = if rule == ContactRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
-        let options = MortarOptions { integrals, force: Force::HeldWeights, ..options(dual) };
+        let options = MortarOptions { integrals, force: Force::FixedWeights, ..options(dual) };
         let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap();
         let mut plain = method(meshes, options);
         let mut method = plain.clone().with_friction(friction, measure(of, rule)).unwrap();

@@ -57,14 +57,6 @@ impl Pair {
 
 const FORMS: [TieForm; 2] = [TieForm::Constant, TieForm::FrameInvariant];
 const SPACES: [MultiplierSpace; 2] = [MultiplierSpace::Standard, MultiplierSpace::Dual];
-const RULES: [ContactRule; 5] = [
-    ContactRule::StartPoint,
-    ContactRule::EndPoint,
-    ContactRule::EndPointMean,
-    ContactRule::Midpoint,
-    ContactRule::EnergyMomentum,
-];
-
 /// Nodal forces, constraint rows `-Phi`, and the dense tangent, all as the solver adds them up.
 struct Assembled {
     residual: Vec<f64>,
@@ -141,7 +133,7 @@ proptest! {
             let tie = p.tie(options);
             let (q_n, q_np1) = (shaken(&p.x, &d, 0.2), shaken(&p.x, &e, 0.2));
             let lambda: Vec<f64> = l.iter().cycle().take(tie.slot_count()).copied().collect();
-            for rule in RULES {
+            for rule in ContactRule::ALL {
                 let exact = assemble(&tie, StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule }, &lambda);
                 let dim = q_n.len() + lambda.len();
                 prop_assert!(tie.is_symmetric(rule) || rule != ContactRule::EndPoint);

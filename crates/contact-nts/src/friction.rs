@@ -71,20 +71,20 @@ pub(crate) struct PointHistory {
 /// `e_1`, `e_2`, `n` of two tangents.
 fn frame<T: Scalar>(tangents: [V3<T>; 2]) -> [V3<T>; 3] {
     let e_1 = unit(tangents[0]);
-    let n = unit(cross(tangents[0], tangents[1]));
-    [e_1, cross(n, e_1), n]
+    let n = unit(cross(&tangents[0], &tangents[1]));
+    [e_1, cross(&n, &e_1), n]
 }
 
 /// Components in `to` of a tangent vector with components in `from`, after the smallest rotation of one normal into the other.
 fn transport<T: Scalar>(components: [T; 2], from: &[V3<T>; 3], to: &[V3<T>; 3]) -> Option<[T; 2]> {
-    let one_plus = T::constant(1.0) + dot(from[2], to[2]);
+    let one_plus = T::constant(1.0) + dot(&from[2], &to[2]);
     if one_plus.value() <= FOLDED || one_plus.value().is_nan() {
         return None;
     }
     let v: V3<T> = std::array::from_fn(|i| components[0] * from[0][i] + components[1] * from[1][i]);
-    let tilt = dot(to[2], v) / one_plus;
+    let tilt = dot(&to[2], &v) / one_plus;
     // e . to_n = 0 drops the part along the new normal.
-    Some([to[0], to[1]].map(|e| dot(e, v) - tilt * dot(e, from[2])))
+    Some([to[0], to[1]].map(|e| dot(&e, &v) - tilt * dot(&e, &from[2])))
 }
 
 /// Frame of a facet at a foot, taken inside of the facet: far out on its extension it can be degenerate.
@@ -165,13 +165,13 @@ impl<T: Scalar> Arguments<T> {
         };
         let history = carried(1.0);
         let trial = if share == 1.0 { history } else { carried(share) };
-        let slip = [foot[0], foot[1]].map(|e| dot(e, self.2));
+        let slip = [foot[0], foot[1]].map(|e| dot(&e, &self.2));
         Resolved { foot, old, history, trial, slip }
     }
 
     /// Covariant components of a traction.
     fn covariant(&self, foot: &[V3<T>; 3], traction: [T; 2]) -> [T; 2] {
-        self.0.map(|a| traction[0] * dot(foot[0], a) + traction[1] * dot(foot[1], a))
+        self.0.map(|a| traction[0] * dot(&foot[0], &a) + traction[1] * dot(&foot[1], &a))
     }
 }
 
@@ -344,7 +344,7 @@ impl FrictionElement<'_> {
         });
         let tau = arguments.covariant(&resolved.foot, traction);
         let tau = std::array::from_fn(|al| {
-            let along = [0, 1].map(|k| dot(foot[k], values.0[al]));
+            let along = [0, 1].map(|k| dot(&foot[k], &values.0[al]));
             Slope {
                 by_arguments: tau[al],
                 by_pressure: along[0] * step.d_pressure[0] + along[1] * step.d_pressure[1],

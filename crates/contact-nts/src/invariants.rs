@@ -8,6 +8,7 @@
 
 use crate::dual::{Dual, Scalar};
 use crate::kinematics::{Gap, LOCAL, Local, LocalMatrix};
+use stoss_contact::dual::{V3, cross, dot};
 use stoss_reference_element::{FacetKind, quad4};
 
 const INVARIANTS: usize = 17;
@@ -17,16 +18,8 @@ const UNKNOWNS: usize = LOCAL + 5;
 /// Changes of the (scaled) invariants below this leave out the quotient of the discrete gradient (theory/node-to-surface#eq-discrete-gradient).
 const SMALLEST_CHANGE: f64 = 1.0e-7;
 
-type V3<T> = [T; 3];
-
 fn sub<T: Scalar>(a: V3<T>, b: V3<T>) -> V3<T> {
     std::array::from_fn(|i| a[i] - b[i])
-}
-fn dot<T: Scalar>(a: &V3<T>, b: &V3<T>) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-fn cross<T: Scalar>(a: &V3<T>, b: &V3<T>) -> V3<T> {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 fn mean<T: Scalar>(a: T, b: T) -> T {
     (a + b).scale(0.5)
@@ -63,10 +56,6 @@ impl<T: Scalar> Shape<T> {
             mixed: std::array::from_fn(|i| 0.25 * vertex(i)[0] * vertex(i)[1]),
         }
     }
-}
-
-fn product<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> T {
-    dot(a, b)
 }
 
 /// Relative vectors of a configuration: slave minus first master node, other master nodes minus first, director, coordinates. What a triangle has
@@ -174,14 +163,14 @@ fn constraints<T: Scalar>(kind: FacetKind, pi: &[T; INVARIANTS]) -> [T; 6] {
     let heights = [pi[1], pi[2], pi[3]];
     let along = [pi[5], pi[6], pi[7]];
     let g = gram(pi);
-    let rest: [T; 3] = std::array::from_fn(|i| along[i] - product(&g[i], &s.n));
+    let rest: [T; 3] = std::array::from_fn(|i| along[i] - dot(&g[i], &s.n));
     [
-        product(&s.d[0], &heights),
-        product(&s.d[1], &heights),
+        dot(&s.d[0], &heights),
+        dot(&s.d[1], &heights),
         (pi[4] - T::constant(1.0)).scale(0.5),
-        product(&s.d[0], &rest),
-        product(&s.d[1], &rest),
-        pi[0] - product(&s.n, &heights) - pi[16],
+        dot(&s.d[0], &rest),
+        dot(&s.d[1], &rest),
+        pi[0] - dot(&s.n, &heights) - pi[16],
     ]
 }
 
@@ -194,14 +183,14 @@ fn constraint_gradients<T: Scalar>(kind: FacetKind, pi: &[T; INVARIANTS]) -> [[T
     let along = [pi[5], pi[6], pi[7]];
     let g = gram(pi);
     let mixed = s.mixed.map(T::constant);
-    let g_n: [T; 3] = std::array::from_fn(|i| product(&g[i], &s.n));
+    let g_n: [T; 3] = std::array::from_fn(|i| dot(&g[i], &s.n));
     let rest: [T; 3] = std::array::from_fn(|i| along[i] - g_n[i]);
     for a in 0..2 {
         for i in 0..3 {
             out[a][1 + i] = s.d[a][i];
             out[3 + a][5 + i] = s.d[a][i];
         }
-        out[a][14 + (1 - a)] = product(&mixed, &heights);
+        out[a][14 + (1 - a)] = dot(&mixed, &heights);
         let mut k = 8;
         for i in 0..3 {
             for j in i..3 {
@@ -211,10 +200,10 @@ fn constraint_gradients<T: Scalar>(kind: FacetKind, pi: &[T; INVARIANTS]) -> [[T
             }
         }
         for b in 0..2 {
-            let g_d: [T; 3] = std::array::from_fn(|i| product(&g[i], &s.d[b]));
-            let direct = -product(&s.d[a], &g_d);
-            out[3 + a][14 + b] = if a == b { direct } else { direct + product(&mixed, &rest) };
-            out[5][14 + b] = -product(&s.d[b], &heights);
+            let g_d: [T; 3] = std::array::from_fn(|i| dot(&g[i], &s.d[b]));
+            let direct = -dot(&s.d[a], &g_d);
+            out[3 + a][14 + b] = if a == b { direct } else { direct + dot(&mixed, &rest) };
+            out[5][14 + b] = -dot(&s.d[b], &heights);
         }
     }
     out[2][4] = T::constant(0.5);

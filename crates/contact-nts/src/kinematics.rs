@@ -151,9 +151,7 @@ impl Gap {
         }
         out
     }
-}
 
-impl Gap {
     /// Second variations of both convective coordinates, theory/node-to-surface#eq-second-coordinates.
     pub fn xi_hessian(&self) -> [LocalMatrix; 2] {
         let d = &self.xi_gradient;
@@ -208,6 +206,11 @@ fn put(local: &mut Local, node: usize, v: &Vector3<f64>, factor: f64) {
     for i in 0..3 {
         local[3 * node + i] += factor * v[i];
     }
+}
+
+/// Mean of two pairs of convective coordinates.
+pub(crate) fn mean(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
 }
 
 /// Positions of slave node and facet as points.

@@ -15,19 +15,15 @@
 pub mod augmented;
 pub mod crossing;
 mod dual;
-mod enforced;
 mod friction;
-mod frictional;
-mod gradient;
+mod gap_gradient;
 pub mod invariants;
 pub mod kinematics;
 mod method;
 mod normal;
 mod options;
-mod pairing;
 mod slave;
 mod slot;
-mod work;
 
 pub use augmented::{AugmentedOptions, CoordinateAugmented, Reduction};
 pub use method::NodeToSurface;

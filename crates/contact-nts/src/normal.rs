@@ -1,4 +1,4 @@
-//! What the enforcement of a surface keeps: multipliers of the augmented Lagrangian, their rounds.
+//! What the enforcement of the gaps of a surface keeps: multipliers of the augmented Lagrangian, their rounds.
 
 use crate::options::{ConstraintForm, NodeToSurfaceOptions};
 use stoss_contact::friction::Stiffening;
@@ -6,7 +6,7 @@ use stoss_contact::{ContactError, ContactRule, Enforcement};
 
 /// Enforcement of a whole surface.
 #[derive(Clone, Debug)]
-pub(crate) struct Normal {
+pub(crate) struct NormalEnforcement {
     pub enforcement: Enforcement,
     /// Of the step that began last.
     pub rule: ContactRule,
@@ -19,7 +19,7 @@ pub(crate) struct Normal {
     pub stiffening: Stiffening,
 }
 
-impl Normal {
+impl NormalEnforcement {
     pub fn new(options: NodeToSurfaceOptions, slots: usize) -> Result<Self, ContactError> {
         let enforcement = options.enforcement.checked()?;
         if matches!(enforcement, Enforcement::Penalty(_)) && options.constraint == ConstraintForm::Modified {

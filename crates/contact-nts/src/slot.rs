@@ -1,8 +1,8 @@
 //! One potential constraint: where its node was at `n`, and with which facets it is paired in the step.
 
 use crate::crossing::{MAX_NODES, local_of};
-use crate::kinematics::Local;
-use stoss_contact::{ContactSurface, FacetNodes};
+use crate::kinematics::{Gap, Local};
+use stoss_contact::{ContactSurface, FacetNodes, StepConfiguration};
 use stoss_reference_element::Nodal;
 
 /// Returns of one node to a facet that it had in this step already, after which it stays on the extension of the last one. A node in a
@@ -126,6 +126,17 @@ impl Slot {
         self.visits += 1;
         true
     }
+}
+
+/// A paired slot at an iterate.
+#[derive(Clone, Copy)]
+pub(crate) struct PairedSlot<'a> {
+    pub slot: usize,
+    pub element: &'a ElementNodes,
+    pub pairing: Pairing,
+    /// Kinematics at `n+1` on the end facet.
+    pub end: &'a Gap,
+    pub step: StepConfiguration<'a>,
 }
 
 /// Nodes of a slot's element, each once: the slave node, the end facet, then what the start and the midpoint facet add.

@@ -216,7 +216,7 @@ fn other_rules_are_refused() {
     m.repair(&q, &ACTIVE).unwrap();
     let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::StartPoint };
     let error = m.assemble(step, &[1.0, 0.0, 0.0, 0.0], &ACTIVE, false, &mut |_| {}).unwrap_err();
-    assert!(matches!(error, ContactError::Rule { .. }), "{error}");
+    assert!(matches!(error, ContactError::RuleUnavailable { .. }), "{error}");
 }
 
 /// An active slot without a facet leaves its pressure and its auxiliaries at zero.

@@ -7,15 +7,7 @@ use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 /// Master: four facets of edge one in a row along x, heights given at x = 0..4; slave: one facet of edge one half above, its first node at `at`.
 fn positions(heights: [f64; 5], at: [f64; 3]) -> Vec<f64> {
-    let mut q = Vec::new();
-    for (i, h) in heights.iter().enumerate() {
-        q.extend([i as f64, 0.0, *h]);
-        q.extend([i as f64, 1.0, *h]);
-    }
-    for d in [[0.0, 0.0, 0.0], [0.0, 0.5, 0.3], [0.5, 0.5, 0.3], [0.5, 0.0, 0.3]] {
-        q.extend([at[0] + d[0], at[1] + d[1], at[2] + d[2]]);
-    }
-    q
+    crate::common::positions(&heights, at)
 }
 
 const SLAVE: u32 = 10;

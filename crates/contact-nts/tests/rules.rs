@@ -11,13 +11,6 @@ use stoss_geometry::Patch;
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
-const RULES: [ContactRule; 5] = [
-    ContactRule::StartPoint,
-    ContactRule::EndPoint,
-    ContactRule::EndPointMean,
-    ContactRule::Midpoint,
-    ContactRule::EnergyMomentum,
-];
 const FACETS: u32 = 6;
 /// The slave node, after the master's.
 const SLAVE: u32 = 2 * (FACETS + 1);
@@ -138,13 +131,13 @@ proptest! {
         let far = |gap: f64| gap.abs() > 0.02;
         prop_assert!(far(end_gap) && (case.start == case.end || far(start_gap)), "gaps {start_gap} {end_gap}");
         prop_assert!(reference.abs() < 1e-14 || (reference - start_gap).abs() < 1e-14, "reference gap {reference}");
-        for rule in RULES {
+        for rule in ContactRule::ALL {
             prop_assert_eq!(case.residual(rule)[n], row);
         }
     }
 
     #[test]
-    fn tangents_are_the_derivatives(case in step(), rule in prop::sample::select(&RULES[..])) {
+    fn tangents_are_the_derivatives(case in step(), rule in prop::sample::select(&ContactRule::ALL[..])) {
         let Case { method: m, q_n, q_1, .. } = &case;
         let (residual, tangent) = assembled(m, q_n, q_1, PRESSURE, rule, true);
         let n = residual.len();
@@ -175,7 +168,7 @@ proptest! {
     fn forces_balance_and_moments_where_the_rule_says(case in step()) {
         let n = case.q_1.len();
         let mid = case.mid();
-        for rule in RULES {
+        for rule in ContactRule::ALL {
             let residual = case.residual(rule);
             let at = match rule {
                 ContactRule::StartPoint => &case.q_n,

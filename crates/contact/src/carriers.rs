@@ -1,5 +1,6 @@
 //! Vectors that carry all nodes of a surface, as centre and directors of a rigid body do.
 
+use crate::position;
 use nalgebra::Vector3;
 
 /// Most carriers of a surface.
@@ -7,12 +8,6 @@ const MOST: usize = 4;
 
 /// Relative round-off of positions.
 const ROUND_OFF: f64 = 1e-14;
-
-/// Position of a node.
-pub(crate) fn position(q: &[f64], node: u32) -> Vector3<f64> {
-    let i = 3 * node as usize;
-    Vector3::new(q[i], q[i + 1], q[i + 2])
-}
 
 /// Vectors `q_k` that give the positions of all nodes of a surface, `x_a = sum_k w_ak q_k` with constant weights.
 #[derive(Clone, Debug, PartialEq)]

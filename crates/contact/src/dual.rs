@@ -106,17 +106,17 @@ impl<const N: usize> Scalar for Dual<N> {
 pub type V3<T> = [T; 3];
 
 /// `a . b`.
-pub fn dot<T: Scalar>(a: V3<T>, b: V3<T>) -> T {
+pub fn dot<T: Scalar>(a: &V3<T>, b: &V3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// `a x b`.
-pub fn cross<T: Scalar>(a: V3<T>, b: V3<T>) -> V3<T> {
+pub fn cross<T: Scalar>(a: &V3<T>, b: &V3<T>) -> V3<T> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// `a / |a|`; not a number for a vector without length.
 pub fn unit<T: Scalar>(a: V3<T>) -> V3<T> {
-    let inverse = T::constant(1.0) / dot(a, a).sqrt();
+    let inverse = T::constant(1.0) / dot(&a, &a).sqrt();
     a.map(|x| x * inverse)
 }

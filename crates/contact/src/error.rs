@@ -1,26 +1,26 @@
-//! Errors of contact geometry.
+//! Errors of surfaces, search and methods.
 
-/// Errors of contact geometry.
+/// Errors of surfaces, search and methods.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContactError {
-    /// Multipliers of an augmented Lagrangian do not settle.
+    /// The multipliers of an augmented Lagrangian do not converge.
     #[error(
-        "{unsettled} multipliers of the augmented Lagrangian ({what}) have not settled after {rounds} rounds; a larger stiffness or multipliers as \
-         unknowns help"
+        "{unsettled} multipliers of the augmented Lagrangian ({what}) have not converged after {rounds} augmentations; use a larger stiffness, or Lagrange \
+         multipliers as unknowns"
     )]
     Augmentation {
         /// Friction or gap.
         what: &'static str,
-        /// How many are far from it.
+        /// How many are far from convergence.
         unsettled: usize,
-        /// Rounds of augmentation.
+        /// Number of augmentations.
         rounds: u32,
     },
-    /// Over an edge of the master the contact force has no part along the normal of either facet.
+    /// Over an edge of the master the contact force has no component along the normal of either facet.
     #[error(
-        "slave node {node} moves over an edge of the master as if its facets were folded upon each other, and its pressure is not determined; smaller steps or \
-         a rounder edge help"
+        "slave node {node} moves over an edge of the master whose facets are folded upon each other as the node sees them: its pressure is not determined; use smaller \
+         steps or a rounder edge"
     )]
     Folded {
         /// Global slave node.
@@ -78,7 +78,7 @@ pub enum ContactError {
     },
     /// Motions of a step past so many facets that it cannot come to an end soon.
     #[error(
-        "in {iterations} iterations bodies moved past so many facets at once that contact {contact} has too many pairs to look at: the step is much too long; try smaller steps"
+        "in {iterations} iterations bodies moved past so many facets at once that contact {contact} has too many pairs to check: the step is much too long; use smaller steps"
     )]
     TooFar {
         /// Name of the contact.
@@ -86,9 +86,9 @@ pub enum ContactError {
         /// Iterations in which that was so.
         iterations: u32,
     },
-    /// A search option is out of its range.
-    #[error("search option `{option}` must be {range}, but is {value}")]
-    Option {
+    /// An option is out of its range.
+    #[error("option `{option}` must be {range}, but is {value}")]
+    OptionOutOfRange {
         /// Name of the option.
         option: &'static str,
         /// Value given.
@@ -112,7 +112,7 @@ pub enum ContactError {
         /// Value given.
         value: f64,
     },
-    /// A penalty has nothing to keep.
+    /// The modified constraint keeps gaps, and a penalty lets them change.
     #[error("normal contact by a penalty is not available with the modified constraint")]
     PenaltyUnavailable,
     /// There is no friction under a rule or constraint.
@@ -121,9 +121,9 @@ pub enum ContactError {
         /// Which rule or form of the constraint.
         what: String,
     },
-    /// A method does not have a rule.
+    /// A method cannot follow a rule of the scheme.
     #[error("contact method {method} is not available with the rule {rule}")]
-    Rule {
+    RuleUnavailable {
         /// The method.
         method: &'static str,
         /// The rule.
@@ -142,15 +142,15 @@ pub enum ContactError {
         reason: String,
     },
     /// The normals of the facets around a slave node cancel.
-    #[error("the slave surface folds up at node {node}: it has no normal there")]
+    #[error("the slave surface is folded at node {node}: it has no normal there")]
     NoNormal {
         /// Global slave node.
         node: u32,
     },
     /// Segments do not tile the overlap of the surfaces.
     #[error(
-        "segments of {faults} slave facets do not tile what lies opposite; the first is facet {facet} (uncovered {uncovered:e}, \
-         covered twice {double:e}, {open_edges} edges that do not fit)"
+        "the segments of {faults} slave facets do not cover the overlap with the master exactly once; the first is facet {facet} (uncovered {uncovered:e}, \
+         covered twice {double:e}, {open_edges} edges that do not match)"
     )]
     Coverage {
         /// Number of slave facets.
@@ -161,15 +161,15 @@ pub enum ContactError {
         uncovered: f64,
         /// Its area that is covered twice.
         double: f64,
-        /// Interior edges that do not fit.
+        /// Interior edges that do not match.
         open_edges: usize,
     },
-    /// A part of the slave went through the surface of the master.
+    /// A part of the slave passed through the master surface.
     #[error(
-        "slave facet {facet} goes through the surface of the master in one step: a part of it that was {before:.3e} before the master is {after:.3e} from it now, \
-         deeper than contact reaches; take smaller steps"
+        "slave facet {facet} passed through the master surface in one step: the gap of a part of it was {before:.3e} and is {after:.3e} now, deeper than contact reaches; \
+         use smaller steps"
     )]
-    Passed {
+    Tunnelled {
         /// Local number of the slave facet.
         facet: u32,
         /// Its gap at the start of the step.

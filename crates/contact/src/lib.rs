@@ -11,29 +11,33 @@
 
 pub mod active_set;
 mod carriers;
+mod contribution;
 pub mod dual;
 mod enforcement;
 mod error;
 pub mod friction;
 pub mod line;
 mod method;
+mod position;
 mod potential;
+mod report;
 pub mod search;
 pub mod surface;
 mod surface_tree;
 
 pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use carriers::Carriers;
+pub use contribution::{Auxiliary, ContactRule, LocalContribution, StepConfiguration, multipliers_of};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use line::ContactLine;
-pub use method::{
-    Auxiliary, Bilateral, Constraint, ContactMethod, ContactRule, ContactWork, Coverage, Held, History,
-    JointCoordinate, JointReport, JointTorques, LocalContribution, Report, SlotFriction, SlotReport, StepConfiguration,
-    clear_inactive, multipliers_of,
+pub use method::{Bilateral, Constraint, ContactMethod, History};
+pub use position::position;
+pub use potential::{BodyPair, Potential, PotentialConstraint, SurfaceForce, SurfaceNode};
+pub use report::{
+    ContactWork, Coverage, JointCoordinate, JointReport, JointTorques, Report, SlotFriction, SlotReport, SupportedNode,
 };
-pub use potential::{BodyPair, Potential, SurfaceForce, SurfaceNode, WithoutSlots};
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use stoss_reference_element::{FacetKind, FacetNodes};
-pub use surface::{ContactSurface, IrregularEdge};
+pub use surface::{ContactSurface, NonManifoldEdge};
 pub use surface_tree::SurfaceTree;

@@ -1,7 +1,6 @@
 //! A row of nodes as the slave side of a contact: a string, the axis of a beam.
 
-use crate::ContactError;
-use crate::carriers::position;
+use crate::{ContactError, position};
 
 /// Nodes in a row, each with the share of the reference length that belongs to it, so that a pressure is a force per length.
 ///

@@ -173,9 +173,9 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
 
 /// A potential as a constraint without slots.
 #[derive(Debug)]
-pub struct WithoutSlots(pub Box<dyn Potential>);
+pub struct PotentialConstraint(pub Box<dyn Potential>);
 
-impl Report for WithoutSlots {
+impl Report for PotentialConstraint {
     fn name(&self) -> &str {
         self.0.name()
     }
@@ -197,7 +197,7 @@ impl Report for WithoutSlots {
     }
 }
 
-impl Constraint for WithoutSlots {
+impl Constraint for PotentialConstraint {
     fn slot_count(&self) -> usize {
         0
     }

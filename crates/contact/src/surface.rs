@@ -3,8 +3,8 @@
 //! Made once from the reference configuration. It holds no positions of the deformed state: whatever depends on them takes
 //! `q` (`3 * nodes` entries, node-major). It searches nothing; that is [`crate::search`].
 
-use crate::ContactError;
-use crate::carriers::{Carriers, position};
+use crate::carriers::Carriers;
+use crate::{ContactError, position};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_geometry::Patch;
@@ -15,7 +15,7 @@ const NONE: u32 = u32::MAX;
 /// An edge at which the surface is not an oriented manifold. Its facets are not connected there: contact ends at the edge as at
 /// a rim.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct IrregularEdge {
+pub struct NonManifoldEdge {
     /// Global nodes, the smaller first.
     pub nodes: [u32; 2],
     /// Facets that have the edge, ascending: three or more, or two whose orientations disagree.
@@ -38,7 +38,7 @@ pub struct ContactSurface {
     nodal_areas: Vec<f64>,
     corner_areas: Vec<Nodal<f64>>,
     length_scale: f64,
-    irregular_edges: Vec<IrregularEdge>,
+    non_manifold_edges: Vec<NonManifoldEdge>,
     carriers: Option<Carriers>,
 }
 
@@ -51,7 +51,7 @@ impl ContactSurface {
     /// # Errors
     /// [`ContactError::EmptySurface`], [`ContactError::MissingNode`], [`ContactError::NotFinite`], and
     /// [`ContactError::DegenerateFacet`] if a facet has no area, an edge without length, or a reference normal that turns over
-    /// between two of its corners. Edges that are not manifold are no error: see [`ContactSurface::irregular_edges`].
+    /// between two of its corners. Edges that are not manifold are no error: see [`ContactSurface::non_manifold_edges`].
     pub fn new<F: Copy + Into<FacetNodes>>(
         side: &'static str,
         facets: &[F],
@@ -83,7 +83,7 @@ impl ContactSurface {
         let local = |node: u32| nodes.partition_point(|&n| n < node) as u32;
         let local_facets: Vec<FacetNodes> = facets.iter().map(|f| f.map(local)).collect();
 
-        let (neighbours, irregular_edges) = connect(&facets);
+        let (neighbours, non_manifold_edges) = connect(&facets);
         let (around_start, around) = facets_around_nodes(&local_facets, nodes.len());
 
         let mut nodal_areas = vec![0.0; nodes.len()];
@@ -111,7 +111,7 @@ impl ContactSurface {
             nodal_areas,
             corner_areas,
             length_scale: length / edges as f64,
-            irregular_edges,
+            non_manifold_edges,
             carriers: None,
         })
     }
@@ -147,7 +147,7 @@ impl ContactSurface {
         self.nodes.binary_search(&node).ok()
     }
 
-    /// Facet on the other side of edge `edge` of `facet`; `None` at a rim and at an irregular edge.
+    /// Facet on the other side of edge `edge` of `facet`; `None` at a rim and at a non-manifold edge.
     pub fn neighbour(&self, facet: u32, edge: usize) -> Option<u32> {
         let other = self.neighbours[facet as usize][edge];
         (other != NONE).then_some(other)
@@ -164,11 +164,11 @@ impl ContactSurface {
     }
 
     /// Edges at which facets could not be connected.
-    pub fn irregular_edges(&self) -> &[IrregularEdge] {
-        &self.irregular_edges
+    pub fn non_manifold_edges(&self) -> &[NonManifoldEdge] {
+        &self.non_manifold_edges
     }
 
-    /// Number of facet edges without a neighbour (the rim, irregular edges included).
+    /// Number of facet edges without a neighbour (the rim, non-manifold edges included).
     pub fn boundary_edge_count(&self) -> usize {
         self.neighbours.iter().flatten().filter(|&&n| n == NONE).count()
     }
@@ -270,7 +270,7 @@ fn check_facet(facet: u32, patch: &Patch) -> Result<(), ContactError> {
 }
 
 /// Neighbours over edges; edges that are not shared by exactly two facets of opposite direction are left open.
-fn connect(facets: &[FacetNodes]) -> (Vec<FacetNodes>, Vec<IrregularEdge>) {
+fn connect(facets: &[FacetNodes]) -> (Vec<FacetNodes>, Vec<NonManifoldEdge>) {
     // Nodes of the edge, smaller first -> (facet, edge, whether it runs from the smaller to the larger).
     let mut edges: BTreeMap<[u32; 2], Vec<(u32, usize, bool)>> = BTreeMap::new();
     for (facet, corners) in facets.iter().enumerate() {
@@ -281,7 +281,7 @@ fn connect(facets: &[FacetNodes]) -> (Vec<FacetNodes>, Vec<IrregularEdge>) {
     }
     let start: Vec<usize> = facets.iter().scan(0, |next, f| Some(std::mem::replace(next, *next + f.len()))).collect();
     let mut over = vec![NONE; facets.iter().map(|f| f.len()).sum()];
-    let mut irregular = Vec::new();
+    let mut non_manifold = Vec::new();
     for (nodes, uses) in edges {
         match uses[..] {
             [_] => {}
@@ -289,11 +289,11 @@ fn connect(facets: &[FacetNodes]) -> (Vec<FacetNodes>, Vec<IrregularEdge>) {
                 over[start[f as usize] + k] = g;
                 over[start[g as usize] + l] = f;
             }
-            _ => irregular.push(IrregularEdge { nodes, facets: uses.iter().map(|u| u.0).collect() }),
+            _ => non_manifold.push(NonManifoldEdge { nodes, facets: uses.iter().map(|u| u.0).collect() }),
         }
     }
     let neighbours = facets.iter().zip(start).map(|(f, start)| Nodal::from_fn(f.kind(), |k| over[start + k]));
-    (neighbours.collect(), irregular)
+    (neighbours.collect(), non_manifold)
 }
 
 fn facets_around_nodes(local_facets: &[FacetNodes], nodes: usize) -> (Vec<u32>, Vec<u32>) {

@@ -1,13 +1,12 @@
 //! Surfaces that move with few vectors: all nodes of a rigid body's surface are carried by its centre and directors.
 
-use crate::carriers::position;
-use crate::{ContactError, ContactSurface};
+use crate::{ContactError, ContactSurface, position};
 use nalgebra::Vector3;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 
 /// How far a surface may turn or deform after its tree was fitted, in lengths of facets, before it is fitted again: as long as boxes have not moved farther than
 /// that from where a translation takes them, queries that allow for it visit a few facets more.
-const OUTWORN: f64 = 2.0;
+const REFIT_MOTION: f64 = 2.0;
 
 /// A bounding-volume tree over the facets of a surface, and where the surface was when it was fitted.
 #[derive(Clone, Debug)]
@@ -46,8 +45,8 @@ impl SurfaceTree {
 
     /// Fits the tree to positions `q`: that of a surface with carriers when it has turned too far, and then in few steps; else by one pass over the facets.
     pub fn update(&mut self, surface: &ContactSurface, q: &[f64]) {
-        let worn = || self.motion(surface, q).1 > OUTWORN * surface.length_scale();
-        if surface.carriers().is_none() || worn() {
+        let has_moved_far = || self.motion(surface, q).1 > REFIT_MOTION * surface.length_scale();
+        if surface.carriers().is_none() || has_moved_far() {
             self.tree.refit(|facet| facet_box(surface, facet, q));
             self.note(surface, q);
         }
@@ -119,7 +118,7 @@ mod tests {
             }
             tree.update(&surface, &turned);
             let (shift, excess) = tree.motion(&surface, &turned);
-            assert!(excess <= OUTWORN * surface.length_scale());
+            assert!(excess <= REFIT_MOTION * surface.length_scale());
             for f in 0..facets.len() {
                 let now = facet_box(&surface, f, &turned);
                 let mut found = false;

@@ -17,7 +17,7 @@ fn adjacency_of_a_closed_surface() {
         let facets = mesh.of(&quads);
         let s = surface(&facets, &q);
         assert_eq!(s.boundary_edge_count(), 0);
-        assert!(s.irregular_edges().is_empty());
+        assert!(s.non_manifold_edges().is_empty());
         // Euler: V - E + F = 2, and every edge belongs to two facets.
         let edges = facets.iter().map(|f| f.len()).sum::<usize>() / 2;
         assert_eq!(s.nodes().len() + s.facets().len(), edges + 2);
@@ -131,18 +131,18 @@ fn defects_are_named() {
 }
 
 #[test]
-fn irregular_edges_are_reported_and_end_the_surface() {
+fn non_manifold_edges_are_reported_and_end_the_surface() {
     // Two cubes that share only an edge: four facets meet there.
     let (facets, q) = voxels(&[[0, 0, 0], [1, 1, 0]]);
     let s = surface(&facets, &q);
-    assert_eq!(s.irregular_edges().len(), 1);
-    assert_eq!(s.irregular_edges()[0].facets.len(), 4);
+    assert_eq!(s.non_manifold_edges().len(), 1);
+    assert_eq!(s.non_manifold_edges()[0].facets.len(), 4);
     assert_eq!(s.boundary_edge_count(), 4);
     // Orientations that disagree.
     let (mut facets, q) = sheet(2, 1, |u, v| [u, v, 0.0]);
     facets[1].reverse();
     let s = surface(&facets, &q);
-    assert_eq!(s.irregular_edges()[0].nodes, [1, 4]);
+    assert_eq!(s.non_manifold_edges()[0].nodes, [1, 4]);
     assert_eq!(s.neighbour(0, 1), None);
 }
 
@@ -158,7 +158,7 @@ fn options_are_validated() {
         ("opposing_cosine", SearchOptions { opposing_cosine: 2.0, ..good }),
     ] {
         let error = MasterSearch::new(s.clone(), &q, options).expect_err(name);
-        assert!(matches!(error, ContactError::Option { option, .. } if option == name), "{error}");
+        assert!(matches!(error, ContactError::OptionOutOfRange { option, .. } if option == name), "{error}");
     }
     assert!(matches!(MasterSearch::new(s, &q[..6], good), Err(ContactError::MissingNode { .. })));
 }

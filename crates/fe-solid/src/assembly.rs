@@ -114,7 +114,7 @@ pub(crate) trait ElementEvaluator<const N: usize, const G: usize>: Sync {
 }
 
 /// The elements of a block and where they go.
-pub(crate) struct Additions<'a, 'b> {
+pub(crate) struct AssemblyTarget<'a, 'b> {
     /// Number of the block's first element in the body.
     pub first: usize,
     /// The iterate before, see [`crate::SolidBody::assemble_after`].
@@ -151,9 +151,9 @@ fn add<const N: usize>(
 pub(crate) fn assemble<const N: usize, const G: usize>(
     nodes: &[[u32; N]],
     evaluator: &impl ElementEvaluator<N, G>,
-    to: Additions<'_, '_>,
+    to: AssemblyTarget<'_, '_>,
 ) -> Result<(), (usize, Failure)> {
-    let Additions {
+    let AssemblyTarget {
         first: number,
         before: _,
         force_weight,

@@ -1,10 +1,10 @@
 //! The elements of one kind in a body: their reference integrals, and the averages that are those of an element.
 
 use crate::{
-    Level, SolidOptions, SolidStep, StressRule, Volumetric,
-    assembly::{self, Additions, ElementEvaluator},
-    cells::{Cells, ElementFailure, Material, PointStrain, Refused},
+    SolidOptions, SolidStep, StressRule, TimeLevel, Volumetric,
+    assembly::{self, AssemblyTarget, ElementEvaluator},
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory, gather, natural_gradients},
+    element_block::{BlockError, ElementBlock, ElementFailure, Material, PointStrain},
     kernel::{self, ElementIntegration, Gradients, LocalTangent, NodalVectors, TangentFactors},
     mixed::{self, Averages, Basis, Mixed, Parts},
     viscous::{Viscosity, ViscousElements},
@@ -43,14 +43,14 @@ pub(crate) struct Block<const N: usize, const G: usize> {
 }
 
 impl<const N: usize, const G: usize> Block<N, G> {
-    pub fn new(cells: &CellBlock, reference: &[[f64; 3]], options: SolidOptions) -> Result<Self, Refused> {
+    pub fn new(cells: &CellBlock, reference: &[[f64; 3]], options: SolidOptions) -> Result<Self, BlockError> {
         let kind = cells.kind();
-        let rule = kind.rule(options.integration).ok_or(Refused::NoRule)?;
+        let rule = kind.rule(options.integration).ok_or(BlockError::NoRule)?;
         let natural: [Gradients<N>; G] = std::array::from_fn(|g| natural_gradients(kind, rule[g].0));
         let weights: [f64; G] = std::array::from_fn(|g| rule[g].1);
         let elements = cells.nodes().as_chunks::<N>().0.iter().enumerate().map(|(element, nodes)| {
             let x = std::array::from_fn(|i| std::array::from_fn(|node| reference[nodes[node] as usize][i]));
-            kernel::integration(&x, &natural, &weights).map_err(|(gauss_point, determinant)| Refused::Inverted {
+            kernel::integration(&x, &natural, &weights).map_err(|(gauss_point, determinant)| BlockError::Inverted {
                 element,
                 gauss_point,
                 determinant,
@@ -94,7 +94,7 @@ impl<const N: usize, const G: usize> Block<N, G> {
         })
     }
 
-    /// What [`Cells::begin_step`] kept of an element.
+    /// What [`ElementBlock::begin_step`] kept of an element.
     #[inline]
     pub(crate) fn history(&self, element: usize) -> &[GaussPointHistory; G] {
         &self.history[element]
@@ -112,8 +112,8 @@ fn elements<const N: usize>(nodes: &[u32]) -> &[[u32; N]] {
     nodes.as_chunks().0
 }
 
-impl<const N: usize, const G: usize> Cells for Block<N, G> {
-    fn boxed(&self) -> Box<dyn Cells> {
+impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
+    fn boxed(&self) -> Box<dyn ElementBlock> {
         Box::new(self.clone())
     }
 
@@ -201,7 +201,7 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
         material: Material<'_>,
         nodes: &[u32],
         step: SolidStep<'_>,
-        to: Additions<'_, '_>,
+        to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure> {
         let nodes = elements(nodes);
         let factor = to.target.as_ref().map_or(1.0, |target| target.factor);
@@ -213,7 +213,7 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
         &self,
         nodes: &[u32],
         viscosity: Viscosity<'_>,
-        to: Additions<'_, '_>,
+        to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure> {
         let nodes = elements(nodes);
         assembly::assemble(nodes, &ViscousElements { integration: &self.integration, nodes, viscosity }, to)
@@ -249,10 +249,11 @@ impl<const N: usize, const G: usize> Cells for Block<N, G> {
         let integration = &self.integration[element];
         let averaged = match self.averages(material, element) {
             None => None,
-            Some(averages) => Some(averages.pressure_and_energy(&averages.state(&q, Level::End)?)),
+            Some(averages) => Some(averages.pressure_and_energy(&averages.state(&q, TimeLevel::End)?)),
         };
         for gauss_point in 0..G {
-            let (deformation_gradient, right_cauchy_green) = element::strain(&q, integration, gauss_point, Level::End)?;
+            let (deformation_gradient, right_cauchy_green) =
+                element::strain(&q, integration, gauss_point, TimeLevel::End)?;
             let point = PointStrain {
                 gauss_point,
                 deformation_gradient,

@@ -3,7 +3,7 @@
 use crate::{
     SolidOptions, Volumetric,
     block::Block,
-    cells::{Cells, Refused},
+    element_block::{BlockError, ElementBlock},
     nodal::NodalTetrahedra,
 };
 use stoss_mesh::CellBlock;
@@ -17,7 +17,7 @@ pub(crate) fn of_cells(
     options: SolidOptions,
     offset: u32,
     first_stencil: usize,
-) -> Result<Box<dyn Cells>, Refused> {
+) -> Result<Box<dyn ElementBlock>, BlockError> {
     use Integration::{Full, Reduced};
     Ok(match (cells.kind(), options.integration) {
         (CellKind::Hex8, Full) => Box::new(Block::<8, 8>::new(cells, reference, options)?),
@@ -36,7 +36,7 @@ pub(crate) fn of_cells(
         (CellKind::Wedge6, Full) => Box::new(Block::<6, 6>::new(cells, reference, options)?),
         (CellKind::Wedge15, Full) => Box::new(Block::<15, 21>::new(cells, reference, options)?),
         (CellKind::Hex8 | CellKind::Hex27 | CellKind::Tet4 | CellKind::Wedge6 | CellKind::Wedge15, Reduced) => {
-            return Err(Refused::NoRule);
+            return Err(BlockError::NoRule);
         }
     })
 }

@@ -2,10 +2,10 @@
 
 use crate::{
     MassKind, MassMatrix, SolidError, SolidOptions, SolidStep, StressRule, ViscousRate, Volumetric,
-    assembly::{Additions, TangentTarget, Workspace},
+    assembly::{AssemblyTarget, TangentTarget, Workspace},
     blocks,
-    cells::{Cells, ElementFailure, Material, Refused},
     element::{Failure, FailureKind},
+    element_block::{BlockError, ElementBlock, ElementFailure, Material},
     mass,
     viscous::Viscosity,
 };
@@ -25,7 +25,7 @@ pub struct SolidBody {
     /// With global nodes.
     elements: Arc<Elements>,
     /// One for each block of the elements.
-    blocks: Vec<Box<dyn Cells>>,
+    blocks: Vec<Box<dyn ElementBlock>>,
     options: SolidOptions,
     /// The parts of the law, in a mixed body.
     split: Option<VolumetricSplit>,
@@ -89,17 +89,17 @@ impl SolidBody {
         for cells in mesh.elements.blocks() {
             let first = cells.first() as usize;
             let mut block = blocks::of_cells(cells, &mesh.nodes, options, node_offset, stencils);
-            if let Err(Refused::NoRule) = block {
+            if let Err(BlockError::NoRule) = block {
                 let options = SolidOptions { integration: Integration::Full, ..options };
                 block = blocks::of_cells(cells, &mesh.nodes, options, node_offset, stencils);
             }
             // Where the rule of the mass has points of its own.
             let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
-            let block: Box<dyn Cells> = block.map_err(|refused| match refused {
-                Refused::Inverted { element, gauss_point, determinant } => {
+            let block: Box<dyn ElementBlock> = block.map_err(|refused| match refused {
+                BlockError::Inverted { element, gauss_point, determinant } => {
                     SolidError::InvertedReference { body: body(), element: first + element, gauss_point, determinant }
                 }
-                Refused::NoRule => unreachable!("every kind of cell has a full rule"),
+                BlockError::NoRule => unreachable!("every kind of cell has a full rule"),
             })?;
             stencils += block.stencil_count();
             blocks.push(block);
@@ -264,7 +264,7 @@ impl SolidBody {
         }
         self.for_each_block(|block, cells| {
             let first = cells.first() as usize;
-            let to = Additions { first, before, force_weight, force, target: &mut target, workspace };
+            let to = AssemblyTarget { first, before, force_weight, force, target: &mut target, workspace };
             block.assemble(self.material(), cells.nodes(), step, to)
         })
     }
@@ -295,7 +295,7 @@ impl SolidBody {
         let mut tangent = tangent;
         self.for_each_block(|block, cells| {
             let first = cells.first() as usize;
-            let to = Additions { first, before: None, force_weight: 1.0, force, target: &mut tangent, workspace };
+            let to = AssemblyTarget { first, before: None, force_weight: 1.0, force, target: &mut tangent, workspace };
             block.add_viscous_force(cells.nodes(), viscosity, to)
         })
     }
@@ -303,7 +303,7 @@ impl SolidBody {
     /// Calls with each block and its elements.
     pub(crate) fn for_each_block(
         &self,
-        mut call: impl FnMut(&dyn Cells, &CellBlock) -> Result<(), ElementFailure>,
+        mut call: impl FnMut(&dyn ElementBlock, &CellBlock) -> Result<(), ElementFailure>,
     ) -> Result<(), SolidError> {
         for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
             call(block.as_ref(), cells)
@@ -334,7 +334,7 @@ impl SolidBody {
         for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
             let natural = cells.kind().table().family.volume();
             for local in 0..cells.len() {
-                let (vertex, determinant) = block.worst_node(cells.nodes(), local, q);
+                let (node, determinant) = block.worst_node(cells.nodes(), local, q);
                 // Also a NaN is no volume.
                 if determinant > 0.0 {
                     continue;
@@ -344,7 +344,7 @@ impl SolidBody {
                 let count = found.map_or(0, |f| f.count) + 1;
                 found = match found {
                     Some(f) if f.relative_volume <= relative_volume => Some(InsideOut { count, ..f }),
-                    _ => Some(InsideOut { count, element, vertex, relative_volume }),
+                    _ => Some(InsideOut { count, element, node, relative_volume }),
                 };
             }
         }
@@ -372,7 +372,7 @@ impl SolidBody {
     }
 
     /// An element's cells, block, and number in there.
-    pub(crate) fn locate(&self, element: usize) -> (&CellBlock, &dyn Cells, usize) {
+    pub(crate) fn locate(&self, element: usize) -> (&CellBlock, &dyn ElementBlock, usize) {
         let blocks = self.elements.blocks();
         let at = blocks.partition_point(|cells| cells.first() as usize <= element) - 1;
         (&blocks[at], self.blocks[at].as_ref(), element - blocks[at].first() as usize)
@@ -416,7 +416,7 @@ pub struct InsideOut {
     /// The worst one, in the body.
     pub element: usize,
     /// Its worst node, in the order of its kind.
-    pub vertex: usize,
+    pub node: usize,
     /// `det dx/dxi` there over its mean in the element's reference volume: 1 for an undeformed parallelepiped or a tetrahedron with straight edges, not positive here.
     pub relative_volume: f64,
 }

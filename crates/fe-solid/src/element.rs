@@ -1,58 +1,11 @@
 //! The stress rules at the Gauss points of one element. Not the arithmetic ([`crate::kernel`]), not the loop over elements.
 
 use crate::{
-    Level,
+    StressRule, TimeLevel,
     kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors},
 };
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2};
 use stoss_reference_element::CellKind;
-
-/// Which stress acts on which configuration during a step (theory/kinematics#force, theory/integrators#schemes).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StressRule {
-    /// The force `F(q)` of hyperelasticity at one configuration `q_{n+theta} = (1 - theta) q_n + theta q_np1`: stress
-    /// `S(F^T F)` and `B` both with `F = F(q_{n+theta})`.
-    ///
-    /// The tangent `dF/dq_np1` is `theta` times the static one, symmetric. Forces have no resultant and, about
-    /// `q_{n+theta}`, no moment; what that means for the momenta of a step is the scheme's matter (both are kept for
-    /// `theta = 1/2` with `q_np1 - q_n = dt (v_n + v_np1)/2`).
-    Configuration {
-        /// Fraction of the step, in `[0, 1]`. `q_n` is not read for 1; `q_np1` is not read for 0, whose tangent is zero
-        /// and is not computed. In between `det F > 0` is demanded of `q_np1` too. A number outside extrapolates.
-        theta: f64,
-    },
-    /// The stress of theory/integrators#eq-ems with `F_mid`. Keeps momenta, and its work is the change of strain energy.
-    /// Unsymmetric tangent (theory/integrators#eq-ems-stiffness).
-    EnergyMomentum,
-}
-
-impl StressRule {
-    /// `S(C_np1)` with `F_np1` (statics, end-point schemes); `q_n` is not read.
-    pub const END_POINT: Self = Self::Configuration { theta: 1.0 };
-    /// `S(F_mid^T F_mid)` with `F_mid = F(q_mid)`. Keeps both momenta.
-    pub const MIDPOINT: Self = Self::Configuration { theta: 0.5 };
-
-    /// Whether the force depends on `q_n`.
-    pub(crate) fn reads_start(self) -> bool {
-        self != Self::END_POINT
-    }
-
-    /// Whether the force depends on `q_np1`; if not, its tangent is zero.
-    pub(crate) fn reads_end(self) -> bool {
-        self != Self::Configuration { theta: 0.0 }
-    }
-}
-
-/// The two configurations of a step and the rule. Positions of the whole model, node-major, `3 * nodes` entries; a length.
-#[derive(Clone, Copy, Debug)]
-pub struct SolidStep<'a> {
-    /// Beginning of the step (not read by [`StressRule::END_POINT`]).
-    pub q_n: &'a [f64],
-    /// End of the step: the unknown (not read by the rule with `theta = 0`).
-    pub q_np1: &'a [f64],
-    /// The rule.
-    pub rule: StressRule,
-}
 
 /// An element's values from a vector of the model (length checked before).
 #[inline]
@@ -90,9 +43,9 @@ pub(crate) struct Failure {
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum FailureKind {
-    Inverted { determinant: f64, level: Level },
+    Inverted { determinant: f64, level: TimeLevel },
     Constitutive(ConstitutiveError),
-    Collapsed { dilatation: f64, level: Level },
+    Collapsed { dilatation: f64, level: TimeLevel },
 }
 
 impl FailureKind {
@@ -109,7 +62,7 @@ impl From<ConstitutiveError> for FailureKind {
 
 /// `det F > 0` or the reason. Checked on `F` itself: `det C` is positive for an inverted element too.
 #[inline]
-fn check_orientation(f: &Matrix3, level: Level) -> Result<(), FailureKind> {
+fn check_orientation(f: &Matrix3, level: TimeLevel) -> Result<(), FailureKind> {
     let determinant = kernel::determinant(f);
     if determinant > 0.0 { Ok(()) } else { Err(FailureKind::Inverted { determinant, level }) }
 }
@@ -120,11 +73,11 @@ pub(crate) fn strain<const N: usize, const G: usize>(
     q: &NodalVectors<N>,
     integration: &ElementIntegration<N, G>,
     gauss_point: usize,
-    level: Level,
+    level: TimeLevel,
 ) -> Result<(Matrix3, SymmetricTensor2), Failure> {
     let f = kernel::deformation_gradient(q, &integration.gradients[gauss_point]);
     check_orientation(&f, level).map_err(|kind| kind.at(gauss_point))?;
-    Ok((f, SymmetricTensor2::from_voigt(kernel::right_cauchy_green(&f))))
+    Ok((f, SymmetricTensor2::from_components(kernel::right_cauchy_green(&f))))
 }
 
 /// `C_n` and `W_n` at every Gauss point.
@@ -135,7 +88,7 @@ pub(crate) fn history<const N: usize, const G: usize>(
 ) -> Result<[GaussPointHistory; G], Failure> {
     let mut out = [GaussPointHistory { right_cauchy_green: SymmetricTensor2::IDENTITY, energy: 0.0 }; G];
     for (g, slot) in out.iter_mut().enumerate() {
-        let (_, c) = strain(q, integration, g, Level::Start)?;
+        let (_, c) = strain(q, integration, g, TimeLevel::Start)?;
         let energy = law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
         *slot = GaussPointHistory { right_cauchy_green: c, energy };
     }
@@ -150,7 +103,7 @@ pub(crate) fn energy<const N: usize, const G: usize>(
 ) -> Result<f64, Failure> {
     let mut total = 0.0;
     for g in 0..G {
-        let (_, c) = strain(q, integration, g, Level::End)?;
+        let (_, c) = strain(q, integration, g, TimeLevel::End)?;
         total += integration.weights[g] * law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
     }
     Ok(total)
@@ -186,18 +139,18 @@ pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
         (StressRule::EnergyMomentum, None) => unreachable!("energy-momentum rule without history"),
         (StressRule::Configuration { theta }, _) => {
             if !step.rule.reads_start() {
-                return one_configuration(law, integration, step.q_np1, Level::End, factor, force, tangent);
+                return one_configuration(law, integration, step.q_np1, TimeLevel::End, factor, force, tangent);
             }
             if !step.rule.reads_end() {
-                return one_configuration(law, integration, step.q_n, Level::Start, 0.0, force, None);
+                return one_configuration(law, integration, step.q_n, TimeLevel::Start, 0.0, force, None);
             }
             for g in 0..G {
                 let f = kernel::deformation_gradient(step.q_np1, &integration.gradients[g]);
-                check_orientation(&f, Level::End).map_err(|kind| kind.at(g))?;
+                check_orientation(&f, TimeLevel::End).map_err(|kind| kind.at(g))?;
             }
             let q = between(step.q_n, step.q_np1, theta);
             // d q_{n+theta} / d q_np1 = theta
-            one_configuration(law, integration, &q, Level::Intermediate, theta * factor, force, tangent)
+            one_configuration(law, integration, &q, TimeLevel::Intermediate, theta * factor, force, tangent)
         }
     }
 }
@@ -214,7 +167,7 @@ fn one_configuration<const N: usize, const G: usize>(
     law: &dyn HyperelasticLaw,
     integration: &ElementIntegration<N, G>,
     q: &NodalVectors<N>,
-    level: Level,
+    level: TimeLevel,
     factor: f64,
     force: &mut NodalVectors<N>,
     tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
@@ -223,14 +176,14 @@ fn one_configuration<const N: usize, const G: usize>(
         for g in 0..G {
             let (f, c) = strain(q, integration, g, level)?;
             let stress = law.stress(&c).map_err(|e| FailureKind::from(e).at(g))?;
-            kernel::add_force(&f, &stress.to_voigt(), &integration.gradients[g], integration.weights[g], force);
+            kernel::add_force(&f, &stress.to_components(), &integration.gradients[g], integration.weights[g], force);
         }
         return Ok(());
     };
     for g in 0..G {
         let (f, c) = strain(q, integration, g, level)?;
         let (stress, moduli) = law.stress_and_elasticity(&c).map_err(|e| FailureKind::from(e).at(g))?;
-        let stress = stress.to_voigt();
+        let stress = stress.to_components();
         let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);
         kernel::add_force(&f, &stress, gradients, weight, force);
         kernel::tangent_factors(&f, &f, &moduli.0, &stress, 1.0, gradients, weight, g, true, factors);
@@ -253,19 +206,19 @@ fn energy_momentum<const N: usize, const G: usize>(
     let mut tangent = tangent;
     for g in 0..G {
         let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);
-        let (f_np1, c_np1) = strain(step.q_np1, integration, g, Level::End)?;
+        let (f_np1, c_np1) = strain(step.q_np1, integration, g, TimeLevel::End)?;
         let f_mid = kernel::deformation_gradient(&q_mid, gradients);
         let GaussPointHistory { right_cauchy_green: c_n, energy } = &history[g];
         match &mut tangent {
             None => {
                 let stress = stoss_continuum::energy_momentum_stress(law, c_n, *energy, &c_np1)
                     .map_err(|e| FailureKind::from(e).at(g))?;
-                kernel::add_force(&f_mid, &stress.to_voigt(), gradients, weight, force);
+                kernel::add_force(&f_mid, &stress.to_components(), gradients, weight, force);
             }
             Some((_, factors)) => {
                 let (stress, moduli) = stoss_continuum::energy_momentum_stress_and_tangent(law, c_n, *energy, &c_np1)
                     .map_err(|e| FailureKind::from(e).at(g))?;
-                let stress = stress.to_voigt();
+                let stress = stress.to_components();
                 kernel::add_force(&f_mid, &stress, gradients, weight, force);
                 kernel::tangent_factors(&f_mid, &f_np1, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);
             }

@@ -4,7 +4,7 @@ use stoss_continuum::ConstitutiveError;
 
 /// The configuration at which a quantity was evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
+pub enum TimeLevel {
     /// The end of the step, `q_np1` (or the single configuration of a query).
     End,
     /// Between start and end, `q_{n+theta}` with `0 < theta < 1`.
@@ -13,7 +13,7 @@ pub enum Level {
     Start,
 }
 
-impl std::fmt::Display for Level {
+impl std::fmt::Display for TimeLevel {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str(match self {
             Self::End => "end of step",
@@ -41,11 +41,11 @@ pub enum SolidError {
         /// `det F`.
         determinant: f64,
         /// Where in the step.
-        level: Level,
+        level: TimeLevel,
     },
     /// The averaged change of volume of a mixed element is not positive though `det F > 0` at every Gauss point. A step control answers it with a smaller step.
     #[error(
-        "body '{body}': element {element} has collapsed in the mean at Gauss point {gauss_point} (averaged det F = {dilatation:e}, {level})"
+        "body '{body}': element {element} has no volume on average at Gauss point {gauss_point} (averaged det F = {dilatation:e}, {level})"
     )]
     CollapsedElement {
         /// Name of the body.
@@ -57,7 +57,7 @@ pub enum SolidError {
         /// The average there.
         dilatation: f64,
         /// Where in the step.
-        level: Level,
+        level: TimeLevel,
     },
     /// Mixed elements need a law that has a part for the change of volume.
     #[error(

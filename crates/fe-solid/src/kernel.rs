@@ -9,7 +9,7 @@
 //! ```text
 //! P_iAjB = F^l_iK A_KALB F^r_jL + s S_AB delta_ij
 //! ```
-//! (`F^l`, `F^r`: left and right deformation gradient, `A` the moduli in Voigt form, `s` the weight of the geometric
+//! (`F^l`, `F^r`: left and right deformation gradient, `A` the moduli as a 6x6 matrix, `s` the weight of the geometric
 //! term). Then `K_iI,jJ = sum_gp w G_AI P_iAjB G_BJ` with `G_AI = dN_I/dX_A`, which is a product of an `N x 3G` and a
 //! `3G x N` matrix for each pair `(i, j)`: the sum over Gauss points and `A` is the inner dimension. That takes about half
 //! of the multiplications of the `B` form. If `F^l = F^r` and `A` is symmetric, three of the nine pairs are mirrored.
@@ -23,8 +23,8 @@ pub type Gradients<const N: usize = 8> = [[f64; N]; 3];
 /// Local tangent, `[I][i][J][j]`: row-major with the unknowns `3 I + i`.
 pub type LocalTangent<const N: usize = 8> = [[[[f64; 3]; N]; 3]; N];
 
-/// Voigt position of a pair of indices (11, 22, 33, 12, 23, 13).
-pub const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+/// Place of `[row][column]` of a symmetric tensor among its six components, which are in the order 11, 22, 33, 12, 23, 13 (theory/kinematics#components).
+pub const COMPONENT_OF: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 /// What the integrals over one element need of its reference geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ pub fn determinant(m: &Matrix3) -> f64 {
 }
 
 /// `cof M : D`, the derivative of the determinant of `m` along `d`.
-pub fn determinant_change(m: &Matrix3, d: &Matrix3) -> f64 {
+pub(crate) fn determinant_change(m: &Matrix3, d: &Matrix3) -> f64 {
     determinant(&[d[0], m[1], m[2]]) + determinant(&[m[0], d[1], m[2]]) + determinant(&[m[0], m[1], d[2]])
 }
 
@@ -147,7 +147,9 @@ pub fn add_force<const N: usize>(
         let mut p = [0.0; 3];
         for b in 0..3 {
             p[b] = weight
-                * (f[i][0] * stress[VOIGT[0][b]] + f[i][1] * stress[VOIGT[1][b]] + f[i][2] * stress[VOIGT[2][b]]);
+                * (f[i][0] * stress[COMPONENT_OF[0][b]]
+                    + f[i][1] * stress[COMPONENT_OF[1][b]]
+                    + f[i][2] * stress[COMPONENT_OF[2][b]]);
         }
         for node in 0..N {
             force[i][node] += p[0] * gradients[0][node] + p[1] * gradients[1][node] + p[2] * gradients[2][node];
@@ -180,7 +182,9 @@ pub fn tangent_factors<const N: usize, const G: usize>(
         for j in 0..3 {
             for b in 0..3 {
                 h[ka][j][b] = weight
-                    * (m[VOIGT[0][b]] * right[j][0] + m[VOIGT[1][b]] * right[j][1] + m[VOIGT[2][b]] * right[j][2]);
+                    * (m[COMPONENT_OF[0][b]] * right[j][0]
+                        + m[COMPONENT_OF[1][b]] * right[j][1]
+                        + m[COMPONENT_OF[2][b]] * right[j][2]);
             }
         }
     }
@@ -193,11 +197,11 @@ pub fn tangent_factors<const N: usize, const G: usize>(
             for a in 0..3 {
                 let mut p = [0.0; 3];
                 for b in 0..3 {
-                    p[b] = left[i][0] * h[VOIGT[0][a]][j][b]
-                        + left[i][1] * h[VOIGT[1][a]][j][b]
-                        + left[i][2] * h[VOIGT[2][a]][j][b];
+                    p[b] = left[i][0] * h[COMPONENT_OF[0][a]][j][b]
+                        + left[i][1] * h[COMPONENT_OF[1][a]][j][b]
+                        + left[i][2] * h[COMPONENT_OF[2][a]][j][b];
                     if i == j {
-                        p[b] += scale * stress[VOIGT[a][b]];
+                        p[b] += scale * stress[COMPONENT_OF[a][b]];
                     }
                 }
                 let row = &mut factors[3 * i + j][gauss_point][a];

@@ -19,7 +19,7 @@
 //! Free of units: with lengths in L and stresses in P, forces are in P L^2 and energies in P L^3.
 //!
 //! The layers inside, from below: [`kernel`] (plain arrays, one element), `element` (the stress rules at the Gauss
-//! points of one element), `mixed` (the same with averages of the change of volume), `block` (the elements of one kind, with the numbers of nodes and points as constants) and `nodal` (tet4 with averages at nodes), behind the trait `cells::Cells`; [`SolidBody`] (all
+//! points of one element), `mixed` (the same with averages of the change of volume), `block` (the elements of one kind, with the numbers of nodes and points as constants) and `nodal` (tet4 with averages at nodes), behind the trait `element_block::ElementBlock`; [`SolidBody`] (all
 //! elements, order, threads, scatter). A new kind of cell is a line in `blocks` and one in `mass`.
 //!
 #![doc = include_str!("../README.md")]
@@ -28,8 +28,8 @@ mod assembly;
 mod block;
 mod blocks;
 mod body;
-mod cells;
 mod element;
+mod element_block;
 mod error;
 pub mod kernel;
 mod load;
@@ -39,13 +39,13 @@ mod nodal;
 mod options;
 mod point;
 mod recovery;
+mod rule;
 mod scratch;
 mod viscous;
 
 pub use assembly::{TangentTarget, Workspace};
 pub use body::{InsideOut, SolidBody};
-pub use element::{SolidStep, StressRule};
-pub use error::{Level, SolidError};
+pub use error::{SolidError, TimeLevel};
 pub use load::{
     FollowerPressure, add_follower_pressure, area_matrix, dead_pressure, dead_traction, external_work,
     follower_pressure, surface_area,
@@ -54,4 +54,5 @@ pub use mass::{MassKind, MassMatrix};
 pub use options::{SolidOptions, Volumetric};
 pub use point::{MaterialPoint, PointState};
 pub use recovery::{GaussPointState, principal_stresses, von_mises};
+pub use rule::{SolidStep, StressRule};
 pub use viscous::ViscousRate;

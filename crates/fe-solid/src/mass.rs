@@ -2,8 +2,8 @@
 
 use crate::{
     TangentTarget,
-    cells::Refused,
     element::natural_gradients,
+    element_block::BlockError,
     kernel::{self, Gradients, NodalVectors},
 };
 use std::sync::Arc;
@@ -43,7 +43,7 @@ macro_rules! with_nodes {
 
 /// The mass of the elements of a block: `[element][I][J]` or `[element][I]`.
 #[derive(Clone, Debug)]
-struct Block {
+struct MassBlock {
     kind: CellKind,
     values: Vec<f64>,
 }
@@ -54,17 +54,17 @@ pub struct MassMatrix {
     elements: Arc<Elements>,
     kind: MassKind,
     /// One for each block of the elements.
-    blocks: Vec<Block>,
+    blocks: Vec<MassBlock>,
 }
 
 /// The rule of the mass of one kind: gradients in natural coordinates at its points, and the shape functions.
-struct Points<const N: usize> {
+struct MassRule<const N: usize> {
     rule: Rule,
     gradients: Vec<Gradients<N>>,
     shapes: Vec<[f64; N]>,
 }
 
-impl<const N: usize> Points<N> {
+impl<const N: usize> MassRule<N> {
     fn new(kind: CellKind) -> Self {
         let rule = kind.table().mass;
         let shape = |xi| {
@@ -91,14 +91,14 @@ fn places<const N: usize>(nodes: &[u32; N], reference: &[[f64; 3]], offset: u32)
 }
 
 /// `det dX/dxi` is positive at the points of the mass of every element.
-pub(crate) fn check(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), Refused> {
-    fn check<const N: usize>(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), Refused> {
-        let points = Points::<N>::new(cells.kind());
+pub(crate) fn check(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), BlockError> {
+    fn check<const N: usize>(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), BlockError> {
+        let points = MassRule::<N>::new(cells.kind());
         for (element, nodes) in cells.nodes().as_chunks::<N>().0.iter().enumerate() {
             for (gauss_point, volume) in points.volumes(&places(nodes, reference, 0)).enumerate() {
                 let determinant = volume / points.rule[gauss_point].1;
                 if !(determinant > 0.0 && determinant.is_finite()) {
-                    return Err(Refused::Inverted { element, gauss_point, determinant });
+                    return Err(BlockError::Inverted { element, gauss_point, determinant });
                 }
             }
         }
@@ -120,7 +120,7 @@ pub(crate) fn for_each_nodal_volume(
         offset: u32,
         call: &mut impl FnMut(u32, f64),
     ) {
-        let points = Points::<N>::new(cells.kind());
+        let points = MassRule::<N>::new(cells.kind());
         for nodes in cells.nodes().as_chunks::<N>().0 {
             let mut volumes = [0.0; N];
             for (shape, volume) in points.shapes.iter().zip(points.volumes(&places(nodes, reference, offset))) {
@@ -136,7 +136,7 @@ pub(crate) fn for_each_nodal_volume(
     }
 }
 
-impl Block {
+impl MassBlock {
     fn new(cells: &CellBlock, reference: &[[f64; 3]], offset: u32, density: f64, kind: MassKind) -> Self {
         fn values<const N: usize>(
             cells: &CellBlock,
@@ -145,7 +145,7 @@ impl Block {
             density: f64,
             kind: MassKind,
         ) -> Vec<f64> {
-            let points = Points::<N>::new(cells.kind());
+            let points = MassRule::<N>::new(cells.kind());
             let mut out = Vec::with_capacity(cells.len() * if kind == MassKind::Consistent { N * N } else { N });
             for nodes in cells.nodes().as_chunks::<N>().0 {
                 let mut block = [[0.0; N]; N];
@@ -248,7 +248,7 @@ impl MassMatrix {
         kind: MassKind,
     ) -> Self {
         let blocks =
-            elements.blocks().iter().map(|cells| Block::new(cells, reference, offset, density, kind)).collect();
+            elements.blocks().iter().map(|cells| MassBlock::new(cells, reference, offset, density, kind)).collect();
         Self { elements, kind, blocks }
     }
 

@@ -5,7 +5,7 @@
 //! `theta_h = sum_a psi_a(h) sum_g w_g psi_a(g) J_g`, and the pressure at a point is the same average of `U'(theta)`.
 
 use crate::{
-    Level, StressRule,
+    StressRule, TimeLevel,
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
     kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors},
 };
@@ -76,7 +76,7 @@ macro_rules! for_both {
 }
 
 impl<const N: usize, const G: usize> Averages<'_, N, G> {
-    pub fn state(&self, q: &NodalVectors<N>, level: Level) -> Result<State<G>, Failure> {
+    pub fn state(&self, q: &NodalVectors<N>, level: TimeLevel) -> Result<State<G>, Failure> {
         for_both!(self, mixed => mixed.state(q, level))
     }
 
@@ -142,7 +142,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
     }
 
     /// The state at a configuration, `det F` and the averages checked.
-    pub fn state(&self, q: &NodalVectors<N>, level: Level) -> Result<State<G>, Failure> {
+    pub fn state(&self, q: &NodalVectors<N>, level: TimeLevel) -> Result<State<G>, Failure> {
         let mut out = State {
             deformation_gradients: [[[0.0; 3]; 3]; G],
             right_cauchy_green: [SymmetricTensor2::IDENTITY; G],
@@ -174,7 +174,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
 
     /// `sum w (W + U)`.
     pub fn energy(&self, q: &NodalVectors<N>) -> Result<f64, Failure> {
-        let state = self.state(q, Level::End)?;
+        let state = self.state(q, TimeLevel::End)?;
         let (_, of_volume) = self.pressure_and_energy(&state);
         let mut total = 0.0;
         for g in 0..G {
@@ -186,7 +186,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
 
     /// `C_n`, `W_n` and `J_n` at every Gauss point.
     pub fn history(&self, q: &NodalVectors<N>) -> Result<([GaussPointHistory; G], [f64; G]), Failure> {
-        let state = self.state(q, Level::Start)?;
+        let state = self.state(q, TimeLevel::Start)?;
         let history = element::history(self.parts.rest, self.integration, q)?;
         Ok((history, state.jacobians))
     }
@@ -210,15 +210,15 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             (StressRule::EnergyMomentum, ..) => unreachable!("energy-momentum rule without history"),
             (StressRule::Configuration { theta }, ..) => {
                 if !step.rule.reads_start() {
-                    return self.one_configuration(step.q_np1, Level::End, before, factor, force, tangent);
+                    return self.one_configuration(step.q_np1, TimeLevel::End, before, factor, force, tangent);
                 }
                 if !step.rule.reads_end() {
-                    return self.one_configuration(step.q_n, Level::Start, None, 0.0, force, None);
+                    return self.one_configuration(step.q_n, TimeLevel::Start, None, 0.0, force, None);
                 }
-                self.state(step.q_np1, Level::End)?;
+                self.state(step.q_np1, TimeLevel::End)?;
                 let q = element::between(step.q_n, step.q_np1, theta);
                 let before = before.map(|before| element::between(step.q_n, before, theta));
-                self.one_configuration(&q, Level::Intermediate, before.as_ref(), theta * factor, force, tangent)
+                self.one_configuration(&q, TimeLevel::Intermediate, before.as_ref(), theta * factor, force, tangent)
             }
         }
     }
@@ -227,7 +227,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
     fn one_configuration(
         &self,
         q: &NodalVectors<N>,
-        level: Level,
+        level: TimeLevel,
         before: Option<&NodalVectors<N>>,
         factor: f64,
         force: &mut NodalVectors<N>,
@@ -249,16 +249,16 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             let (of_pressure, of_pressure_moduli) = pressure_stress(pressure[g], c, j);
             let Some((_, factors)) = &mut tangent else {
                 let rest = self.parts.rest.stress(c).map_err(|e| FailureKind::from(e).at(g))?;
-                kernel::add_force(f, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+                kernel::add_force(f, &(rest + of_pressure).to_components(), gradients, weight, force);
                 continue;
             };
             let (rest, moduli) = self.parts.rest.stress_and_elasticity(c).map_err(|e| FailureKind::from(e).at(g))?;
-            kernel::add_force(f, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+            kernel::add_force(f, &(rest + of_pressure).to_components(), gradients, weight, force);
             let (of_pressure, of_pressure_moduli) = match before {
                 None => (of_pressure, of_pressure_moduli),
                 Some(_) => pressure_stress(continued[g], c, j),
             };
-            let stress = (rest + of_pressure).to_voigt();
+            let stress = (rest + of_pressure).to_components();
             let moduli = moduli + of_pressure_moduli;
             kernel::tangent_factors(f, f, &moduli.0, &stress, 1.0, gradients, weight, g, true, factors);
             self.add_change_of_volume(g, f, c, j, &mut changes);
@@ -281,7 +281,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         force: &mut NodalVectors<N>,
         mut tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
     ) -> Result<(), Failure> {
-        let state = self.state(step.q_np1, Level::End)?;
+        let state = self.state(step.q_np1, TimeLevel::End)?;
         let start = self.average(jacobians);
         let (pressure, slope) =
             Self::at_points(|g| self.parts.volume.divided_difference(start[g], state.dilatations[g]));
@@ -306,18 +306,18 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             let Some((_, factors)) = &mut tangent else {
                 let rest = stoss_continuum::energy_momentum_stress(self.parts.rest, c_n, *energy, c)
                     .map_err(|e| FailureKind::from(e).at(g))?;
-                kernel::add_force(&f_mid, &(rest + of_pressure).to_voigt(), gradients, weight, force);
+                kernel::add_force(&f_mid, &(rest + of_pressure).to_components(), gradients, weight, force);
                 continue;
             };
             let (rest, mut moduli) =
                 stoss_continuum::energy_momentum_stress_and_tangent(self.parts.rest, c_n, *energy, c)
                     .map_err(|e| FailureKind::from(e).at(g))?;
-            kernel::add_force(&f_mid, &(rest + of_pressure).to_voigt(), gradients, weight, force);
-            let stress = (rest + k * (2.0 * continued[g])).to_voigt();
+            kernel::add_force(&f_mid, &(rest + of_pressure).to_components(), gradients, weight, force);
+            let stress = (rest + k * (2.0 * continued[g])).to_components();
             moduli.add_scaled(2.0 * continued[g], &discrete_jacobian_gradient_tangent(c_n, jacobians[g], c, j, &k));
             kernel::tangent_factors(&f_mid, f, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);
             for (psi, work) in self.basis.iter().zip(&mut works) {
-                kernel::add_force(&f_mid, &k.to_voigt(), gradients, 2.0 * weight * psi[g], work);
+                kernel::add_force(&f_mid, &k.to_components(), gradients, 2.0 * weight * psi[g], work);
             }
             self.add_change_of_volume(g, f, c, j, &mut changes);
         }
@@ -337,7 +337,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         before: &NodalVectors<N>,
         pressure: impl Fn(usize, &[f64; G]) -> (f64, f64),
     ) -> Option<[f64; G]> {
-        let from = self.state(before, Level::End).ok()?;
+        let from = self.state(before, TimeLevel::End).ok()?;
         let mut linear = [0.0; G];
         for (g, linear) in linear.iter_mut().enumerate() {
             let (f0, f1) = (&from.deformation_gradients[g], &state.deformation_gradients[g]);
@@ -360,7 +360,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         j: f64,
         changes: &mut [NodalVectors<N>; A],
     ) {
-        let inverse = (c.inverse_with_det(j)).to_voigt();
+        let inverse = (c.inverse_with_det(j)).to_components();
         for (psi, change) in self.basis.iter().zip(changes) {
             let weight = self.integration.weights[g] * psi[g];
             kernel::add_force(f, &inverse, &self.integration.gradients[g], weight, change);

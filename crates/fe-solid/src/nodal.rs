@@ -4,11 +4,11 @@
 //! the forces of an element depend on all elements around its nodes, and the tangent has a stencil for each node beside those of the elements.
 
 use crate::{
-    Level, SolidStep, StressRule,
-    assembly::{self, Additions, ElementEvaluator},
+    SolidStep, StressRule, TimeLevel,
+    assembly::{self, AssemblyTarget, ElementEvaluator},
     block::Block,
-    cells::{Cells, ElementFailure, Material, PointStrain},
     element::{self, Failure, FailureKind, gather},
+    element_block::{ElementBlock, ElementFailure, Material, PointStrain},
     kernel::{self, LocalTangent, Matrix3, NodalVectors, TangentFactors},
     scratch::Scratch,
     viscous::Viscosity,
@@ -20,7 +20,7 @@ use stoss_continuum::{
 };
 use stoss_reference_element::Rule;
 
-/// Elements that a thread takes at once.
+/// NodalElements that a thread takes at once.
 const CHUNK: usize = 64;
 
 /// The tetrahedra around each node of a block.
@@ -30,7 +30,7 @@ struct Patches {
     places: Vec<[u32; 4]>,
     /// `V_I`.
     volumes: Vec<f64>,
-    /// Elements around each node, ascending: where they start, and the list.
+    /// NodalElements around each node, ascending: where they start, and the list.
     starts: Vec<usize>,
     elements: Vec<u32>,
     /// Global nodes of these elements, ascending: where they start, and the list.
@@ -100,10 +100,10 @@ impl NodalTetrahedra {
     }
 
     /// `det F` of every element, or the first that is not positive.
-    fn determine(
+    fn determinants(
         &self,
         place: impl Fn(usize) -> NodalVectors<4> + Sync,
-        level: Level,
+        level: TimeLevel,
         out: &mut Vec<f64>,
     ) -> Result<(), ElementFailure> {
         out.resize(self.patches.places.len(), 0.0);
@@ -149,26 +149,26 @@ impl NodalTetrahedra {
         volume: &dyn VolumetricEnergy,
         nodes: &[[u32; 4]],
         step: SolidStep<'_>,
-        to: Additions<'_, '_>,
+        to: AssemblyTarget<'_, '_>,
         scratch: &mut Scratch,
     ) -> Result<(), ElementFailure> {
-        let Additions { first, before, force_weight, force, target, workspace } = to;
+        let AssemblyTarget { first, before, force_weight, force, target, workspace } = to;
         let end = |element: usize| gather(&nodes[element], step.q_np1);
         let (level, theta) = match step.rule {
-            StressRule::EnergyMomentum => (Level::End, 1.0),
-            StressRule::Configuration { theta } if !step.rule.reads_start() => (Level::End, theta),
-            StressRule::Configuration { theta } if !step.rule.reads_end() => (Level::Start, theta),
+            StressRule::EnergyMomentum => (TimeLevel::End, 1.0),
+            StressRule::Configuration { theta } if !step.rule.reads_start() => (TimeLevel::End, theta),
+            StressRule::Configuration { theta } if !step.rule.reads_end() => (TimeLevel::Start, theta),
             StressRule::Configuration { theta } => {
-                self.determine(end, Level::End, &mut scratch.jacobians)?;
-                (Level::Intermediate, theta)
+                self.determinants(end, TimeLevel::End, &mut scratch.jacobians)?;
+                (TimeLevel::Intermediate, theta)
             }
         };
         let place = |element: usize| match level {
-            Level::End => end(element),
-            Level::Start => gather(&nodes[element], step.q_n),
-            Level::Intermediate => element::between(&gather(&nodes[element], step.q_n), &end(element), theta),
+            TimeLevel::End => end(element),
+            TimeLevel::Start => gather(&nodes[element], step.q_n),
+            TimeLevel::Intermediate => element::between(&gather(&nodes[element], step.q_n), &end(element), theta),
         };
-        self.determine(place, level, &mut scratch.jacobians)?;
+        self.determinants(place, level, &mut scratch.jacobians)?;
         let conserving = step.rule == StressRule::EnergyMomentum;
         self.pressures(scratch, |node, jacobians| {
             let now = self.dilatation(node, |e| jacobians[e]);
@@ -179,7 +179,7 @@ impl NodalTetrahedra {
             }
         });
         let mid = |element: usize| element::between(&gather(&nodes[element], step.q_n), &end(element), 0.5);
-        let element = Elements {
+        let element = NodalElements {
             tetrahedra: self,
             material,
             place: &place,
@@ -189,7 +189,7 @@ impl NodalTetrahedra {
             pressures: &scratch.pressures,
             factor: theta * target.as_ref().map_or(1.0, |target| target.factor),
         };
-        assembly::assemble(nodes, &element, Additions { first, before, force_weight, force, target, workspace })?;
+        assembly::assemble(nodes, &element, AssemblyTarget { first, before, force_weight, force, target, workspace })?;
         let Some(target) = target else { return Ok(()) };
         let Scratch { nodal, tangent, works, changes, .. } = scratch;
         for node in 0..self.patches.len() {
@@ -223,7 +223,7 @@ impl NodalTetrahedra {
 }
 
 /// The elements with known pressures, as their loop sees them.
-struct Elements<'a, P, M> {
+struct NodalElements<'a, P, M> {
     tetrahedra: &'a NodalTetrahedra,
     material: Material<'a>,
     place: &'a P,
@@ -234,11 +234,11 @@ struct Elements<'a, P, M> {
     factor: f64,
 }
 
-impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + Sync> Elements<'_, P, M> {
+impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + Sync> NodalElements<'_, P, M> {
     fn strain(&self, element: usize, x: &NodalVectors<4>) -> (Matrix3, SymmetricTensor2) {
         let gradients = &self.tetrahedra.block.integration(element).gradients[0];
         let f = kernel::deformation_gradient(x, gradients);
-        (f, SymmetricTensor2::from_voigt(kernel::right_cauchy_green(&f)))
+        (f, SymmetricTensor2::from_components(kernel::right_cauchy_green(&f)))
     }
 
     /// `2 F K grad N`, the force of a unit pressure a volume, and `cof F grad N`, the change of `J`.
@@ -247,7 +247,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
         let (f, c) = self.strain(element, &(self.place)(element));
         let j = self.jacobians[element];
         let mut change = [[0.0; 4]; 3];
-        kernel::add_force(&f, &c.inverse_with_det(j).to_voigt(), gradients, 1.0, &mut change);
+        kernel::add_force(&f, &c.inverse_with_det(j).to_components(), gradients, 1.0, &mut change);
         if !self.conserving {
             return [change; 2];
         }
@@ -255,13 +255,13 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
         let c_n = &self.tetrahedra.block.history(element)[0].right_cauchy_green;
         let k = discrete_jacobian_gradient(c_n, self.tetrahedra.jacobians[element], &c, j);
         let mut work = [[0.0; 4]; 3];
-        kernel::add_force(&f_mid, &k.to_voigt(), gradients, 2.0, &mut work);
+        kernel::add_force(&f_mid, &k.to_components(), gradients, 2.0, &mut work);
         [work, change]
     }
 }
 
 impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + Sync> ElementEvaluator<4, 1>
-    for Elements<'_, P, M>
+    for NodalElements<'_, P, M>
 {
     fn evaluate(
         &self,
@@ -295,7 +295,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
                 }
                 _ => law.stress(&c).map_err(failure)? + pressure_stress(p, &c, j).0,
             };
-            kernel::add_force(&left, &stress.to_voigt(), gradients, weight, force);
+            kernel::add_force(&left, &stress.to_components(), gradients, weight, force);
             return Ok(());
         };
         let (stress, moduli) = match (history, k) {
@@ -313,7 +313,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
                 (rest + of_pressure, moduli + of_pressure_moduli)
             }
         };
-        let stress = stress.to_voigt();
+        let stress = stress.to_components();
         kernel::add_force(&left, &stress, gradients, weight, force);
         let (geometric, symmetric) = if self.conserving { (0.5, false) } else { (1.0, true) };
         kernel::tangent_factors(&left, &f, &moduli.0, &stress, geometric, gradients, weight, 0, symmetric, factors);
@@ -322,8 +322,8 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
     }
 }
 
-impl Cells for NodalTetrahedra {
-    fn boxed(&self) -> Box<dyn Cells> {
+impl ElementBlock for NodalTetrahedra {
+    fn boxed(&self) -> Box<dyn ElementBlock> {
         Box::new(self.clone())
     }
 
@@ -355,7 +355,7 @@ impl Cells for NodalTetrahedra {
         self.block.begin_step(material, nodes, q_n)?;
         let nodes = nodes.as_chunks::<4>().0;
         let mut jacobians = std::mem::take(&mut self.jacobians);
-        self.determine(|element| gather(&nodes[element], q_n), Level::Start, &mut jacobians)?;
+        self.determinants(|element| gather(&nodes[element], q_n), TimeLevel::Start, &mut jacobians)?;
         self.jacobians = jacobians;
         Ok(())
     }
@@ -382,11 +382,11 @@ impl Cells for NodalTetrahedra {
         material: Material<'_>,
         nodes: &[u32],
         step: SolidStep<'_>,
-        to: Additions<'_, '_>,
+        to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure> {
-        let Additions { first, before, force_weight, force, target, workspace } = to;
+        let AssemblyTarget { first, before, force_weight, force, target, workspace } = to;
         let mut scratch = std::mem::take(&mut workspace.nodal);
-        let to = Additions { first, before, force_weight, force, target, workspace: &mut *workspace };
+        let to = AssemblyTarget { first, before, force_weight, force, target, workspace: &mut *workspace };
         let volume = material.volume();
         let result = self.assemble_with(material, volume, nodes.as_chunks().0, step, to, &mut scratch);
         workspace.nodal = scratch;
@@ -397,7 +397,7 @@ impl Cells for NodalTetrahedra {
         &self,
         nodes: &[u32],
         viscosity: Viscosity<'_>,
-        to: Additions<'_, '_>,
+        to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure> {
         self.block.add_viscous_force(nodes, viscosity, to)
     }
@@ -412,7 +412,7 @@ impl Cells for NodalTetrahedra {
         self.block.add_energy(material, nodes, q, total)?;
         let nodes = nodes.as_chunks::<4>().0;
         let mut jacobians = Vec::new();
-        self.determine(|element| gather(&nodes[element], q), Level::End, &mut jacobians)?;
+        self.determinants(|element| gather(&nodes[element], q), TimeLevel::End, &mut jacobians)?;
         for (node, volume) in self.patches.volumes.iter().enumerate() {
             *total += volume * material.volume().energy(self.dilatation(node, |e| jacobians[e]));
         }
@@ -436,7 +436,7 @@ impl Cells for NodalTetrahedra {
         for &node in &self.patches.places[element] {
             let dilatation = self.dilatation(node as usize, jacobian);
             if dilatation <= 0.0 || dilatation.is_nan() {
-                return Err(FailureKind::Collapsed { dilatation, level: Level::End }.at(0));
+                return Err(FailureKind::Collapsed { dilatation, level: TimeLevel::End }.at(0));
             }
             pressure += material.volume().pressure(dilatation).0 / 4.0;
             energy += material.volume().energy(dilatation) / 4.0;

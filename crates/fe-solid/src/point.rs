@@ -1,7 +1,7 @@
 //! The state at a material point inside an element. Not used by any force.
 
 use crate::{
-    Level, SolidBody, SolidError,
+    SolidBody, SolidError, TimeLevel,
     element::{Failure, FailureKind},
     kernel::{self, Matrix3},
     recovery,
@@ -83,9 +83,9 @@ impl SolidBody {
         let determinant = kernel::determinant(&f);
         // `!(det > 0)` also catches a NaN.
         if !(determinant > 0.0 && determinant.is_finite()) {
-            return Err(failure(FailureKind::Inverted { determinant, level: Level::End }));
+            return Err(failure(FailureKind::Inverted { determinant, level: TimeLevel::End }));
         }
-        let c = SymmetricTensor2::from_voigt(kernel::right_cauchy_green(&f));
+        let c = SymmetricTensor2::from_components(kernel::right_cauchy_green(&f));
         let material = self.material();
         let s = material.law.stress(&c).map_err(|error| failure(FailureKind::Constitutive(error)))?;
         // The averaged pressure, which is linear in the element.
@@ -99,10 +99,10 @@ impl SolidBody {
                 })
                 .map_err(|failure| self.error(point.element, failure))?;
         }
-        let cauchy = stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s).to_voigt();
+        let cauchy = stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s).to_components();
         Ok(PointState {
             deformation_gradient: f,
-            green_lagrange: stoss_continuum::green_lagrange(&c).to_voigt(),
+            green_lagrange: stoss_continuum::green_lagrange(&c).to_components(),
             cauchy: recovery::with_pressure(cauchy, pressure),
         })
     }

@@ -1,6 +1,6 @@
 //! Stresses and strains for output: at Gauss points, and extrapolated to nodes. Not used by any force.
 
-use crate::{SolidBody, SolidError, cells::PointStrain, element::FailureKind};
+use crate::{SolidBody, SolidError, element::FailureKind, element_block::PointStrain};
 use stoss_continuum::{ConstitutiveError, SymmetricTensor2, Tensor2};
 use stoss_reference_element::{CellKind, Rule};
 
@@ -19,12 +19,12 @@ pub struct GaussPointState {
 
 /// Principal stresses of a stress in the order 11, 22, 33, 12, 23, 13, the largest first.
 pub fn principal_stresses(stress: &[f64; 6]) -> [f64; 3] {
-    stoss_continuum::principal_values(&SymmetricTensor2::from_voigt(*stress))
+    stoss_continuum::principal_values(&SymmetricTensor2::from_components(*stress))
 }
 
 /// Von Mises stress `sqrt(3/2 s:s)`, `s` the deviator, of a stress in the order 11, 22, 33, 12, 23, 13.
 pub fn von_mises(stress: &[f64; 6]) -> f64 {
-    stoss_continuum::von_mises(&SymmetricTensor2::from_voigt(*stress))
+    stoss_continuum::von_mises(&SymmetricTensor2::from_components(*stress))
 }
 
 impl SolidBody {
@@ -62,7 +62,7 @@ impl SolidBody {
     pub fn nodal_cauchy_stress(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
         self.nodal_mean(q, out, |f, point| {
             let stress = self.material().law.stress(&point.right_cauchy_green)?;
-            Ok(with_pressure(stoss_continuum::cauchy_stress(f, &stress).to_voigt(), point.pressure))
+            Ok(with_pressure(stoss_continuum::cauchy_stress(f, &stress).to_components(), point.pressure))
         })
     }
 
@@ -82,7 +82,9 @@ impl SolidBody {
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Length`].
     pub fn nodal_green_lagrange_strain(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
-        self.nodal_mean(q, out, |_, point| Ok(stoss_continuum::green_lagrange(&point.right_cauchy_green).to_voigt()))
+        self.nodal_mean(q, out, |_, point| {
+            Ok(stoss_continuum::green_lagrange(&point.right_cauchy_green).to_components())
+        })
     }
 
     /// Logarithmic (Hencky) strain `ln V = ln(F F^T)/2` in the current directions at the body's nodes, made and ordered as
@@ -91,7 +93,7 @@ impl SolidBody {
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Length`].
     pub fn nodal_logarithmic_strain(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
-        self.nodal_mean(q, out, |f, _| Ok(stoss_continuum::logarithmic_strain(f).to_voigt()))
+        self.nodal_mean(q, out, |f, _| Ok(stoss_continuum::logarithmic_strain(f).to_components()))
     }
 
     /// The mean at the body's nodes of what `value` makes of `F` and the other strains at the Gauss points, see [`Self::nodal_cauchy_stress`].
@@ -154,7 +156,7 @@ impl SolidBody {
         let cauchy = stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s);
         Ok(GaussPointState {
             deformation_gradient: f,
-            cauchy: with_pressure(cauchy.to_voigt(), point.pressure),
+            cauchy: with_pressure(cauchy.to_components(), point.pressure),
             energy: law.energy(&c)? + point.volumetric_energy,
             volume: point.volume,
         })

@@ -8,7 +8,7 @@
 use crate::{
     assembly::ElementEvaluator,
     element::{Failure, gather},
-    kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors, VOIGT},
+    kernel::{self, COMPONENT_OF, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors},
 };
 
 /// Where and how fast the viscous stress acts. Vectors of the model, node-major, `3 * nodes` entries.
@@ -81,7 +81,7 @@ fn strain_rate(f: &Matrix3, l: &Matrix3) -> [f64; 6] {
     let mut rate = [0.0; 6];
     for a in 0..3 {
         for b in a..3 {
-            rate[VOIGT[a][b]] = 0.5 * (dot(a, b) + dot(b, a));
+            rate[COMPONENT_OF[a][b]] = 0.5 * (dot(a, b) + dot(b, a));
         }
     }
     rate

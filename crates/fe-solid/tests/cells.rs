@@ -389,7 +389,7 @@ fn a_corner_that_is_pushed_through_its_element_is_found() {
         }
         let found = body.inside_out(&q).unwrap().expect("a corner is turned");
         assert!(found.count >= 1 && found.relative_volume < 0.0, "{kind} {found:?}");
-        assert_eq!(mesh.elements[found.element][found.vertex] as usize, corner, "{kind} {found:?}");
+        assert_eq!(mesh.elements[found.element][found.node] as usize, corner, "{kind} {found:?}");
     }
 }
 

@@ -2,7 +2,7 @@
 use crate::common::*;
 use std::sync::Arc;
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
-use stoss_fe_solid::{Level, SolidBody, SolidError, SolidStep, StressRule};
+use stoss_fe_solid::{SolidBody, SolidError, SolidStep, StressRule, TimeLevel};
 use stoss_mesh::{Elements, Mesh, generate::Block};
 use stoss_reference_element::CellKind;
 
@@ -34,7 +34,7 @@ fn inverted_element_is_found_by_the_sign_of_det_f() {
                 let SolidError::InvertedElement { body, element, gauss_point, determinant, level } = error else {
                     panic!("{error}");
                 };
-                assert_eq!((body.as_str(), element, gauss_point, level), ("body", 1, 0, Level::End));
+                assert_eq!((body.as_str(), element, gauss_point, level), ("body", 1, 0, TimeLevel::End));
                 assert!((determinant + 1.0).abs() < 1e-14);
             }
         }
@@ -42,7 +42,7 @@ fn inverted_element_is_found_by_the_sign_of_det_f() {
         assert!(matches!(body.gauss_point_state(&mirrored), Err(SolidError::InvertedElement { element: 1, .. })));
         assert!(matches!(
             body.begin_step(&mirrored, StressRule::EnergyMomentum),
-            Err(SolidError::InvertedElement { element: 1, level: Level::Start, .. })
+            Err(SolidError::InvertedElement { element: 1, level: TimeLevel::Start, .. })
         ));
     }
 }
@@ -57,7 +57,7 @@ fn half_a_turn_has_no_midpoint_configuration_but_an_energy_momentum_force() {
     let step = |rule| SolidStep { q_n: &x, q_np1: &turned, rule };
     assert!(matches!(
         force(&body, step(StressRule::MIDPOINT)),
-        Err(SolidError::InvertedElement { element: 0, level: Level::Intermediate, .. })
+        Err(SolidError::InvertedElement { element: 0, level: TimeLevel::Intermediate, .. })
     ));
     assert!(max_abs(&force(&body, step(StressRule::EnergyMomentum)).unwrap()) < 1e-12);
 }
@@ -174,7 +174,7 @@ fn an_element_turned_inside_out_at_a_vertex_is_counted() {
         }
         let found = found.unwrap();
         assert_eq!((found.count, found.element), (1, element));
-        assert_eq!(mesh.elements[element][found.vertex], corner as u32);
+        assert_eq!(mesh.elements[element][found.node], corner as u32);
         assert!((found.relative_volume - (1.0 - 3.0 * d)).abs() < 1e-14, "{found:?}");
     }
     let mut q = x;

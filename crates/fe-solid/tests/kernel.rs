@@ -60,7 +60,7 @@ proptest! {
                     let mut scalar = 0.0;
                     for a in 0..3 {
                         for c in 0..3 {
-                            scalar += n(i)[a] * stress[VOIGT[a][c]] * n(j)[c];
+                            scalar += n(i)[a] * stress[COMPONENT_OF[a][c]] * n(j)[c];
                         }
                     }
                     for r in 0..3 {
@@ -111,7 +111,7 @@ proptest! {
                 for a in 0..3 {
                     prop_assert!((found[i][a] - f[i][a]).abs() < 1e-13);
                     let expected: f64 = (0..3).map(|k| f[k][i] * f[k][a]).sum();
-                    prop_assert!((c[VOIGT[i][a]] - expected).abs() < 1e-13);
+                    prop_assert!((c[COMPONENT_OF[i][a]] - expected).abs() < 1e-13);
                 }
             }
         }

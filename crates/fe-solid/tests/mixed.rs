@@ -406,14 +406,15 @@ fn an_average_that_is_not_positive_is_named() {
     assert!(force(&body_with(&mesh, law, Integration::Full), step).is_ok());
     let mut body = mixed_body(&mesh, law, Integration::Full);
     let error = force(&body, step).unwrap_err();
-    let SolidError::CollapsedElement { element: 0, gauss_point: 0, dilatation, level: Level::End, .. } = error else {
+    let SolidError::CollapsedElement { element: 0, gauss_point: 0, dilatation, level: TimeLevel::End, .. } = error
+    else {
         panic!("{error}");
     };
-    assert!(dilatation < 0.0 && error.to_string().contains("collapsed in the mean"), "{error}");
+    assert!(dilatation < 0.0 && error.to_string().contains("has no volume on average"), "{error}");
     assert!(matches!(body.strain_energy(&q), Err(SolidError::CollapsedElement { .. })));
     assert!(matches!(
         body.begin_step(&q, StressRule::EnergyMomentum),
-        Err(SolidError::CollapsedElement { level: Level::Start, .. })
+        Err(SolidError::CollapsedElement { level: TimeLevel::Start, .. })
     ));
 }
 

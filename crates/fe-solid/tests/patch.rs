@@ -49,7 +49,7 @@ fn irregular_block_finds_the_affine_solution_with_uniform_stress() {
         let c: [[f64; 3]; 3] =
             std::array::from_fn(|a| std::array::from_fn(|b| (0..3).map(|i| F[i][a] * F[i][b]).sum()));
         let order = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
-        let s = law.stress(&SymmetricTensor2::from_voigt(order.map(|(a, b)| c[a][b]))).unwrap().to_voigt();
+        let s = law.stress(&SymmetricTensor2::from_components(order.map(|(a, b)| c[a][b]))).unwrap().to_components();
         let at = |a: usize, b: usize| s[order.iter().position(|&o| o == (a.min(b), a.max(b))).unwrap()];
         let det = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) - F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0])
             + F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);

@@ -2,7 +2,7 @@
 use crate::common::*;
 use proptest::prelude::*;
 use stoss_continuum::SymmetricTensor2;
-use stoss_fe_solid::{Level, SolidError, SolidStep, StressRule, TangentTarget, Workspace, kernel::*};
+use stoss_fe_solid::{SolidError, SolidStep, StressRule, TangentTarget, TimeLevel, Workspace, kernel::*};
 use stoss_mesh::generate::Block;
 use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};
 
@@ -41,9 +41,9 @@ proptest! {
         for g in 0..GAUSS_POINTS {
             let (gradients, weight) = (&element.gradients[g], element.weights[g]);
             let f = deformation_gradient(&local, gradients);
-            let c = SymmetricTensor2::from_voigt(right_cauchy_green(&f));
+            let c = SymmetricTensor2::from_components(right_cauchy_green(&f));
             let (stress, moduli) = law.stress_and_elasticity(&c).unwrap();
-            let stress = stress.to_voigt();
+            let stress = stress.to_components();
             add_force(&f, &stress, gradients, weight, &mut expected_force);
             tangent_factors(&f, &f, &moduli.0, &stress, 1.0, gradients, weight, g, true, &mut factors);
         }
@@ -126,14 +126,14 @@ fn inverted_ends_are_named_as_far_as_they_are_read() {
         }
     };
     // A third of the way to the mirror image the cube is still upright.
-    assert_eq!(level(&x, &mirrored, 1.0 / 3.0), Some(Level::End));
-    assert_eq!(level(&x, &mirrored, 1.0), Some(Level::End));
+    assert_eq!(level(&x, &mirrored, 1.0 / 3.0), Some(TimeLevel::End));
+    assert_eq!(level(&x, &mirrored, 1.0), Some(TimeLevel::End));
     assert_eq!(level(&x, &mirrored, 0.0), None, "the end is not read");
-    assert_eq!(level(&mirrored, &x, 0.0), Some(Level::Start));
-    assert_eq!(level(&mirrored, &x, 1.0 / 3.0), Some(Level::Intermediate));
+    assert_eq!(level(&mirrored, &x, 0.0), Some(TimeLevel::Start));
+    assert_eq!(level(&mirrored, &x, 1.0 / 3.0), Some(TimeLevel::Intermediate));
     assert_eq!(level(&mirrored, &x, 2.0 / 3.0), None, "past the flat state, and q_n is not looked at");
     assert_eq!(level(&mirrored, &x, 1.0), None, "the start is not read");
-    assert_eq!(level(&x, &x, f64::NAN), Some(Level::Intermediate));
+    assert_eq!(level(&x, &x, f64::NAN), Some(TimeLevel::Intermediate));
 }
 
 #[test]

@@ -127,12 +127,12 @@ impl Ogden {
 }
 
 fn outer(n: &stoss_tensor::Vector3) -> SymmetricTensor2 {
-    SymmetricTensor2(stoss_tensor::VOIGT.map(|(i, j)| n[i] * n[j]))
+    SymmetricTensor2(stoss_tensor::INDEX_PAIRS.map(|(i, j)| n[i] * n[j]))
 }
 
 /// Symmetrised `a (x) b`.
 fn mixed(a: &stoss_tensor::Vector3, b: &stoss_tensor::Vector3) -> SymmetricTensor2 {
-    SymmetricTensor2(stoss_tensor::VOIGT.map(|(i, j)| 0.5 * (a[i] * b[j] + a[j] * b[i])))
+    SymmetricTensor2(stoss_tensor::INDEX_PAIRS.map(|(i, j)| 0.5 * (a[i] * b[j] + a[j] * b[i])))
 }
 
 /// The pair of principal directions `a`, `b` of nearly equal stretches: `(lbar_B^alpha / lbar_A^alpha - 1) / (x_B - x_A)` with the

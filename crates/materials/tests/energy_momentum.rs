@@ -7,7 +7,7 @@ use stoss_continuum::{
 };
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_tensor::{
-    VOIGT,
+    INDEX_PAIRS,
     nalgebra::{SMatrix, SVector},
 };
 
@@ -40,7 +40,7 @@ fn momentum(mass: f64, f: &Tensor2, v: &Tensor2) -> [f64; 3] {
 fn strain_derivative(f: &Tensor2) -> SMatrix<f64, 6, 9> {
     SMatrix::from_fn(|a, column| {
         let (i, j) = (column % 3, column / 3);
-        let (k, l) = VOIGT[a];
+        let (k, l) = INDEX_PAIRS[a];
         let shear = if k == l { 0.5 } else { 1.0 };
         shear * ((if j == k { f[(i, l)] } else { 0.0 }) + (if j == l { f[(i, k)] } else { 0.0 }))
     })

@@ -2,6 +2,7 @@
 
 use crate::{ConstraintSet, Embedded, Equation, QuadraticsBuilder, RigidBody};
 use nalgebra::{Matrix3, Vector3};
+use stoss_contact::position;
 
 /// Why nodes cannot be coupled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -39,11 +40,6 @@ pub enum CouplingError {
         /// The distance.
         distance: f64,
     },
-}
-
-fn position(q: &[f64], node: u32) -> Vector3<f64> {
-    let at = 3 * node as usize;
-    Vector3::new(q[at], q[at + 1], q[at + 2])
 }
 
 /// Each node is a point of the body: `x_a - c - sum_k X_ak D_k / l = 0`, 3 equations a node, linear.

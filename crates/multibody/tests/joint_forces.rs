@@ -21,14 +21,6 @@ const KINDS: [JointKind; 7] = [
     JointKind::Weld,
 ];
 
-const RULES: [ContactRule; 5] = [
-    ContactRule::StartPoint,
-    ContactRule::EndPoint,
-    ContactRule::EndPointMean,
-    ContactRule::Midpoint,
-    ContactRule::EnergyMomentum,
-];
-
 fn bodies() -> [RigidBody; 2] {
     let mass = |centre, euler| RigidMass::new(2.0, centre, euler, AXES).unwrap();
     [
@@ -214,7 +206,7 @@ proptest! {
     #[test]
     fn tangents_of_the_kinds([q_n, q_np1] in state(), m in proptest::collection::vec(-2.0..2.0_f64, 6), ground in any::<bool>()) {
         for kind in KINDS.into_iter().chain([JointKind::Distance { length: 0.7 }]) {
-            for rule in RULES {
+            for rule in ContactRule::ALL {
                 let mut joint = joint(kind, ground);
                 begin(&mut joint, &q_n, rule);
                 let error = tangent_error(&joint, &q_n, &q_np1, rule, &m[..joint.slot_count()]);
@@ -228,7 +220,7 @@ proptest! {
     fn tangents_of_the_options([q_n, q_np1] in state(), m in proptest::collection::vec(-1.0..1.0_f64, 10)) {
         for kind in [JointKind::Hinge, JointKind::Cylindrical, JointKind::Slider] {
             for which in 0..8 {
-                for rule in RULES {
+                for rule in ContactRule::ALL {
                     let mut joint = joint(kind, false).with_options(options(which)).unwrap();
                     begin(&mut joint, &q_n, rule);
                     let error = tangent_error(&joint, &q_n, &q_np1, rule, &m[..joint.slot_count()]);
@@ -247,7 +239,7 @@ proptest! {
     fn tangents_of_two_coordinates([q_n, q_np1] in state(), m in proptest::collection::vec(-1.0..1.0_f64, 8)) {
         for kind in [JointKind::Cylindrical, JointKind::Universal] {
             for which in 0..6 {
-                for rule in RULES {
+                for rule in ContactRule::ALL {
                     let joint = joint(kind, false).with_options_of(1, options(which)).unwrap();
                     let mut joint = joint.with_options(options(5 - which)).unwrap();
                     begin(&mut joint, &q_n, rule);

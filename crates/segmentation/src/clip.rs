@@ -4,10 +4,11 @@
 //! overlap. Signs that exact arithmetic finds to be zero are those of the shifted polygon. The vertices' coordinates
 //! are those of the polygons as they are.
 
-use crate::cell::{Cell, cross, orient, sub};
+use crate::pieces::Piece;
+use crate::plane::{cross, orient, sub};
 use stoss_reference_element::MAX_NODES;
 
-/// Vertex of the intersection: indices are sides and corners of the cells.
+/// Vertex of the intersection: indices are sides and corners of the pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ClipVertex {
     Slave(usize),
@@ -35,7 +36,7 @@ fn is_left(a: [f64; 2], b: [f64; 2], p: [f64; 2], shift_sign: f64) -> bool {
 }
 
 impl Signs {
-    fn new(s: &Cell, m: &Cell) -> Self {
+    fn new(s: &Piece, m: &Piece) -> Self {
         let none = [[false; MAX_NODES]; MAX_NODES];
         let mut signs = Self { master_in: none, slave_in: none };
         for i in 0..s.count {
@@ -48,14 +49,14 @@ impl Signs {
         signs
     }
 
-    fn crosses(&self, s: &Cell, m: &Cell, i: usize, j: usize) -> bool {
+    fn crosses(&self, s: &Piece, m: &Piece, i: usize, j: usize) -> bool {
         self.master_in[i][j] != self.master_in[i][(j + 1) % m.count]
             && self.slave_in[j][i] != self.slave_in[j][(i + 1) % s.count]
     }
 }
 
 /// Vertices of the intersection, counter-clockwise; returns how many there are (0, or 3 to 8).
-pub(crate) fn clip(s: &Cell, m: &Cell, out: &mut [ClipVertex; 8]) -> usize {
+pub(crate) fn clip(s: &Piece, m: &Piece, out: &mut [ClipVertex; 8]) -> usize {
     let signs = Signs::new(s, m);
     let slave_inside = |i: usize| (0..m.count).all(|j| signs.slave_in[j][i]);
     let master_inside = |j: usize| (0..s.count).all(|i| signs.master_in[i][j]);
@@ -112,10 +113,10 @@ pub(crate) struct Crossing {
     pub master_fraction: f64,
 }
 
-fn ordered(cell: &Cell, side: usize) -> ([u8; 2], [[f64; 2]; 2]) {
-    let next = (side + 1) % cell.count;
-    let (a, b) = (cell.points[side], cell.points[next]);
-    let corners = [cell.corners[side], cell.corners[next]];
+fn ordered(piece: &Piece, side: usize) -> ([u8; 2], [[f64; 2]; 2]) {
+    let next = (side + 1) % piece.count;
+    let (a, b) = (piece.points[side], piece.points[next]);
+    let corners = [piece.corners[side], piece.corners[next]];
     if a[0] < b[0] || (a[0] == b[0] && a[1] <= b[1]) { (corners, [a, b]) } else { ([corners[1], corners[0]], [b, a]) }
 }
 
@@ -124,7 +125,7 @@ fn fraction_of(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])
 }
 
-pub(crate) fn crossing(s: &Cell, slave: usize, m: &Cell, master: usize) -> Crossing {
+pub(crate) fn crossing(s: &Piece, slave: usize, m: &Piece, master: usize) -> Crossing {
     let (slave_corners, [a, b]) = ordered(s, slave);
     let (master_corners, [c, d]) = ordered(m, master);
     let (from, to) = (orient(c, d, a), orient(c, d, b));

@@ -1,8 +1,9 @@
 //! A master that covers a part of the slave more than once, folded or in several sheets: each point of the slave belongs to the nearer facet.
 
-use crate::cell::{cross, inverse, sub};
 use crate::frame::weighted;
+use crate::map::inverse;
 use crate::overlap::{common_area, sides};
+use crate::plane::{cross, sub};
 use crate::{FacetSegmentation, HiddenFacet, MasterFacet, Provenance, Segment, SlaveFrame, Vertex};
 
 /// Common area, as a part of the image of the slave, below which it is round-off.

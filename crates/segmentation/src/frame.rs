@@ -1,7 +1,8 @@
 //! The segmentation plane of a slave facet.
 
 use crate::SegmentationError;
-use crate::cell::{Cell, Images, Orientation, split};
+use crate::map::Images;
+use crate::pieces::{Orientation, Piece, split};
 use nalgebra::{Matrix3, Vector3};
 use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 
@@ -19,7 +20,7 @@ pub struct SlaveFrame {
     tangents: [Vector3<f64>; 2],
     diagonal_product: f64,
     pub(crate) images: Images,
-    pub(crate) cells: [Option<Cell>; 2],
+    pub(crate) pieces: [Option<Piece>; 2],
     is_split: bool,
 }
 
@@ -50,11 +51,11 @@ impl SlaveFrame {
             tangents: [t1, normal.cross(&t1)],
             diagonal_product: area,
             images: corners.map(|_| [0.0; 2]),
-            cells: [None; 2],
+            pieces: [None; 2],
             is_split: false,
         };
         frame.images = corners.map(|x| frame.image(&x));
-        (frame.cells, frame.is_split) = split(&frame.images, Orientation::Forward);
+        (frame.pieces, frame.is_split) = split(&frame.images, Orientation::Forward);
         Ok(frame)
     }
 

@@ -34,7 +34,6 @@
 //!
 #![doc = include_str!("../README.md")]
 
-mod cell;
 mod clip;
 mod coverage;
 mod derivative;
@@ -42,15 +41,18 @@ mod error;
 mod facet;
 mod folded;
 mod frame;
+mod map;
 mod overlap;
+mod pieces;
+mod plane;
 mod segment;
 mod surface;
 
-pub use cell::FacetMap;
 pub use coverage::{CoverageReport, OpenEdge, check_coverage};
 pub use derivative::{LOCAL, MASTER, PointDerivative};
 pub use error::SegmentationError;
 pub use facet::{FacetSegmentation, HiddenFacet, MasterFacet};
 pub use frame::SlaveFrame;
+pub use map::FacetMap;
 pub use segment::{Foot, MAX_VERTICES, Provenance, Segment, Vertex, segment_pair};
 pub use surface::{GapRange, segment_facet};

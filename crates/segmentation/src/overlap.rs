@@ -1,6 +1,6 @@
 //! Area common to two convex polygons in floating point, for checks and for sheets one behind the other.
 
-use crate::cell::{cross, sub};
+use crate::plane::{cross, sub};
 use crate::{MAX_VERTICES, Segment};
 
 const ROOM: usize = 2 * MAX_VERTICES + 2;

@@ -1,8 +1,10 @@
 //! One pair of facets: polygons with coordinates and origin of every vertex.
 
-use crate::cell::{FacetMap, Images, Orientation, cross, inverse, split, sub};
 use crate::clip::{ClipVertex, clip, crossing};
 use crate::frame::weighted;
+use crate::map::{FacetMap, Images, inverse};
+use crate::pieces::{Orientation, split};
+use crate::plane::{cross, sub};
 use crate::{SegmentationError, SlaveFrame};
 use nalgebra::Vector3;
 use stoss_reference_element::{FacetKind, Nodal};
@@ -201,10 +203,10 @@ pub fn segment_pair(
         }
     }
     // The master looks the other way: its corners run clockwise in the plane.
-    let (master_cells, _) = split(&images, Orientation::Backward);
+    let (master_pieces, _) = split(&images, Orientation::Backward);
     let (slave_kind, master_kind) = (frame.kind(), master.kind());
-    for s in frame.cells.iter().flatten() {
-        for m in master_cells.iter().flatten() {
+    for s in frame.pieces.iter().flatten() {
+        for m in master_pieces.iter().flatten() {
             let mut clipped = [ClipVertex::Slave(0); MAX_VERTICES];
             let count = clip(s, m, &mut clipped);
             if count < 3 {

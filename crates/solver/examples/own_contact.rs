@@ -45,7 +45,7 @@ impl PenaltyPlane {
                 let ratio = (end.min(0.0) - start.min(0.0)) / (end - start);
                 Ok((half * sum * ratio, half * (closed * ratio + sum * (closed - ratio) / (end - start))))
             }
-            _ => Err(ContactError::Rule { method: "penalty plane", rule: format!("{rule:?}") }),
+            _ => Err(ContactError::RuleUnavailable { method: "penalty plane", rule: format!("{rule:?}") }),
         }
     }
 }

@@ -117,7 +117,7 @@ pub(crate) fn linear_error(
 
 /// Why a multiplier of a constraint that always holds is not determined.
 fn multiplier_hint(model: &Model, pair: usize, slot: usize, active: &[Vec<bool>]) -> &'static str {
-    let Some(held) = model.contacts[pair].method.held(slot, 0.0) else {
+    let Some(held) = model.contacts[pair].method.supported_node(slot, 0.0) else {
         return "it follows from others at this moment: a mechanism in a singular position, a joint, tie or support that is there twice, or what is held at both ends; try another \
                 step size";
     };
@@ -146,7 +146,7 @@ fn pressure_hint(model: &Model, system: &System, iterate: &Iterate, pair: usize,
         let mut slots = model
             .contacts
             .iter()
-            .flat_map(|pair| (0..pair.method.slot_count()).map_while(|slot| pair.method.held(slot, 0.0)));
+            .flat_map(|pair| (0..pair.method.slot_count()).map_while(|slot| pair.method.supported_node(slot, 0.0)));
         slots.any(|held| held.node == node)
     };
     let own = |node: u32| model.embedding.carriers(node).is_none();
@@ -293,7 +293,7 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
     let mut held = supports.flat_map(|(p, _)| &p.nodes).any(|node| body.nodes.contains(node));
     let mut touches = false;
     for (pair, active) in model.contacts.iter().zip(active) {
-        let is_support = pair.method.held(0, 0.0).is_some();
+        let is_support = pair.method.supported_node(0, 0.0).is_some();
         let reached = if is_support { &mut held } else { &mut touches };
         pair.method.stencils(active, &mut |nodes, _| *reached |= nodes.iter().any(|node| body.nodes.contains(node)));
     }

@@ -93,7 +93,7 @@ pub enum StepError {
     /// Elements that are turned inside out at a vertex at the end of the step and were not before.
     #[error(
         "body {body}: {} of {elements} elements are turned inside out at a corner (worst: element {}, relative volume {:.1e} at its node {})",
-        .found.count, .found.element, .found.relative_volume, .found.vertex
+        .found.count, .found.element, .found.relative_volume, .found.node
     )]
     InsideOut {
         /// The body.

@@ -125,7 +125,7 @@ fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
         StepError::InsideOut { body, found, .. } => {
             let place = of_element(model, body, found.element);
             let corner = |(body, element): (usize, usize)| {
-                model.bodies[body].solid.elements().iter().nth(element)?.get(found.vertex).copied()
+                model.bodies[body].solid.elements().iter().nth(element)?.get(found.node).copied()
             };
             // Elements count nodes of the model.
             (FailureKind::InsideOut, Place { node: place.element.and_then(corner), ..place })

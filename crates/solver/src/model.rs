@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use stoss_contact::{
     Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork,
-    LocalContribution, Potential, Report, SlotReport, StepConfiguration, SurfaceForce, SurfaceNode, WithoutSlots,
+    LocalContribution, Potential, PotentialConstraint, Report, SlotReport, StepConfiguration, SurfaceForce,
+    SurfaceNode,
 };
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_part::Part;
@@ -118,7 +119,7 @@ pub enum Coupling {
     /// Bilateral constraints: mesh ties, joints.
     Bilateral(Box<dyn Bilateral>),
     /// Forces with a potential: penalties, barriers.
-    Potential(WithoutSlots),
+    Potential(PotentialConstraint),
     /// One of the others, switched off.
     Off(SwitchedOff),
 }
@@ -136,7 +137,7 @@ impl Coupling {
 
     /// Forces with a potential.
     pub fn potential(potential: impl Potential + 'static) -> Self {
-        Self::Potential(WithoutSlots(Box::new(potential)))
+        Self::Potential(PotentialConstraint(Box::new(potential)))
     }
 
     /// The contact method, if the coupling is unilateral contact.

@@ -2,8 +2,8 @@
 
 use crate::Table;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, ContactWork, Held, History, LocalContribution, Report, SlotReport,
-    StepConfiguration,
+    Constraint, ContactError, ContactRule, ContactWork, History, LocalContribution, Report, SlotReport,
+    StepConfiguration, SupportedNode,
 };
 
 /// Tolerance, as a part of the length scale, of the constraint of a slot without a multiplier.
@@ -85,7 +85,7 @@ impl Report for SlidingSupport {
 
     fn verify_inactive(&self, q_np1: &[f64], active: &[bool]) -> Result<(), ContactError> {
         for (slot, _) in active.iter().enumerate().filter(|(_, active)| !**active) {
-            let Some(held) = self.held(slot, self.times[1]) else { continue };
+            let Some(held) = self.supported_node(slot, self.times[1]) else { continue };
             let missed = (held.place - along(&held, q_np1)).abs();
             if missed.is_nan() || missed > MISSED * self.length {
                 let reason = format!(
@@ -99,9 +99,9 @@ impl Report for SlidingSupport {
         Ok(())
     }
 
-    fn held(&self, slot: usize, time: f64) -> Option<Held> {
+    fn supported_node(&self, slot: usize, time: f64) -> Option<SupportedNode> {
         let &(node, reference) = self.nodes.get(slot)?;
-        Some(Held {
+        Some(SupportedNode {
             node,
             direction: self.direction,
             place: reference + self.displacement.value(time, 0),
@@ -115,7 +115,7 @@ impl Report for SlidingSupport {
 }
 
 /// `d . x`.
-pub(crate) fn along(held: &Held, x: &[f64]) -> f64 {
+pub(crate) fn along(held: &SupportedNode, x: &[f64]) -> f64 {
     (0..3).map(|i| held.direction[i] * x[3 * held.node as usize + i]).sum()
 }
 
@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(make([f64::NAN, 1.0, 0.0]), None);
         assert_eq!(make([1.0, f64::INFINITY, 0.0]), None);
         for size in [1e-300, 1.0, 1e300] {
-            let held = make([3.0 * size, 4.0 * size, 0.0]).unwrap().held(0, 0.0).unwrap();
+            let held = make([3.0 * size, 4.0 * size, 0.0]).unwrap().supported_node(0, 0.0).unwrap();
             assert!((held.direction[0] - 0.6).abs() < 1e-15 && (held.direction[1] - 0.8).abs() < 1e-15);
         }
     }

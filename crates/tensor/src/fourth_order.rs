@@ -1,6 +1,6 @@
 //! Fourth-order tensors with minor symmetries.
 
-use crate::{SymmetricTensor2, VOIGT};
+use crate::{INDEX_PAIRS, SymmetricTensor2};
 use std::ops::{Add, Mul};
 
 /// A fourth-order tensor with both minor symmetries (`C_ijkl = C_jikl = C_ijlk`), major symmetry not assumed.
@@ -18,7 +18,7 @@ impl Tensor4 {
 
     /// From plain components.
     pub fn from_fn(component: impl Fn(usize, usize, usize, usize) -> f64) -> Self {
-        Self(VOIGT.map(|(i, j)| VOIGT.map(|(k, l)| component(i, j, k, l))))
+        Self(INDEX_PAIRS.map(|(i, j)| INDEX_PAIRS.map(|(k, l)| component(i, j, k, l))))
     }
 
     /// `1 (x) 1`: `delta_ij delta_kl`.
@@ -49,8 +49,8 @@ impl Tensor4 {
         let [xx, yy, zz, xy, yz, xz] = inverse.0;
         let m = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         let mut c = [[0.0; 6]; 6];
-        for (a, &(i, j)) in VOIGT.iter().enumerate() {
-            for (b, &(k, l)) in VOIGT.iter().enumerate().skip(a) {
+        for (a, &(i, j)) in INDEX_PAIRS.iter().enumerate() {
+            for (b, &(k, l)) in INDEX_PAIRS.iter().enumerate().skip(a) {
                 c[a][b] = -0.5 * (m[i][k] * m[j][l] + m[i][l] * m[j][k]);
                 c[b][a] = c[a][b];
             }
@@ -81,14 +81,14 @@ impl Tensor4 {
     /// `C : e`.
     #[inline]
     pub fn double_contract_right(&self, e: &SymmetricTensor2) -> SymmetricTensor2 {
-        let v = e.to_strain_voigt();
+        let v = e.with_doubled_shears();
         SymmetricTensor2(self.0.map(|row| row.iter().zip(&v).map(|(c, x)| c * x).sum()))
     }
 
     /// `e : C`.
     #[inline]
     pub fn double_contract_left(&self, e: &SymmetricTensor2) -> SymmetricTensor2 {
-        let v = e.to_strain_voigt();
+        let v = e.with_doubled_shears();
         let mut out = [0.0; 6];
         for (row, x) in self.0.iter().zip(&v) {
             for (o, c) in out.iter_mut().zip(row) {
@@ -157,7 +157,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn voigt_product_is_the_double_contraction(c in proptest::collection::vec(-1.0..1.0_f64, 81), e in proptest::array::uniform6(-1.0..1.0_f64)) {
+        fn product_of_components_is_the_double_contraction(c in proptest::collection::vec(-1.0..1.0_f64, 81), e in proptest::array::uniform6(-1.0..1.0_f64)) {
             // Against the sum over all nine pairs of a tensor with minor symmetries and no other.
             let full = |i: usize, j: usize, k: usize, l: usize| {
                 let (i, j, k, l) = (i.min(j), i.max(j), k.min(l), k.max(l));
@@ -167,7 +167,7 @@ mod tests {
             let e = SymmetricTensor2(e);
             let m = e.to_matrix();
             let sum = |component: &dyn Fn(usize, usize, usize, usize) -> f64| {
-                SymmetricTensor2(VOIGT.map(|(i, j)| {
+                SymmetricTensor2(INDEX_PAIRS.map(|(i, j)| {
                     (0..9).map(|n| component(i, j, n / 3, n % 3) * m[(n / 3, n % 3)]).sum()
                 }))
             };

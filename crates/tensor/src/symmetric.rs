@@ -1,6 +1,6 @@
 //! Symmetric second-order tensors.
 
-use crate::{Tensor2, VOIGT};
+use crate::{INDEX_PAIRS, Tensor2};
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 /// A symmetric second-order tensor: plain components 11, 22, 33, 12, 23, 13 (shears not doubled).
@@ -15,19 +15,19 @@ impl SymmetricTensor2 {
 
     /// From plain components in the order 11, 22, 33, 12, 23, 13.
     #[inline]
-    pub const fn from_voigt(components: [f64; 6]) -> Self {
+    pub const fn from_components(components: [f64; 6]) -> Self {
         Self(components)
     }
 
     /// Plain components in the order 11, 22, 33, 12, 23, 13.
     #[inline]
-    pub const fn to_voigt(self) -> [f64; 6] {
+    pub const fn to_components(self) -> [f64; 6] {
         self.0
     }
 
-    /// Components with doubled shears, as strains enter Voigt products.
+    /// Components in the same order with doubled shears (engineering strains), so that the product with the plain components of a stress is the double contraction.
     #[inline]
-    pub fn to_strain_voigt(self) -> [f64; 6] {
+    pub fn with_doubled_shears(self) -> [f64; 6] {
         let [a, b, c, d, e, f] = self.0;
         [a, b, c, 2.0 * d, 2.0 * e, 2.0 * f]
     }
@@ -35,7 +35,7 @@ impl SymmetricTensor2 {
     /// The symmetric part of a matrix.
     #[inline]
     pub fn from_matrix(m: &Tensor2) -> Self {
-        Self(VOIGT.map(|(i, j)| if i == j { m[(i, i)] } else { 0.5 * (m[(i, j)] + m[(j, i)]) }))
+        Self(INDEX_PAIRS.map(|(i, j)| if i == j { m[(i, i)] } else { 0.5 * (m[(i, j)] + m[(j, i)]) }))
     }
 
     /// As a full matrix.
@@ -49,7 +49,7 @@ impl SymmetricTensor2 {
     #[inline]
     pub fn right_cauchy_green(deformation_gradient: &Tensor2) -> Self {
         let f = deformation_gradient;
-        Self(VOIGT.map(|(i, j)| f[(0, i)] * f[(0, j)] + f[(1, i)] * f[(1, j)] + f[(2, i)] * f[(2, j)]))
+        Self(INDEX_PAIRS.map(|(i, j)| f[(0, i)] * f[(0, j)] + f[(1, i)] * f[(1, j)] + f[(2, i)] * f[(2, j)]))
     }
 
     /// First invariant, the trace `a_ii`.

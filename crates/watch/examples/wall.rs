@@ -5,7 +5,7 @@
 
 use std::error::Error;
 use stoss_mesh::{Elements, Mesh, generate::Block};
-use stoss_watch::{FindingKind, Judge, Level, Limits, Watch, WatchBody, WatchModel, WatchShape};
+use stoss_watch::{FindingKind, Judge, Limits, Severity, Watch, WatchBody, WatchModel, WatchShape};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let wall = Block::new([0.0, -2.0, -2.0], [0.6, 2.0, 2.0], [2, 8, 8]).generate()?;
@@ -24,10 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let start = [-1.0, 0.1, 0.2];
     for (what, places, level, kind) in [
-        ("past the wall", [[-0.7, 1.5, 0.2], [-0.5, 3.0, 0.2]], Level::Sound, None),
-        ("a little into it", [[-0.5, 0.1, 0.2], [-0.1, 0.1, 0.2]], Level::Doubtful, Some(FindingKind::Penetration)),
-        ("deep into it", [[-0.5, 0.1, 0.2], [0.1, 0.1, 0.2]], Level::Wrong, Some(FindingKind::Penetration)),
-        ("through it", [[-0.5, 0.1, 0.2], [1.2, 0.1, 0.2]], Level::Wrong, Some(FindingKind::Tunnelling)),
+        ("past the wall", [[-0.7, 1.5, 0.2], [-0.5, 3.0, 0.2]], Severity::Sound, None),
+        ("a little into it", [[-0.5, 0.1, 0.2], [-0.1, 0.1, 0.2]], Severity::Doubtful, Some(FindingKind::Penetration)),
+        ("deep into it", [[-0.5, 0.1, 0.2], [0.1, 0.1, 0.2]], Severity::Wrong, Some(FindingKind::Penetration)),
+        ("through it", [[-0.5, 0.1, 0.2], [1.2, 0.1, 0.2]], Severity::Wrong, Some(FindingKind::Tunnelling)),
     ] {
         let bodies = vec![body("wall", &wall, 0), body("cube", &cube, first)];
         let mut judge = Judge::new(bodies.iter().map(|b| (b.name.clone(), b.nodes.clone())), vec![], Limits::default());

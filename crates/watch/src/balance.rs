@@ -1,7 +1,7 @@
 //! Momenta and energy against what scheme, loads, supports and contact together must conserve.
 
 use crate::words::short_time;
-use crate::{Finding, FindingKind, Level};
+use crate::{Finding, FindingKind, Severity};
 use serde::{Deserialize, Serialize};
 
 /// Relative gain of energy from which on it is doubtful, where nothing excludes a gain.
@@ -158,7 +158,7 @@ impl BalanceWatch {
             if exceeds(drift, tolerance) {
                 let what =
                     format!("the linear momentum along {} has changed by {drift:.1e} of its scale", ["x", "y", "z"][i]);
-                broken(Level::Wrong, what + ", though nothing acts along it", drift);
+                broken(Severity::Wrong, what + ", though nothing acts along it", drift);
             }
         }
         if angular {
@@ -167,7 +167,11 @@ impl BalanceWatch {
             self.drifts[1] = self.drifts[1].max(drift);
             if exceeds(drift, tolerance) {
                 let what = format!("the angular momentum has changed by {drift:.1e} of its scale");
-                broken(Level::Wrong, what + ", though nothing acts on the bodies and the scheme conserves it", drift);
+                broken(
+                    Severity::Wrong,
+                    what + ", though nothing acts on the bodies and the scheme conserves it",
+                    drift,
+                );
             }
         }
         let closed = state.total + state.closing_loss;
@@ -177,7 +181,7 @@ impl BalanceWatch {
             self.drifts[2] = self.drifts[2].max(drift);
             if exceeds(drift, tolerance) && is_resolved(off) {
                 let what = format!("the balance of energy is off by {drift:.1e} of the energy");
-                broken(Level::Wrong, what + ", though the scheme conserves it", drift);
+                broken(Severity::Wrong, what + ", though the scheme conserves it", drift);
             }
         }
         let given_back = self.largest_loss - state.closing_loss;
@@ -185,18 +189,18 @@ impl BalanceWatch {
         self.largest_loss = self.largest_loss.max(state.closing_loss);
         let given = format!("contact has added {:.1} % to the energy of the bodies", 100.0 * gain);
         if contact_gives_nothing && exceeds(gain, tolerance) && is_resolved(given_back) {
-            broken(Level::Wrong, given + ", though the constraint excludes that", gain);
+            broken(Severity::Wrong, given + ", though the constraint excludes that", gain);
         } else if exceeds(gain, DOUBTFUL_GAIN) {
-            broken(Level::Doubtful, given, gain);
+            broken(Severity::Doubtful, given, gain);
         }
         let gain = part(state.total - self.lowest, self.scales[2]);
         self.lowest = self.lowest.min(state.total);
         if autonomous && !energy && exceeds(gain, WRONG_GAIN) {
             let what = format!("{:.0} % of the energy was not supplied by loads or supports", 100.0 * gain);
-            broken(Level::Wrong, what + "; the steps are too large for the scheme", gain);
+            broken(Severity::Wrong, what + "; the steps are too large for the scheme", gain);
         } else if autonomous && !energy && exceeds(gain, DOUBTFUL_GAIN) {
             let what = format!("the energy has grown by {:.1} %", 100.0 * gain);
-            broken(Level::Doubtful, what + "; the scheme does not exclude that", gain);
+            broken(Severity::Doubtful, what + "; the scheme does not exclude that", gain);
         }
         found
     }
@@ -222,7 +226,7 @@ mod tests {
     }
 
     /// Levels of what a second step breaks.
-    fn second(promises: Promises, change: impl Fn(&mut BalanceState)) -> Vec<Level> {
+    fn second(promises: Promises, change: impl Fn(&mut BalanceState)) -> Vec<Severity> {
         let mut watch = BalanceWatch::new(promises, 1.0, 1.0, 0.0);
         assert_eq!(watch.observe(0, 0.0, &start()), []);
         let mut state = start();
@@ -240,7 +244,7 @@ mod tests {
 
     #[test]
     fn what_breaks_a_promise_is_wrong() {
-        let wrong = [Level::Wrong];
+        let wrong = [Severity::Wrong];
         assert_eq!(second(promises(), |s| s.linear[1] += 1e-5), wrong);
         assert_eq!(second(promises(), |s| s.angular[2] -= 1e-5), wrong);
         assert_eq!(second(promises(), |s| s.total -= 1e-5), wrong);
@@ -272,20 +276,20 @@ mod tests {
     fn a_gain_that_is_not_excluded_is_doubtful() {
         let loose = Promises { energy: false, contact_gives_nothing: false, ..promises() };
         assert_eq!(second(loose, |s| s.total += 0.02), []);
-        assert_eq!(second(loose, |s| s.total += 0.1), [Level::Doubtful]);
+        assert_eq!(second(loose, |s| s.total += 0.1), [Severity::Doubtful]);
         let driven = Promises { autonomous: false, ..loose };
         assert_eq!(second(driven, |s| s.total += 0.1), []);
-        assert_eq!(second(driven, |s| s.closing_loss -= 0.1), [Level::Doubtful]);
+        assert_eq!(second(driven, |s| s.closing_loss -= 0.1), [Severity::Doubtful]);
     }
 
     #[test]
     fn energy_that_doubles_without_work_is_wrong_whatever_the_scheme_claims() {
         let loose = Promises { energy: false, contact_gives_nothing: false, ..promises() };
         let grown = |by: f64| move |s: &mut BalanceState| (s.energy, s.total) = (s.energy + by, s.total + by);
-        assert_eq!(second(loose, grown(2.9)), [Level::Doubtful]);
-        assert_eq!(second(loose, grown(3.1)), [Level::Wrong]);
-        assert_eq!(second(loose, grown(26.0 * 3.0)), [Level::Wrong]);
-        assert_eq!(second(loose, grown(f64::NAN)), [Level::Wrong]);
+        assert_eq!(second(loose, grown(2.9)), [Severity::Doubtful]);
+        assert_eq!(second(loose, grown(3.1)), [Severity::Wrong]);
+        assert_eq!(second(loose, grown(26.0 * 3.0)), [Severity::Wrong]);
+        assert_eq!(second(loose, grown(f64::NAN)), [Severity::Wrong]);
         // What falls has its energy from the potential, and a support that moves may do work between the ends of steps.
         assert_eq!(second(loose, |s| s.energy = 100.0), []);
         assert_eq!(second(Promises { autonomous: false, ..loose }, grown(78.0)), []);

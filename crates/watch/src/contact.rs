@@ -1,7 +1,7 @@
 //! What contact methods report against the conditions of contact: no tension, closed gaps are zero, friction stays within its bound and opposes the slip.
 
 use crate::words::short_time;
-use crate::{Finding, FindingKind, Level};
+use crate::{Finding, FindingKind, Severity};
 
 /// Part of the largest pressure, and of the stiffness of the bodies, that is round-off and what the iteration leaves.
 const TOLERANCE: [f64; 2] = [1e-6, 1e-9];
@@ -77,13 +77,13 @@ pub(crate) fn observe(
         let pressure = point.pressure;
         if !point.active {
             if pressure.abs() > small || pressure.is_nan() {
-                add(Level::Wrong, format!("{} is open but has the pressure {pressure:.2e}", node()), pressure.abs());
+                add(Severity::Wrong, format!("{} is open but has the pressure {pressure:.2e}", node()), pressure.abs());
             }
             // Of surfaces that are checked themselves the gap of an open node may be that to an extended facet.
             let behind = -point.gap.unwrap_or(0.0) / edge;
             if bodies.is_none() && behind > limit && behind < 1.0 {
                 add(
-                    Level::Doubtful,
+                    Severity::Doubtful,
                     format!("{} is open but {behind:.3} edge lengths behind the surface", node()),
                     behind,
                 );
@@ -91,13 +91,13 @@ pub(crate) fn observe(
             continue;
         }
         if pressure < -small || pressure.is_nan() {
-            add(Level::Wrong, format!("{} is in tension: its pressure is {pressure:.2e}", node()), -pressure);
+            add(Severity::Wrong, format!("{} is in tension: its pressure is {pressure:.2e}", node()), -pressure);
         }
         if let Some(gap) = point.gap.filter(|_| exact) {
             let part = (gap - point.reference_gap).abs() / edge;
             // At rims a weighted gap, or that to an extended facet, need not be one of the surfaces, which are checked themselves.
             if part > limit {
-                add(Level::Doubtful, format!("{} is closed but has a gap of {part:.3} edge lengths", node()), part);
+                add(Severity::Doubtful, format!("{} is closed but has a gap of {part:.3} edge lengths", node()), part);
             }
         }
         let Some(PointFriction { traction: [t0, t1], slip: [s0, s1], bound, sticks }) = point.friction else {
@@ -106,11 +106,15 @@ pub(crate) fn observe(
         let traction = t0.hypot(t1);
         if traction > bound + small || traction.is_nan() {
             let what = format!("the friction of {} is {traction:.3e}, above its bound {bound:.3e}", node());
-            add(Level::Wrong, what, traction - bound);
+            add(Severity::Wrong, what, traction - bound);
         }
         let slides = !sticks && s0.hypot(s1) > NO_SLIP * edge;
         if slides && t0 * s0 + t1 * s1 < -small * s0.hypot(s1) {
-            add(Level::Wrong, format!("the friction of {} acts along the slip and not against it", node()), traction);
+            add(
+                Severity::Wrong,
+                format!("the friction of {} acts along the slip and not against it", node()),
+                traction,
+            );
         }
     }
     found
@@ -129,7 +133,7 @@ mod tests {
         friction: Some(PointFriction { traction: [0.6, 0.8], slip: [0.03, 0.04], bound: 1.0, sticks: false }),
     };
 
-    fn levels(points: &[ContactPoint]) -> Vec<Level> {
+    fn levels(points: &[ContactPoint]) -> Vec<Severity> {
         let contact = ContactState { name: "c", bodies: None, stiffness: 1e3, edge: 0.1, exact: true, points };
         let found = observe(1, 0.1, &contact, 0.05, |node| format!("node {node}"));
         found.into_iter().map(|finding| finding.level).collect()
@@ -153,7 +157,7 @@ mod tests {
     #[test]
     fn nodes_of_lines_that_are_open_behind_the_surface_are_doubtful() {
         let behind = |gap| ContactPoint { active: false, pressure: 0.0, gap: Some(gap), friction: None, ..SOUND };
-        assert_eq!(levels(&[behind(-0.02), behind(-0.001), behind(0.02), behind(-0.2)]), [Level::Doubtful]);
+        assert_eq!(levels(&[behind(-0.02), behind(-0.001), behind(0.02), behind(-0.2)]), [Severity::Doubtful]);
     }
 
     #[test]
@@ -166,10 +170,10 @@ mod tests {
             ContactPoint { friction: friction([0.9, 0.9], [1.0, 1.0]), ..SOUND },
             ContactPoint { friction: friction([-0.6, 0.0], [1.0, 0.0]), ..SOUND },
         ] {
-            assert_eq!(levels(&[SOUND, wrong]), [Level::Wrong], "{wrong:?}");
+            assert_eq!(levels(&[SOUND, wrong]), [Severity::Wrong], "{wrong:?}");
         }
         for (gap, reference_gap) in [(0.01, 0.0), (-0.05, 0.0), (0.0, -0.05)] {
-            assert_eq!(levels(&[ContactPoint { gap: Some(gap), reference_gap, ..SOUND }]), [Level::Doubtful]);
+            assert_eq!(levels(&[ContactPoint { gap: Some(gap), reference_gap, ..SOUND }]), [Severity::Doubtful]);
         }
     }
 }

@@ -6,7 +6,7 @@ use std::fmt;
 /// How severe a finding is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Level {
+pub enum Severity {
     /// Nothing was found.
     #[default]
     Sound,
@@ -16,7 +16,7 @@ pub enum Level {
     Wrong,
 }
 
-impl fmt::Display for Level {
+impl fmt::Display for Severity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Sound => "sound",
@@ -54,7 +54,7 @@ pub enum FindingKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// How severe.
-    pub level: Level,
+    pub level: Severity,
     /// What kind.
     pub kind: FindingKind,
     /// Numbers of the bodies concerned; equal if it is one body.
@@ -77,7 +77,7 @@ pub struct Finding {
 impl Finding {
     /// A finding at the end of a step, without bodies and position.
     pub(crate) fn new(
-        level: Level,
+        level: Severity,
         kind: FindingKind,
         (step, time): (u64, f64),
         sentence: String,

@@ -23,6 +23,7 @@ mod contact;
 mod finding;
 mod observe;
 mod pairs;
+mod predicates;
 mod solids;
 mod surface;
 mod sweep;
@@ -31,7 +32,7 @@ mod words;
 
 pub use balance::{BalanceState, BalanceWatch, Promises, Resolution};
 pub use contact::{ContactPoint, ContactState, PointFriction};
-pub use finding::{Finding, FindingKind, Level};
+pub use finding::{Finding, FindingKind, Severity};
 pub use observe::{Observation, Penetration, Tunnelling, Watch};
 pub use solids::SolidObservation;
 pub use verdict::{Judge, Limits, Verdict};

@@ -1,8 +1,9 @@
 //! The watch: a check of one state, or of two consecutive states.
 
 use crate::pairs::{Inside, TOUCHING, overlap};
+use crate::predicates::{inside_element, nearest_point};
 use crate::solids::{Shapes, SolidObservation};
-use crate::surface::{Surface, inside_element, nearest_point};
+use crate::surface::Surface;
 use crate::sweep::{Sweep, passages};
 use crate::{WatchBody, WatchError, WatchFacet, WatchModel, WatchShape};
 use nalgebra::Vector3;
@@ -66,7 +67,7 @@ impl Observation {
 
 /// Elements at the surface of a body, in which a fold of the body would be found.
 #[derive(Debug)]
-struct Skin {
+struct SurfaceElements {
     elements: Vec<u32>,
     /// Of each node of the surface the nodes of the elements around it, sorted.
     around: Vec<Vec<u32>>,
@@ -78,7 +79,7 @@ struct Skin {
 pub struct Watch {
     model: WatchModel,
     surfaces: Vec<Surface>,
-    skins: Vec<Skin>,
+    surface_elements: Vec<SurfaceElements>,
     /// Nodes of ties, by pairs of bodies in both orders.
     tied: Vec<([usize; 2], BTreeSet<u32>)>,
     shapes: Shapes,
@@ -109,8 +110,9 @@ impl Watch {
             WatchShape::Surface { facets, is_closed } => Surface::of_facets(facets, *is_closed, &model.reference),
         };
         let surfaces: Vec<Surface> = model.bodies.iter().map(surface).collect();
-        let skins = model.bodies.iter().zip(&surfaces).map(|(body, surface)| Skin::new(body.elements(), surface));
-        let skins = skins.collect();
+        let surface_elements =
+            model.bodies.iter().zip(&surfaces).map(|(body, surface)| SurfaceElements::new(body.elements(), surface));
+        let surface_elements = surface_elements.collect();
         let both = |tie: &crate::TiedPair| {
             let nodes: BTreeSet<u32> = tie.nodes.iter().copied().collect();
             let [a, b] = tie.bodies;
@@ -118,7 +120,7 @@ impl Watch {
         };
         let tied = model.ties.iter().flat_map(both).collect();
         let shapes = Shapes::new(&model);
-        Ok(Self { model, surfaces, skins, tied, shapes, placed: false, inside: Vec::new() })
+        Ok(Self { model, surfaces, surface_elements, tied, shapes, placed: false, inside: Vec::new() })
     }
 
     /// Steps from one check to the next. It follows from the number of facets alone, so that verdicts are reproducible:
@@ -196,18 +198,18 @@ impl Watch {
     fn own(&mut self, b: usize, q: &[f64], seen: &mut Observation) {
         let Some(all) = self.model.bodies[b].elements() else { return };
         let place = |node: u32| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
-        let skin = &mut self.skins[b];
-        let elements = &skin.elements;
-        skin.tree.refit(|k| bounds(all[elements[k] as usize].iter().map(|&node| place(node))));
-        let (skin, surface) = (&self.skins[b], &self.surfaces[b]);
+        let behind = &mut self.surface_elements[b];
+        let elements = &behind.elements;
+        behind.tree.refit(|k| bounds(all[elements[k] as usize].iter().map(|&node| place(node))));
+        let (behind, surface) = (&self.surface_elements[b], &self.surfaces[b]);
         let mut deepest: Option<Inside> = None;
         let mut places = Vec::new();
         for (k, x) in surface.points.iter().enumerate() {
             let corners = surface.nodes_of(k as u32);
-            let near = |node: &u32| corners.iter().any(|&c| skin.around[c as usize].binary_search(node).is_ok());
+            let near = |node: &u32| corners.iter().any(|&c| behind.around[c as usize].binary_search(node).is_ok());
             let mut hit = false;
-            skin.tree.query(&Aabb::from_points([x]), |s| {
-                let element = skin.elements[s];
+            behind.tree.query(&Aabb::from_points([x]), |s| {
+                let element = behind.elements[s];
                 let nodes = &all[element as usize];
                 if hit || nodes.iter().any(near) {
                     return;
@@ -267,7 +269,7 @@ fn bounds(points: impl Iterator<Item = Vector3<f64>>) -> Aabb {
     points.fold(Aabb::empty(), |bounds, x| bounds.union(&Aabb::from_points([&x])))
 }
 
-impl Skin {
+impl SurfaceElements {
     fn new(all: Option<&Elements>, surface: &Surface) -> Self {
         let mut elements = surface.elements.clone();
         elements.sort_unstable();

@@ -1,6 +1,7 @@
 //! One body inside another: nodes, centres of faces and of the elements behind them, and edges of which only the middle is inside.
 
-use crate::surface::{Meeting, Surface, meeting};
+use crate::predicates::{Intersection, intersect};
+use crate::surface::Surface;
 use nalgebra::Vector3;
 use stoss_geometry::Aabb;
 
@@ -50,10 +51,10 @@ pub(crate) fn overlap(
     inside.resize(body.points.len(), false);
     let measure = |point: u32, position: Vector3<f64>| {
         let (depth, triangle) = other.nearest(&position);
-        Inside { point, position, depth, relative: depth / other.unit(triangle, body, point) }
+        Inside { point, position, depth, relative: depth / other.depth_unit(triangle, body, point) }
     };
     let near = body.is_rigid.then(|| body.within(&other.bounds));
-    let mut look = |k: usize| {
+    let mut check = |k: usize| {
         let x = &body.points[k];
         if exempt(k as u32) || !other.contains(x) {
             return;
@@ -66,8 +67,8 @@ pub(crate) fn overlap(
         }
     };
     match &near {
-        Some((points, _)) => points.iter().for_each(|&k| look(k as usize)),
-        None => (0..body.points.len()).for_each(look),
+        Some((points, _)) => points.iter().for_each(|&k| check(k as usize)),
+        None => (0..body.points.len()).for_each(check),
     }
     // Of bodies in the same place all nodes are near the surface of the other, but the insides are not.
     for (core, facet) in body.cores() {
@@ -89,7 +90,7 @@ pub(crate) fn overlap(
         crossings.clear();
         other.tree.query(&region, |t| {
             let triangle = other.triangle(t);
-            if let Meeting::Through(_) = meeting(x, y, triangle) {
+            if let Intersection::Through(_) = intersect(x, y, triangle) {
                 let normal = (triangle[1] - triangle[0]).cross(&(triangle[2] - triangle[0]));
                 let (from, to) = ((x - triangle[0]).dot(&normal), (y - triangle[0]).dot(&normal));
                 crossings.push(from / (from - to));
@@ -134,7 +135,7 @@ fn penetration_of_open_surface(body: &Surface, other: &Surface, exempt: impl Fn(
         if depth > 0.0 && height.abs() > BESIDE * depth {
             let point = k as u32;
             let here =
-                Inside { point, position: *position, depth, relative: depth / other.unit(triangle, body, point) };
+                Inside { point, position: *position, depth, relative: depth / other.depth_unit(triangle, body, point) };
             let side = &mut farthest[usize::from(height < 0.0)];
             if side.is_none_or(|worst| here.depth > worst.depth) {
                 *side = Some(here);

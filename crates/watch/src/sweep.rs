@@ -1,6 +1,7 @@
 //! What passed through a body between two states: nodes that move along straight lines, against triangles whose corners do.
 
-use crate::surface::{Surface, nearest_point};
+use crate::predicates::nearest_point;
+use crate::surface::Surface;
 use nalgebra::Vector3;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 
@@ -97,7 +98,7 @@ pub(crate) fn passages(
         sweep.query(&region, |t| {
             let corners = other.corners(t).map(|k| k as usize);
             let moving = corners.map(|k| (&other_before[k], &other.points[k]));
-            crossings.extend(crossing(x0, x1, moving, (t, other.unit(t, body, k as u32))));
+            crossings.extend(crossing(x0, x1, moving, (t, other.depth_unit(t, body, k as u32))));
         });
         if crossings.len() < 2 && other.is_closed {
             continue;

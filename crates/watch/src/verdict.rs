@@ -2,7 +2,7 @@
 
 use crate::contact;
 use crate::words::short_time;
-use crate::{ContactState, Finding, FindingKind, Level, Observation, SolidObservation};
+use crate::{ContactState, Finding, FindingKind, Observation, Severity, SolidObservation};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
@@ -11,7 +11,7 @@ use std::ops::Range;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
     /// That of the worst finding.
-    pub level: Level,
+    pub level: Severity,
     /// All findings, the worst first.
     pub reasons: Vec<Finding>,
 }
@@ -96,7 +96,7 @@ impl Judge {
         };
         let mut found = Vec::new();
         for deepest in seen.penetrations.iter().filter(|deepest| deepest.relative > doubtful) {
-            let level = if deepest.relative > wrong { Level::Wrong } else { Level::Doubtful };
+            let level = if deepest.relative > wrong { Severity::Wrong } else { Severity::Doubtful };
             let into = match deepest.into == deepest.body {
                 true => "its own body".to_owned(),
                 false => format!("`{}`", self.names[deepest.into]),
@@ -122,7 +122,14 @@ impl Judge {
                 self.remark(passage.body, passage.through)
             );
             let bodies = Some([passage.body, passage.through]);
-            found.push(finding(Level::Wrong, FindingKind::Tunnelling, bodies, sentence, Some(passage.position), 0.0));
+            found.push(finding(
+                Severity::Wrong,
+                FindingKind::Tunnelling,
+                bodies,
+                sentence,
+                Some(passage.position),
+                0.0,
+            ));
         }
         if let Some((body, element, jacobian)) = solids.inverted {
             let sentence = format!(
@@ -132,7 +139,7 @@ impl Judge {
                 short(jacobian)
             );
             let bodies = Some([body, body]);
-            found.push(finding(Level::Wrong, FindingKind::InvertedElement, bodies, sentence, None, -jacobian));
+            found.push(finding(Severity::Wrong, FindingKind::InvertedElement, bodies, sentence, None, -jacobian));
         }
         if let Some((body, element, jacobian)) = solids.poor {
             let sentence = format!(
@@ -143,12 +150,12 @@ impl Judge {
                 short(jacobian)
             );
             let bodies = Some([body, body]);
-            found.push(finding(Level::Doubtful, FindingKind::PoorElement, bodies, sentence, None, -jacobian));
+            found.push(finding(Severity::Doubtful, FindingKind::PoorElement, bodies, sentence, None, -jacobian));
         }
         if let Some(node) = solids.not_finite {
             let sentence =
                 format!("at t = {} the position of {} is not a finite number", short_time(time), self.node(node));
-            found.push(finding(Level::Wrong, FindingKind::NotFinite, None, sentence, None, 0.0));
+            found.push(finding(Severity::Wrong, FindingKind::NotFinite, None, sentence, None, 0.0));
         }
         if let Some((node, sizes)) = solids.far {
             let sentence = format!(
@@ -157,7 +164,7 @@ impl Judge {
                 self.node(node),
                 short(sizes)
             );
-            found.push(finding(Level::Wrong, FindingKind::FarAway, None, sentence, None, sizes));
+            found.push(finding(Severity::Wrong, FindingKind::FarAway, None, sentence, None, sizes));
         }
         for finding in found {
             self.add(finding);
@@ -173,7 +180,7 @@ impl Judge {
             if directions == 1 { "" } else { "s" }
         );
         // All are equally severe, so that the first one is reported.
-        self.add(Finding::new(Level::Doubtful, FindingKind::Unstable, (step, time), sentence, 0.0));
+        self.add(Finding::new(Severity::Doubtful, FindingKind::Unstable, (step, time), sentence, 0.0));
     }
 
     /// Adds the findings about what a contact reports.
@@ -201,7 +208,7 @@ impl Judge {
     pub fn verdict(&self) -> Verdict {
         let mut reasons = self.findings.clone();
         reasons.sort_by(|a, b| b.level.cmp(&a.level).then(a.kind.cmp(&b.kind)).then(b.figure.total_cmp(&a.figure)));
-        Verdict { level: reasons.first().map_or(Level::Sound, |worst| worst.level), reasons }
+        Verdict { level: reasons.first().map_or(Severity::Sound, |worst| worst.level), reasons }
     }
 }
 
@@ -236,12 +243,14 @@ mod tests {
             position: Some([figure; 3]),
             figure,
         };
-        for (time, level, figure) in [(1.0, Level::Doubtful, 0.1), (2.0, Level::Wrong, 0.4), (3.0, Level::Wrong, 0.9)] {
+        for (time, level, figure) in
+            [(1.0, Severity::Doubtful, 0.1), (2.0, Severity::Wrong, 0.4), (3.0, Severity::Wrong, 0.9)]
+        {
             judge.add(at(time, level, figure));
         }
-        judge.add(at(4.0, Level::Wrong, 0.5));
+        judge.add(at(4.0, Severity::Wrong, 0.5));
         let worst =
-            Finding { worst_time: Some(3.0), position: Some([0.9; 3]), figure: 0.9, ..at(2.0, Level::Wrong, 0.0) };
+            Finding { worst_time: Some(3.0), position: Some([0.9; 3]), figure: 0.9, ..at(2.0, Severity::Wrong, 0.0) };
         assert_eq!(judge.verdict().reasons, [worst]);
     }
 }

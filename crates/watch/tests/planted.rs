@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::TAU;
-use stoss_watch::{FindingKind, Judge, Level, Limits, TiedPair, Verdict, Watch, WatchBody, WatchModel, WatchShape};
+use stoss_watch::{FindingKind, Judge, Limits, Severity, TiedPair, Verdict, Watch, WatchBody, WatchModel, WatchShape};
 
 /// A block of hexahedra whose points are mapped.
 struct Block {
@@ -114,7 +114,7 @@ fn verdict(states: &[Vec<Block>]) -> Verdict {
 
 fn wrong(states: &[Vec<Block>], kind: FindingKind, what: &str) {
     let verdict = verdict(states);
-    let found = verdict.reasons.iter().any(|reason| reason.level == Level::Wrong && reason.kind == kind);
+    let found = verdict.reasons.iter().any(|reason| reason.level == Severity::Wrong && reason.kind == kind);
     assert!(found, "{what}: {verdict}");
 }
 
@@ -205,7 +205,7 @@ fn a_node_may_go_around_a_sharp_edge() {
     for height in [0.8, 0.3] {
         for reach in [0.005, 0.02] {
             let found = verdict(&states(&|| blade(height), reach));
-            assert_eq!(found.level, Level::Sound, "{height}, {reach}: {found}");
+            assert_eq!(found.level, Severity::Sound, "{height}, {reach}: {found}");
             let thin = || plate(height * reach / 1.2);
             wrong(&states(&thin, reach), FindingKind::Tunnelling, &format!("plate, {height}, {reach}"));
         }
@@ -230,7 +230,7 @@ fn a_body_in_itself_is_wrong() {
         };
         wrong(&[vec![ring(depth)]], FindingKind::Penetration, &format!("ring of {n}"));
         let open = verdict(&[vec![ring(-0.5)]]);
-        assert_eq!(open.level, Level::Sound, "{open}");
+        assert_eq!(open.level, Severity::Sound, "{open}");
     }
 }
 
@@ -243,7 +243,7 @@ fn bad_elements_and_positions_are_found() {
         change(&mut q);
         judge(model(&bodies), &[start.clone(), q])
     };
-    let has = |verdict: &Verdict, kind| verdict.reasons.iter().any(|r| r.kind == kind && r.level == Level::Wrong);
+    let has = |verdict: &Verdict, kind| verdict.reasons.iter().any(|r| r.kind == kind && r.level == Severity::Wrong);
     for component in 0..6 {
         for bad in [f64::NAN, f64::INFINITY] {
             assert!(has(&after(&|q| q[31 * component + 5] = bad), FindingKind::NotFinite));
@@ -257,7 +257,7 @@ fn bad_elements_and_positions_are_found() {
     }
     // A corner pressed in: turned inside out there, not at the Gauss points.
     let poor = after(&|q| q[..3].fill(0.15));
-    assert_eq!(poor.level, Level::Sound, "{poor}");
+    assert_eq!(poor.level, Severity::Sound, "{poor}");
     let poor = after(&|q| q[..3].fill(0.175));
     assert!(poor.reasons.iter().any(|r| r.kind == FindingKind::PoorElement), "{poor}");
 }
@@ -312,7 +312,7 @@ fn sound_states_raise_no_alarm() {
     assert!(states.len() >= 100, "{}", states.len());
     for (k, state) in states.iter().enumerate() {
         let found = verdict(state);
-        assert_eq!(found.level, Level::Sound, "state {k}: {found}");
+        assert_eq!(found.level, Severity::Sound, "state {k}: {found}");
     }
 }
 
@@ -320,7 +320,7 @@ fn sound_states_raise_no_alarm() {
 fn tied_surfaces_may_overlap() {
     let bodies = [unit(2), unit(2).moved([0.0, 0.0, 0.6])];
     let q = positions(&bodies);
-    assert_eq!(judge(model(&bodies), std::slice::from_ref(&q)).level, Level::Wrong);
+    assert_eq!(judge(model(&bodies), std::slice::from_ref(&q)).level, Severity::Wrong);
     let at = |z: f64, nodes: std::ops::Range<u32>| {
         let q = &q;
         nodes.filter(move |&n| (q[3 * n as usize + 2] - z).abs() < 1e-12)
@@ -328,7 +328,7 @@ fn tied_surfaces_may_overlap() {
     let tied: Vec<u32> = at(1.0, 0..27).chain(at(0.6, 27..54)).chain(at(0.5, 0..27)).chain(at(1.1, 27..54)).collect();
     let model = WatchModel { ties: vec![TiedPair { nodes: tied, bodies: [0, 1] }], ..model(&bodies) };
     let verdict = judge(model, &[q]);
-    assert_eq!(verdict.level, Level::Sound, "{verdict}");
+    assert_eq!(verdict.level, Severity::Sound, "{verdict}");
 }
 
 #[test]

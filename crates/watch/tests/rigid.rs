@@ -2,7 +2,9 @@
 
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
-use stoss_watch::{FindingKind, Judge, Level, Limits, Verdict, Watch, WatchBody, WatchFacet, WatchModel, WatchShape};
+use stoss_watch::{
+    FindingKind, Judge, Limits, Severity, Verdict, Watch, WatchBody, WatchFacet, WatchModel, WatchShape,
+};
 
 /// How a surface is divided.
 #[derive(Clone, Copy, Debug)]
@@ -153,13 +155,13 @@ fn verdict(states: &[Vec<Thing>]) -> Verdict {
 
 fn wrong(states: &[Vec<Thing>], kind: FindingKind, what: &str) {
     let verdict = verdict(states);
-    let found = verdict.reasons.iter().any(|reason| reason.level == Level::Wrong && reason.kind == kind);
+    let found = verdict.reasons.iter().any(|reason| reason.level == Severity::Wrong && reason.kind == kind);
     assert!(found, "{what}: {verdict}");
 }
 
 fn sound(states: &[Vec<Thing>], what: &str) {
     let verdict = verdict(states);
-    assert_eq!(verdict.level, Level::Sound, "{what}: {verdict}");
+    assert_eq!(verdict.level, Severity::Sound, "{what}: {verdict}");
 }
 
 #[test]
@@ -226,12 +228,14 @@ fn what_passes_through_a_surface_is_wrong() {
 #[test]
 fn depth_in_an_open_surface_is_that_of_the_closed_form() {
     for facets in BOTH {
-        for (depth, level) in [(0.01, Level::Sound), (0.2, Level::Doubtful), (0.4, Level::Wrong), (0.7, Level::Wrong)] {
+        for (depth, level) in
+            [(0.01, Severity::Sound), (0.2, Severity::Doubtful), (0.4, Severity::Wrong), (0.7, Severity::Wrong)]
+        {
             let block = Thing::element([-0.3, -0.4, -depth], [0.7, 0.6, 1.0 - depth]);
             let verdict = verdict(&[vec![Thing::plane(3.0, 5, facets), block]]);
             assert_eq!(verdict.level, level, "{depth}: {verdict}");
             let deepest = verdict.reasons.iter().filter(|r| r.bodies == Some([1, 0])).map(|r| r.figure).next();
-            if level != Level::Sound {
+            if level != Severity::Sound {
                 // The edges of the block are 1, those of the plane 1.2.
                 let expected = f64::min(depth, 1.0 - depth);
                 assert!((deepest.unwrap() - expected).abs() < 1e-12, "{depth}: {deepest:?}");

@@ -4,7 +4,7 @@ use crate::support::{drift, simulation, simulation_in, two_blocks};
 use std::path::Path;
 use stoss::build::build;
 use stoss::run::{RunOptions, run_scene};
-use stoss::watch::Level;
+use stoss::watch::Severity;
 
 const NTS: &str = "method = \"nts\"\nfriction = { law = \"coulomb\", mu = 0.3 }";
 const MORTAR: &str = "method = \"mortar\"\nfriction = { law = \"coulomb\", mu = 0.3 }";
@@ -133,7 +133,7 @@ fn frames_show_nodes_and_not_what_contact_sees() {
     assert!(model.node_count() > nodes && model.traces.len() == model.node_count() - nodes);
     let options = RunOptions { out: folder.path().join("out"), ..RunOptions::default() };
     let outcome = run_scene(&path, &options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(outcome.verdict.level, Level::Sound);
+    assert_eq!(outcome.verdict.level, Severity::Sound);
     let frame = stoss::mesh_io::read_vtu(folder.path().join("out/frames/frame_000001.vtu")).unwrap();
     assert_eq!(frame.points.len(), nodes);
     let kinds: Vec<String> = frame.elements.kinds().iter().map(|kind| kind.to_string()).collect();

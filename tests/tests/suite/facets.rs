@@ -137,7 +137,7 @@ fn patches_on_all_facets_are_uniform() {
             blocks.prescribe(1, "left", 0, 0.0);
             blocks.prescribe(1, "front", 1, 0.0);
             blocks.prescribe(1, "top", 2, -0.2);
-            let options = MortarOptions { space, force: Force::HeldWeights, ..MortarOptions::default() };
+            let options = MortarOptions { space, force: Force::FixedWeights, ..MortarOptions::default() };
             let meshes = if upper_is_slave { [Mesh::Quads, mesh] } else { [mesh, Mesh::Quads] };
             let q = blocks.model.reference.clone();
             let method = mortar(&blocks.surfaces(upper_is_slave), meshes, &q, options);

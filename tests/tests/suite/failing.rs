@@ -5,7 +5,7 @@ use std::path::Path;
 use stoss::diagnosis::{Cause, Change, Confidence, Diagnosis, Finding};
 use stoss::output::{Outcome, Summary};
 use stoss::run::{Event, RunError, RunOptions, check_scene, diagnose_scene, run_scene};
-use stoss::watch::Level;
+use stoss::watch::Severity;
 
 fn text_of(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("failing").join(format!("{name}.toml"));
@@ -39,7 +39,7 @@ fn diagnosed(name: &str) -> (Finding, Diagnosis) {
     let Left { result, diagnosis } = run(&text_of(name));
     let bad = match &result {
         Err(RunError::Simulation { .. }) => true,
-        Ok(summary) => summary.verdict.level == Level::Wrong,
+        Ok(summary) => summary.verdict.level == Severity::Wrong,
         Err(other) => panic!("{name}: {other}"),
     };
     assert!(bad, "{name} came out well");
@@ -100,7 +100,7 @@ fn is_mended(name: &str, finding: &Finding, remedy: usize) {
     let Left { result, diagnosis } = run(&text);
     let summary = result.unwrap_or_else(|e| panic!("{name}: {e}\n{text}"));
     assert_eq!(summary.outcome, Outcome::Completed, "{name}: {}", summary.verdict);
-    assert_ne!(summary.verdict.level, Level::Wrong, "{name}: {}", summary.verdict);
+    assert_ne!(summary.verdict.level, Severity::Wrong, "{name}: {}", summary.verdict);
     let causes = diagnosis.map(|d| d.findings).unwrap_or_default();
     assert!(causes.iter().all(|other| other.confidence != Confidence::High), "{name}: {causes:#?}");
 }
@@ -147,7 +147,12 @@ fn a_body_that_only_contact_can_hold() {
         }
         let Left { result, .. } = run(&mended(text, &finding, 0));
         let summary = result.unwrap_or_else(|e| panic!("{e}\n{text}"));
-        assert_eq!((summary.outcome, summary.verdict.level), (Outcome::Completed, Level::Sound), "{}", summary.verdict);
+        assert_eq!(
+            (summary.outcome, summary.verdict.level),
+            (Outcome::Completed, Severity::Sound),
+            "{}",
+            summary.verdict
+        );
     }
 }
 
@@ -185,7 +190,7 @@ total_force = [0.0, 0.0, -10.0]
     is_cause(&finding, Cause::NoSupport);
     assert!(finding.sentence.contains("free to slide along x and y and to turn about z"), "{}", finding.sentence);
     let Left { result, diagnosis } = run(&text.replace("[0.0, 0.0, 1e5]", "[1e3, 1e3, 1e5]"));
-    assert_eq!((result.unwrap().verdict.level, diagnosis), (Level::Sound, None));
+    assert_eq!((result.unwrap().verdict.level, diagnosis), (Severity::Sound, None));
 }
 
 #[test]
@@ -237,7 +242,7 @@ force = [1.0, 0.0, 0.0]
 fn a_density_that_is_a_thousand_times_too_large() {
     // The run is sound: nothing moves. It is reported all the same.
     let Left { result, diagnosis } = run(&text_of("density"));
-    assert_eq!(result.unwrap().verdict.level, Level::Sound);
+    assert_eq!(result.unwrap().verdict.level, Severity::Sound);
     let finding = diagnosis.unwrap().findings[0].clone();
     is_cause(&finding, Cause::Density);
     assert_eq!(finding.place.body.as_deref(), Some("plate"));
@@ -407,7 +412,7 @@ fn a_load_that_is_too_large() {
     // What is not of the order of the modulus is not too large.
     let small = text_of("load-too-large").replace("5000.0", "5.0");
     let Left { result, diagnosis } = run(&small);
-    assert_eq!((result.unwrap().verdict.level, diagnosis), (Level::Sound, None));
+    assert_eq!((result.unwrap().verdict.level, diagnosis), (Severity::Sound, None));
 }
 
 /// A cantilever that is bent over itself: a load of a hundredth of the modulus is not seen to be too large. It grows from zero, before the end of the smallest step: a load that is
@@ -439,7 +444,7 @@ fn a_doubtful_run_without_a_known_cause_has_no_diagnosis() {
            displacement = { table = [[0, 0, 0, 0], [1, 0, 0, -0.1]] }\n[watch]\nlimit = 0.02\n";
     let Left { result, diagnosis } = run(&pressed);
     let summary = result.unwrap();
-    assert_ne!(summary.verdict.level, Level::Sound);
+    assert_ne!(summary.verdict.level, Severity::Sound);
     assert_eq!((summary.outcome, diagnosis), (Outcome::Completed, None), "{}", summary.verdict);
 }
 
@@ -635,7 +640,7 @@ total_force = [1.0, 0, 0]
 "#;
     let Left { result, diagnosis } = run(text);
     let summary = result.unwrap();
-    assert_eq!((summary.verdict.level, diagnosis), (Level::Sound, None), "{}", summary.verdict);
+    assert_eq!((summary.verdict.level, diagnosis), (Severity::Sound, None), "{}", summary.verdict);
 }
 
 /// Three scenes that come out well, and before their runs some of each kind.

@@ -5,7 +5,7 @@ use std::path::Path;
 use stoss::build::{Built, build};
 use stoss::run::{RunOptions, run_scene};
 use stoss::solver::Simulation;
-use stoss::watch::Level;
+use stoss::watch::Severity;
 
 pub const MATERIAL: &str = "material = { law = \"neo-hooke\", young = 1.0, poisson = 0.3 }\ndensity = 1.0";
 
@@ -452,9 +452,9 @@ fn edges_of_a_named_contact_are_left_to_general_contact() {
         run_scene(&path, &options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}")).verdict
     };
     let passed = judged("");
-    assert!(passed.level == Level::Wrong && passed.to_string().contains("inside `lower`"), "{passed}");
+    assert!(passed.level == Severity::Wrong && passed.to_string().contains("inside `lower`"), "{passed}");
     let stopped = judged("edges = \"general\"\n");
-    assert_eq!(stopped.level, Level::Sound, "{stopped}");
+    assert_eq!(stopped.level, Severity::Sound, "{stopped}");
     let stopped = run(&scene("edges = \"general\"\n"));
     assert!(ledger(&stopped.totals) < 1e-11, "{:e}", ledger(&stopped.totals));
 }

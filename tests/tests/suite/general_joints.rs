@@ -2,7 +2,7 @@
 
 use super::general_contact::try_build;
 use stoss::run::{RunOptions, run_scene};
-use stoss::watch::{Level, Verdict};
+use stoss::watch::{Severity, Verdict};
 
 const HEAD: &str = "[scene]\ntitle = \"joints\"\nkind = \"dynamic\"\n[time]\nend = 0.6\nstep = 0.01\nintegrator = { scheme = \"energy-momentum\" }\n\
                     [gravity]\nacceleration = [0, 0, -10]\n[[rigid]]\nname = \"base\"\nshape = { kind = \"box\", size = [2, 2, 0.4] }\nposition = [0, 0, -0.2]\nfixed = true\n";
@@ -36,12 +36,12 @@ const RELEASE: &str = "[[event]]\nname = \"drop\"\nrelease = \"hook\"\ntime = 0.
 fn a_released_body_lands_on_what_held_it() {
     let text = dropped(0.3, RELEASE);
     let verdict = judged(&text);
-    assert_eq!(verdict.level, Level::Sound, "{verdict}");
+    assert_eq!(verdict.level, Severity::Sound, "{verdict}");
     let warnings = try_build(&text).unwrap().warnings;
     assert!(warnings.is_empty(), "{warnings:?}");
     // Without contact it falls through: told, although a joint once connected the two.
     let fallen = judged(&format!("{text}[general_contact]\nenabled = false\n"));
-    assert!(fallen.level == Level::Wrong && fallen.to_string().contains("inside `base`"), "{fallen}");
+    assert!(fallen.level == Severity::Wrong && fallen.to_string().contains("inside `base`"), "{fallen}");
     // What lies in the other one at the start cannot be kept apart later.
     let warnings = try_build(&dropped(-0.1, RELEASE)).unwrap().warnings;
     assert!(warnings.iter().any(|w| w.contains("`base` and `block`, which overlap")), "{warnings:?}");
@@ -64,12 +64,12 @@ fn an_arm_that_falls_through_its_stand_is_seen() {
         built.warnings
     );
     let verdict = judged(&arm(""));
-    assert!(verdict.level == Level::Wrong && verdict.to_string().contains("inside `base`"), "{verdict}");
+    assert!(verdict.level == Severity::Wrong && verdict.to_string().contains("inside `base`"), "{verdict}");
     // Named, it lands.
     let named = arm("[general_contact]\npairs = [{ between = [\"base\", \"block\"] }]\n");
     let warnings = try_build(&named).unwrap().warnings;
     assert!(!warnings.iter().any(|w| w.contains("joints connect")), "{warnings:?}");
-    assert_eq!(judged(&named).level, Level::Sound);
+    assert_eq!(judged(&named).level, Severity::Sound);
 }
 
 /// Bars that overlap around their joint: that is what joints are for.
@@ -87,6 +87,6 @@ fn bars_may_lie_in_each_other_at_their_joint() {
                 .replace("[0, 1, 0]", &format!("[0, {:?}, 0]", 2.0 * reach))
             + "[[joint]]\nname = \"pin\"\nkind = \"hinge\"\nbetween = [\"left\", \"right\"]\nat = [0, 0, 0]\naxis = [0, 0, 1]\n[watch]\nevery = 1\n";
         let verdict = judged(&text);
-        assert_eq!(verdict.level, Level::Sound, "{divisions} {reach}: {verdict}");
+        assert_eq!(verdict.level, Severity::Sound, "{divisions} {reach}: {verdict}");
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use stoss::run::{RunOptions, run_scene};
-use stoss::watch::Level;
+use stoss::watch::Severity;
 
 const FLOOR_AND_BOX: &str = r#"
 [[rigid]]
@@ -18,7 +18,7 @@ position = [0.0, 0.0, 0.1]
 "#;
 
 /// Runs a scene; the level of the verdict, and the last row of a table.
-fn run(folder: &Path, text: &str, table: &str) -> (Level, Vec<f64>) {
+fn run(folder: &Path, text: &str, table: &str) -> (Severity, Vec<f64>) {
     let scene = folder.join("scene.toml");
     std::fs::write(&scene, text).unwrap();
     let out = folder.join("out");
@@ -59,7 +59,7 @@ body = "box"
             );
             let folder = tempfile::tempdir().unwrap();
             let (level, row) = run(folder.path(), &text, "probes.csv");
-            assert_eq!(level, Level::Sound, "{method}, mu = {mu}");
+            assert_eq!(level, Severity::Sound, "{method}, mu = {mu}");
             let speed = 0.7_f64.hypot(0.41);
             let slid = row[2].hypot(row[3]);
             let bound = speed * speed / (2.0 * mu * 10.0);
@@ -100,7 +100,7 @@ method = "{method}"
             );
             let folder = tempfile::tempdir().unwrap();
             let (level, row) = run(folder.path(), &text, "contact.csv");
-            assert_eq!((level, row[2]), (Level::Sound, 9.0), "{method}");
+            assert_eq!((level, row[2]), (Severity::Sound, 9.0), "{method}");
             assert!((row[10] - force).abs() < 1e-12 * force, "{method}: {}", row[10]);
         }
     }

@@ -70,7 +70,7 @@ fn exact() -> ([[f64; 3]; 3], [[f64; 3]; 3], [[f64; 3]; 3]) {
     (f, e, sigma)
 }
 
-fn voigt(m: [[f64; 3]; 3]) -> Vec<f64> {
+fn components(m: [[f64; 3]; 3]) -> Vec<f64> {
     vec![m[0][0], m[1][1], m[2][2], m[0][1], m[1][2], m[0][2]]
 }
 
@@ -120,8 +120,8 @@ fn a_homogeneous_deformation_has_the_stress_of_the_law_everywhere() {
     let built = run(&rest);
     let (f, e, sigma) = exact();
     for k in 0..3 {
-        close(&values(&built, &format!("cauchy_stress-{k}")), &voigt(sigma));
-        close(&values(&built, &format!("green_lagrange_strain-{k}")), &voigt(e));
+        close(&values(&built, &format!("cauchy_stress-{k}")), &components(sigma));
+        close(&values(&built, &format!("green_lagrange_strain-{k}")), &components(e));
         close(&values(&built, &format!("von_mises-{k}")), &[mises(sigma)]);
         close(&values(&built, &format!("deformation_gradient-{k}")), &f.concat());
     }

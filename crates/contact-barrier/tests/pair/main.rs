@@ -2,7 +2,7 @@
 
 use fastrand::Rng;
 use nalgebra::{Rotation3, Vector3};
-use stoss_contact_barrier::{Layer, PairStart, PairTerm, Parallel, Tangent};
+use stoss_contact_barrier::{EdgeMollifier, Layer, PairStart, PairTerm, Tangent};
 use stoss_geometry::{PairFeature, PairKind, closest};
 
 mod slip;
@@ -16,8 +16,8 @@ const WEIGHT: f64 = 0.7;
 const THRESHOLD: f64 = 0.3;
 
 fn term(kind: PairKind) -> PairTerm {
-    let parallel = (kind == PairKind::EdgeEdge).then(|| Parallel::new(THRESHOLD));
-    PairTerm { kind, weight: WEIGHT, parallel }
+    let mollifier = (kind == PairKind::EdgeEdge).then(|| EdgeMollifier::new(THRESHOLD));
+    PairTerm { kind, weight: WEIGHT, mollifier }
 }
 
 fn vector(random: &mut Rng) -> Vector3<f64> {

@@ -5,7 +5,7 @@
 
 use super::rows::ConstraintRow;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
-use stoss_contact::{ContactRule, ContactSurface};
+use stoss_contact::{ContactRule, ContactSurface, position};
 
 type Vector9 = SVector<f64, 9>;
 type Matrix9 = SMatrix<f64, 9, 9>;
@@ -82,8 +82,7 @@ impl NodeFrame {
     pub fn stage(&self, q: &[f64]) -> Stage {
         let mut stage = Stage { b: [Vector3::zeros(); 2], g: Vector3::zeros() };
         for (node, beta, gamma) in &self.entries {
-            let k = 3 * *node as usize;
-            let x = Vector3::new(q[k], q[k + 1], q[k + 2]);
+            let x = position(q, *node);
             stage.b[0] += x * beta[0];
             stage.b[1] += x * beta[1];
             stage.g += x.component_mul(&Vector3::from(*gamma));

@@ -22,14 +22,14 @@ mod element;
 
 use crate::crossing::{local_of, spread};
 use crate::friction::{FrictionElement, PointHistory, Slip};
-use crate::kinematics::{Gap, LOCAL, points};
-use crate::method::{NodeToSurface, position};
+use crate::kinematics::{Gap, LOCAL, mean, points};
+use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
 use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
 use stoss_contact::{
     Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History, LocalContribution, Report,
-    SlotReport, StepConfiguration,
+    SlotReport, StepConfiguration, position,
 };
 
 /// Coordinates at `n` on the extension of the facet of `n+1` are cut off here: any value conserves momenta, but far out the extension is
@@ -64,11 +64,6 @@ pub struct AugmentedOptions {
 pub struct CoordinateAugmented {
     inner: NodeToSurface,
     options: AugmentedOptions,
-}
-
-/// Mean of two pairs of coordinates.
-pub(crate) fn mean(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
 }
 
 impl NodeToSurface {
@@ -116,7 +111,7 @@ impl CoordinateAugmented {
         match rule {
             ContactRule::EndPoint => Ok(true),
             ContactRule::Midpoint | ContactRule::EnergyMomentum => Ok(false),
-            rule => Err(ContactError::Rule { method: "coordinate augmentation", rule: format!("{rule:?}") }),
+            rule => Err(ContactError::RuleUnavailable { method: "coordinate augmentation", rule: format!("{rule:?}") }),
         }
     }
 

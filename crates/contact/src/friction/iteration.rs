@@ -98,7 +98,7 @@ pub struct PointIteration {
     stiffening: Stiffening,
     /// Traction at the last iterate, if the point slid there.
     sliding: Option<Plane>,
-    looked: bool,
+    followed: bool,
     reversed: bool,
 }
 
@@ -113,7 +113,7 @@ impl PointIteration {
         self.reversed
     }
 
-    /// Looks at an iterate that is linearised.
+    /// Follows an iterate that is linearised.
     ///
     /// A point that slides against the direction of the iterate before would be sent back by the tangent of the sliding branch, and so on without end:
     /// the solution is a stick between them, on a branch as short as its stiffness is large. Such a point is linearised once as if it stuck; the next
@@ -125,8 +125,8 @@ impl PointIteration {
         let now = step.returned;
         let against = self.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
         let coefficient = step.d_pressure[0].hypot(step.d_pressure[1]);
-        let is_unknown = !self.looked && now == [0.0; 2] && coefficient > 1.0;
-        self.looked = true;
+        let is_unknown = !self.followed && now == [0.0; 2] && coefficient > 1.0;
+        self.followed = true;
         self.reversed = !step.sticks && (against || is_unknown);
         self.sliding = (!step.sticks && !against).then_some(now);
     }

@@ -47,8 +47,8 @@ pub fn stick_compliances(nodes: &[u32], is_held: impl Fn(u32) -> bool) -> Vec<f6
     nodes.iter().map(|&node| if is_held(node) { STICK_COMPLIANCE } else { 0.0 }).collect()
 }
 
-/// Slip, by that of a spring with the present traction, that an iteration leaves at a point that begins to slide.
-const LEFT: f64 = 1.0e-6;
+/// Slip that an iteration leaves at a point that begins to slide, in parts of the slip of a spring with the present traction.
+const RESIDUAL_SLIP: f64 = 1.0e-6;
 
 /// A law with all that its time stepping needs.
 #[derive(Clone, Debug)]
@@ -367,7 +367,7 @@ impl Friction {
                 let slid = less(point.slip, point.yielded);
                 let power = dot(out.force, slid);
                 // A traction along a slip of any size is no friction, and shows.
-                let is_left = penalty * dot(slid, slid).sqrt() <= LEFT * dot(out.force, out.force).sqrt();
+                let is_left = penalty * dot(slid, slid).sqrt() <= RESIDUAL_SLIP * dot(out.force, out.force).sqrt();
                 if is_left { power.abs() } else { power }
             }
             (true, false) => out.dissipated,

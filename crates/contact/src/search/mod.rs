@@ -139,7 +139,7 @@ impl SearchOptions {
     fn validate(&self) -> Result<(), ContactError> {
         let check = |option, value: f64, ok: bool, range| match ok {
             true => Ok(()),
-            false => Err(ContactError::Option { option, value, range }),
+            false => Err(ContactError::OptionOutOfRange { option, value, range }),
         };
         let small = |v: f64| (0.0..=0.5).contains(&v);
         check("overhang", self.overhang, small(self.overhang), "between 0 and 0.5")?;
@@ -164,7 +164,7 @@ impl MasterSearch {
     /// [`MasterSearch::update`].
     ///
     /// # Errors
-    /// [`ContactError::Option`] if an option is out of its range, [`ContactError::MissingNode`] if `q` is too short.
+    /// [`ContactError::OptionOutOfRange`] if an option is out of its range, [`ContactError::MissingNode`] if `q` is too short.
     pub fn new(surface: ContactSurface, q: &[f64], options: SearchOptions) -> Result<Self, ContactError> {
         options.validate()?;
         let tree = SurfaceTree::new(&surface, q)?;

@@ -4,7 +4,7 @@ use super::Simulation;
 use crate::sliding_support::along;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use stoss_contact::Held;
+use stoss_contact::SupportedNode;
 use stoss_linalg::NONE;
 
 /// Sine of the angle below which a direction follows from others of the same node.
@@ -52,16 +52,16 @@ impl Simulation {
     }
 
     /// Active sliding supports at a time: contact pair, slot, and the constrained direction.
-    fn held(&self, time: f64) -> impl Iterator<Item = (usize, usize, Held)> {
+    fn supported_nodes(&self, time: f64) -> impl Iterator<Item = (usize, usize, SupportedNode)> {
         self.model.contacts.iter().enumerate().flat_map(move |(c, pair)| {
-            let count = if pair.method.held(0, time).is_some() { pair.method.slot_count() } else { 0 };
-            (0..count).filter_map(move |slot| Some((c, slot, pair.method.held(slot, time)?)))
+            let count = if pair.method.supported_node(0, time).is_some() { pair.method.slot_count() } else { 0 };
+            (0..count).filter_map(move |slot| Some((c, slot, pair.method.supported_node(slot, time)?)))
         })
     }
 
     /// Whether there are sliding supports.
     pub(super) fn has_sliding_supports(&self) -> bool {
-        self.held(0.0).next().is_some()
+        self.supported_nodes(0.0).next().is_some()
     }
 
     /// Deactivates slots whose direction follows from prescribed components and from directions of other slots at the same node, as at the common edge of symmetry
@@ -69,7 +69,7 @@ impl Simulation {
     pub(super) fn drop_dependent_directions(&mut self) {
         let mut known: BTreeMap<u32, Directions> = BTreeMap::new();
         let mut dropped = Vec::new();
-        for (c, slot, held) in self.held(0.0) {
+        for (c, slot, held) in self.supported_nodes(0.0) {
             let of_node = known.entry(held.node).or_insert_with(|| self.prescribed_directions(held.node));
             if of_node.add(held.direction).is_none() {
                 dropped.push((c, slot));
@@ -82,9 +82,9 @@ impl Simulation {
     }
 
     /// Makes the smallest change of positions, or velocities, of the supported nodes that satisfies the constraints of the active slots; prescribed components are kept.
-    pub(super) fn meet_held_directions(&self, time: f64, demanded: impl Fn(&Held) -> f64, x: &mut [f64]) {
+    pub(super) fn meet_held_directions(&self, time: f64, demanded: impl Fn(&SupportedNode) -> f64, x: &mut [f64]) {
         let mut known: BTreeMap<u32, Directions> = BTreeMap::new();
-        for (.., held) in self.held(time).filter(|&(c, slot, _)| self.active[c][slot]) {
+        for (.., held) in self.supported_nodes(time).filter(|&(c, slot, _)| self.active[c][slot]) {
             let of_node = known.entry(held.node).or_insert_with(|| self.prescribed_directions(held.node));
             // Normal to the directions already satisfied, which are kept.
             let Some(rest) = of_node.add(held.direction) else { continue };
@@ -113,7 +113,7 @@ impl Simulation {
     /// Removes the forces of sliding supports from the contact forces: they are reactions.
     pub(super) fn take_sliding_supports_from_contact_force(&mut self) {
         let mut force = std::mem::take(&mut self.contact_force);
-        for (c, slot, held) in self.held(0.0) {
+        for (c, slot, held) in self.supported_nodes(0.0) {
             let first = 3 * held.node as usize;
             for i in (0..3).filter(|i| self.system.numbering.equation[first + i] != NONE) {
                 force[first + i] -= self.pressures[c][slot] * held.direction[i];
@@ -126,7 +126,7 @@ impl Simulation {
     /// In dynamics they are taken where the scheme evaluates its forces, for instance at the midpoint.
     pub fn reactions(&self) -> Cow<'_, [f64]> {
         let mut all = Cow::Borrowed(self.reactions.as_slice());
-        for (c, slot, held) in self.held(0.0) {
+        for (c, slot, held) in self.supported_nodes(0.0) {
             let all = all.to_mut();
             if all.is_empty() {
                 all.resize(self.state.q.len(), 0.0);

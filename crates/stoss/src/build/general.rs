@@ -12,7 +12,7 @@ use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split
 use crate::solver::{ContactPair, Coupling, Model};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact_barrier::{
-    GeneralContact, GeneralOptions, Interactions, Relation, Skin, SkinFacet, first_look, mitre,
+    GeneralContact, GeneralOptions, Interactions, Relation, Skin, SkinFacet, check_initial, mitre,
 };
 use stoss_mesh::BOUNDARY;
 
@@ -311,7 +311,7 @@ fn skin(
         return None;
     }
     let mut thickness = table.thickness.unwrap_or(default);
-    let look = first_look(&skin, rules, &model.reference, thickness.max(2.0 * default));
+    let look = check_initial(&skin, rules, &model.reference, thickness.max(2.0 * default));
     let largest = model.reference.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let slight = (SLIGHT * thickness).min(DIGITS * largest);
     let is_slight = separate::slight(&skin, rules, model, slight);
@@ -448,7 +448,7 @@ fn skin(
             }
         }
         let skin = Skin::new(facets.clone(), &model.reference, &|node| places.get(&node).cloned());
-        let look = first_look(&skin, rules, &model.reference, thickness);
+        let look = check_initial(&skin, rules, &model.reference, thickness);
         let near = || look.nearest.iter().filter(|(_, nearest)| nearest.distance < (1.0 - ROUND_OFF) * thickness);
         if near().next().is_none() {
             return Some((skin, thickness));

@@ -231,7 +231,7 @@ pub(super) fn without_joined_overlaps(
     let lies_in = |pair| !matches!(overlaps.relation(pair, &Vector3::zeros(), 0.0), Relation::Apart(_));
     let out: Vec<_> = acting.into_iter().filter(|(_, pair)| lies_in(*pair)).collect();
     for (_, pair) in &out {
-        rules.take_out(*pair);
+        rules.exclude(*pair);
     }
     let message = |[a, b]: [&str; 2]| {
         format!(

@@ -47,7 +47,7 @@ pub(super) fn contact(
             Some(Chosen::Moving) | None => Integrals::Moving,
         },
         nearness: item.nearness.unwrap_or(if dynamic { 0.0 } else { NEARNESS }),
-        force: if dynamic { Force::Gradient } else { Force::HeldWeights },
+        force: if dynamic { Force::Gradient } else { Force::FixedWeights },
         overclosure: match item.enforcement {
             Enforcement::Penalty(stiffness) => Some(stiffness),
             Enforcement::Multiplier | Enforcement::Augmented(_) => None,

@@ -80,7 +80,7 @@ impl Probe {
             Quantity::LogarithmicStrain => {
                 let f = &state.deformation_gradient;
                 let f = stoss_tensor::Tensor2::from_fn(|row, column| f[row][column]);
-                stoss_continuum::logarithmic_strain(&f).to_voigt().to_vec()
+                stoss_continuum::logarithmic_strain(&f).to_components().to_vec()
             }
             Quantity::PrincipalStresses => stoss_fe_solid::principal_stresses(&state.cauchy).to_vec(),
             Quantity::VonMises => vec![stoss_fe_solid::von_mises(&state.cauchy)],

@@ -1,6 +1,6 @@
 //! Surfaces a little below those of rigid bodies: their points are affine combinations of four nodes of the surface.
 
-use stoss_contact_barrier::{Interaction, Interactions, Skin, SkinFacet, first_look, is_closed};
+use stoss_contact_barrier::{Interaction, Interactions, Skin, SkinFacet, check_initial, is_closed};
 use stoss_tensor::Vector3;
 use stoss_tensor::nalgebra::Matrix3;
 
@@ -77,7 +77,7 @@ pub(super) fn fits(
     let both = Skin::new(all.iter().copied().chain(inner).collect(), &q, &|_| None);
     let mut rules = Interactions::none(&[(0, false), (1, false)]);
     rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0, slip_velocity: 1.0 }));
-    let look = first_look(&both, &rules, &q, depth);
+    let look = check_initial(&both, &rules, &q, depth);
     let near = look.nearest.values().any(|nearest| nearest.distance < LEAST * depth);
     look.crossings.is_empty() && !near
 }

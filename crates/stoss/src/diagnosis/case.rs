@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use stoss_mesh::Mesh;
 use stoss_reference_element::FacetNodes;
 use stoss_solver::{FailedAttempt, FailureKind, Model, Place, Simulation};
-use stoss_watch::{Level, Verdict};
+use stoss_watch::{Severity, Verdict};
 
 /// Most failed attempts that are reported.
 const MOST_ATTEMPTS: usize = 4;
@@ -99,7 +99,7 @@ impl<'a> Case<'a> {
 
     /// Whether it stopped or came out wrong or doubtful.
     pub(super) fn is_bad(&self) -> bool {
-        self.error.is_some() || self.verdict.level != Level::Sound
+        self.error.is_some() || self.verdict.level != Severity::Sound
     }
 
     /// What happened, empty if nothing did.

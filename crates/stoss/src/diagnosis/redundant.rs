@@ -23,7 +23,7 @@ fn held_directions(case: &Case<'_>) -> BTreeMap<u32, Vec<[f64; 3]>> {
     }
     for pair in &case.model().contacts {
         let slots = 0..pair.method.slot_count();
-        for guide in slots.filter_map(|slot| pair.method.held(slot, case.simulation.state().time)) {
+        for guide in slots.filter_map(|slot| pair.method.supported_node(slot, case.simulation.state().time)) {
             held.entry(guide.node).or_default().push(guide.direction);
         }
     }
@@ -77,7 +77,7 @@ pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
             .map(|point| point.node)
             .collect();
         let failed_support = (0..case.model().contacts[failed].method.slot_count())
-            .filter_map(|slot| case.model().contacts[failed].method.held(slot, 0.0))
+            .filter_map(|slot| case.model().contacts[failed].method.supported_node(slot, 0.0))
             .any(|guide| of_supports.contains(&guide.node));
         if !of_supports.is_empty() && (is_here || failed_support) {
             list.push(held_twice(case, c, &of_supports, place.clone()));

@@ -5,7 +5,7 @@ use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
 use crate::build::general_schemes::keeps_apart;
 use crate::scene::split_set;
 use stoss_reference_element::FacetNodes;
-use stoss_watch::{Finding as Seen, FindingKind, Level};
+use stoss_watch::{Finding as Seen, FindingKind, Severity};
 
 /// Part of the way out of each other by which a body is moved farther than that.
 const CLEARANCE: f64 = 0.01;
@@ -44,7 +44,7 @@ fn between(case: &Case<'_>, seen: &Seen, names: &[String; 2], pair: Option<Strin
 }
 
 fn confidence(seen: &Seen) -> Confidence {
-    if seen.level == Level::Wrong { Confidence::High } else { Confidence::Medium }
+    if seen.level == Severity::Wrong { Confidence::High } else { Confidence::Medium }
 }
 
 /// Bodies that overlap before the first step.

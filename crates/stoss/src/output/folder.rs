@@ -235,7 +235,7 @@ impl ResultFolder {
 
     /// Whether the watch has found that the run is wrong, in a run that is to stop then.
     pub fn must_stop(&self) -> bool {
-        self.watch.on_fault() == OnFault::Stop && self.watch.verdict().level == stoss_watch::Level::Wrong
+        self.watch.on_fault() == OnFault::Stop && self.watch.verdict().level == stoss_watch::Severity::Wrong
     }
 
     /// The worst drift and the deepest penetration so far.

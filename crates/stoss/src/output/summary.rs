@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use stoss_solver::{Decision, Timings};
-use stoss_watch::{Level, Verdict};
+use stoss_watch::{Severity, Verdict};
 
 /// How a run ended.
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
@@ -165,7 +165,7 @@ impl Summary {
 
     /// Whether the result is wrong and the scene does not say that this is to be ignored.
     pub fn is_fault(&self) -> bool {
-        self.verdict.level == Level::Wrong && self.watch.on_fault != OnFault::Ignore
+        self.verdict.level == Severity::Wrong && self.watch.on_fault != OnFault::Ignore
     }
 }
 

@@ -16,7 +16,7 @@ use stoss_mesh_io::{Field, VtuFrame, read_vtu, write_vtu_to};
 use stoss_newton::NewtonOptions;
 use stoss_part::Part;
 use stoss_solver::{Body, InsideOutRule, Model, Settings, Simulation, StepControl};
-use stoss_watch::{FindingKind, Level};
+use stoss_watch::{FindingKind, Severity};
 
 /// Four vectors without forces: a place and three directions.
 #[derive(Debug)]
@@ -254,14 +254,14 @@ fn a_frame_has_surfaces_lines_and_points() {
 #[test]
 fn the_watch_looks_at_surfaces() {
     let scene = scene();
-    for (height, level) in [(1.0, Level::Sound), (0.6, Level::Wrong)] {
+    for (height, level) in [(1.0, Severity::Sound), (0.6, Severity::Wrong)] {
         let mut model = Model::default();
         let (_, plate) = add_plate(&mut model, [0.3, 0.4, height]);
         add_block(&mut model, "block", [0.0; 3], [1.0; 3]);
         let drawing = Drawing { surfaces: vec![plate], ..Drawing::default() };
         let verdict = judge_start(&simulation(model), &scene, &drawing).unwrap();
         assert_eq!(verdict.level, level, "{verdict}");
-        if level == Level::Wrong {
+        if level == Severity::Wrong {
             let worst = &verdict.reasons[0];
             assert_eq!(worst.kind, FindingKind::Penetration);
             assert!(worst.sentence.contains("`block`") && worst.sentence.contains("`plate`"), "{}", worst.sentence);

@@ -1,8 +1,8 @@
 //! The normal part as a part of the contact method: row of a slot, rounds of the augmented Lagrangian, energy of the springs.
 
-use crate::method::{NodeToSurface, position};
+use crate::method::NodeToSurface;
 use stoss_contact::friction::MAX_AUGMENTATIONS;
-use stoss_contact::{ContactError, ContactRule, Enforcement, NormalRow};
+use stoss_contact::{ContactError, ContactRule, Enforcement, NormalRow, position};
 
 /// A closed node has this gap at most, in multiples of a master edge, once its multiplier has settled, or what round-off of the positions is.
 const CLOSED: f64 = 1.0e-13;

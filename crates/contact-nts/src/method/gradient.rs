@@ -19,43 +19,40 @@
 //! the kink times the motion over an edge.
 
 use crate::crossing::{Crossing, MAX_NODES, local_of};
+use crate::gap_gradient::GapGradient;
 use crate::invariants;
 use crate::kinematics::{Gap, Local, points};
 use crate::method::NodeToSurface;
-use crate::slot::{ElementNodes, Pairing};
-use crate::work::Work;
-use stoss_contact::{ContactError, ContactRule, StepConfiguration};
+use crate::slot::PairedSlot;
+use stoss_contact::{ContactError, ContactRule};
 
 impl NodeToSurface {
     /// Gap gradient of the rule and, if asked for, its derivative with respect to `q_np1`, over the element's nodes.
     pub(crate) fn gradient(
         &self,
-        slot: usize,
-        element: &ElementNodes,
-        pairing: Pairing,
-        end: &Gap,
-        step: StepConfiguration<'_>,
+        at: PairedSlot<'_>,
         want_tangent: bool,
-        work: &mut Work,
+        out: &mut GapGradient,
     ) -> Result<(), ContactError> {
+        let PairedSlot { slot, element, pairing, end, step } = at;
         let n = 3 * element.count;
         let failed = |facet| ContactError::Projection { node: self.node(slot), facet };
-        work.reset(n, want_tangent);
+        out.reset(n, want_tangent);
         match step.rule {
             ContactRule::StartPoint => {
                 let start = self.gap(slot, pairing.start, step.q_n)?;
-                work.add_gradient(&start.gradient, &element.start, 1.0);
+                out.add_gradient(&start.gradient, &element.start, 1.0);
                 return Ok(());
             }
             ContactRule::EndPoint => {
-                work.set(&end.gradient, want_tangent.then(|| end.hessian()).as_ref(), &element.end, n, 1.0);
+                out.set(&end.gradient, want_tangent.then(|| end.hessian()).as_ref(), &element.end, n, 1.0);
                 return Ok(());
             }
             ContactRule::EndPointMean => {
                 let start = self.gap(slot, pairing.start, step.q_n)?;
                 let half = end.gradient.map(|g| 0.5 * g);
-                work.set(&half, want_tangent.then(|| end.hessian()).as_ref(), &element.end, n, 0.5);
-                work.add_gradient(&start.gradient, &element.start, 0.5);
+                out.set(&half, want_tangent.then(|| end.hessian()).as_ref(), &element.end, n, 0.5);
+                out.add_gradient(&start.gradient, &element.start, 0.5);
                 return Ok(());
             }
             // Rules that need the midpoint.
@@ -71,17 +68,17 @@ impl NodeToSurface {
                 if want_tangent {
                     let (g, k) = invariants::discrete_gradient_and_tangent(&q_n, &q_1, &at_n, end, self.length)
                         .ok_or_else(|| failed(pairing.end))?;
-                    work.set(&g, Some(&k), &element.end, n, 1.0);
+                    out.set(&g, Some(&k), &element.end, n, 1.0);
                 } else {
                     let g = invariants::discrete_gradient(&q_n, &q_1, &at_n, end, self.length)
                         .ok_or_else(|| failed(pairing.end))?;
-                    work.set(&g, None, &element.end, n, 1.0);
+                    out.set(&g, None, &element.end, n, 1.0);
                 }
             } else {
                 let q_mid: Local = std::array::from_fn(|k| 0.5 * (q_n[k] + q_1[k]));
                 let (x, patch) = points(&q_mid, kind);
                 let mid = Gap::project(&x, &patch, end.xi).ok_or_else(|| failed(pairing.end))?;
-                work.set(&mid.gradient, want_tangent.then(|| mid.hessian()).as_ref(), &element.end, n, 0.5);
+                out.set(&mid.gradient, want_tangent.then(|| mid.hessian()).as_ref(), &element.end, n, 0.5);
             }
             return Ok(());
         }
@@ -102,7 +99,7 @@ impl NodeToSurface {
             mid: (&mid, &element.mid),
             length: self.length,
         }
-        .evaluate(&mut work.gradient[..n], &mut work.tangent);
+        .evaluate(&mut out.values[..n], &mut out.tangent);
         Ok(())
     }
 }

@@ -1,16 +1,16 @@
 //! Friction of one slot: traction, force, tangent.
 //!
 //! The traction of a node has two components in an orthonormal frame of its tangent plane. The normal is the mean of those of all its facets, on both
-//! sides of a sharp edge; the tangents turn with the slave's material ([`crate::frames`]). Components are the history: the traction turns with the material.
+//! sides of a sharp edge; the tangents turn with the slave's material (`frames`). Components are the history: the traction turns with the material.
 
-use crate::frames::{Coordinates, MaterialFrames};
-use crate::slip::{Facet, SlipMeasure, normal_part, tangents};
-use crate::slot::{Group, Slot, at};
+use super::frames::{Coordinates, MaterialFrames};
+use super::slip::{Facet, SlipMeasure, normal_part, tangents};
+use crate::slot::{GapWeights, Slot};
 use crate::surfaces::diagonals;
 use nalgebra::Vector3;
 use stoss_contact::dual::{Dual, Scalar, V3, dot};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep};
-use stoss_contact::{ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{ContactRule, LocalContribution, StepConfiguration, position};
 
 /// Arguments of a facet, in components.
 const FACET: usize = 12;
@@ -97,7 +97,7 @@ impl<T: Scalar> Node<T> {
         let tangents = tangents(normal, along);
         // A node that had no partner at the start of the step begins to slip with the next one.
         let inverse = if support > 0.0 { 1.0 / support } else { 0.0 };
-        Self { tangents, slip: tangents.map(|e| dot(e, weighted_slip).scale(inverse)) }
+        Self { tangents, slip: tangents.map(|e| dot(&e, &weighted_slip).scale(inverse)) }
     }
 
     fn vector(&self, components: [T; 2]) -> V3<T> {
@@ -120,13 +120,13 @@ fn along(arguments: &[Facet<f64>], material: &[Coordinates]) -> [V3<f64>; 2] {
 
 impl Slot {
     /// Gap vector and diagonals of a facet around the node; zero for a facet that was not there.
-    fn facet(&self, group: Option<&Group>, q: &[f64]) -> [V3<f64>; 3] {
+    fn facet(&self, group: Option<&GapWeights>, q: &[f64]) -> [V3<f64>; 3] {
         let Some(group) = group else { return [[0.0; 3]; 3] };
-        let origin = at(q, self.nodes[0]);
-        let position = |k: usize| at(q, self.nodes[k]) - origin;
+        let origin = position(q, self.nodes[0]);
+        let relative = |k: usize| position(q, self.nodes[k]) - origin;
         let weights = group.weights.iter().enumerate().filter(|(_, w)| **w != 0.0);
-        let gap: Vector3<f64> = weights.map(|(k, w)| position(k) * *w).sum();
-        let [d_1, d_2] = group.corners.first().map_or([Vector3::zeros(); 2], |c| diagonals(&c.map(position)));
+        let gap: Vector3<f64> = weights.map(|(k, w)| relative(k) * *w).sum();
+        let [d_1, d_2] = group.corners.first().map_or([Vector3::zeros(); 2], |c| diagonals(&c.map(relative)));
         [gap, d_1, d_2].map(Into::into)
     }
 }
@@ -160,8 +160,8 @@ impl NodeFriction<'_> {
             start.push(at_n);
         }
         let node = Node::new(normal, along(arguments, material), slip, self.support(slot, at_end));
-        let size: f64 = arguments.iter().map(|x| (dot(x[1], x[1]) * dot(x[2], x[2])).sqrt()).sum();
-        let regular = dot(normal, normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
+        let size: f64 = arguments.iter().map(|x| (dot(&x[1], &x[1]) * dot(&x[2], &x[2])).sqrt()).sum();
+        let regular = dot(&normal, &normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
         if !regular {
             return None;
         }
@@ -181,7 +181,7 @@ impl NodeFriction<'_> {
     }
 
     /// The same facet at the start of the step.
-    fn old(&self, group: &Group) -> Option<&Group> {
+    fn old(&self, group: &GapWeights) -> Option<&GapWeights> {
         self.start.facets().iter().find(|old| old.facet == group.facet)
     }
 
@@ -360,9 +360,9 @@ impl NodeFriction<'_> {
                     to.iter_mut().zip(from).for_each(|(t, m)| *t += d * m);
                 }
                 let by_traction = [by_traction[0], by_traction[1], by_traction[2]];
-                to[n] = dot(by_traction, of.of_pressure);
+                to[n] = dot(&by_traction, &of.of_pressure);
                 for m in 0..multipliers {
-                    to[dim + m] = dot(by_traction, of.of_multipliers[m]);
+                    to[dim + m] = dot(&by_traction, &of.of_multipliers[m]);
                 }
             }
             Slot::for_each_coefficient(group, |a, k, c| {
@@ -400,10 +400,10 @@ impl NodeFriction<'_> {
             return;
         }
         // Of the weights, in the gap vector at the end and in that at the start.
-        let [origin, origin_n] = [step.q_np1, step.q_n].map(|q| at(q, slot.nodes[0]));
+        let [origin, origin_n] = [step.q_np1, step.q_n].map(|q| position(q, slot.nodes[0]));
         let weights_of_end = self.weights_of_end(at_end);
         for (k, row) in group.derivative.chunks_exact(n).enumerate() {
-            let (x, x_n) = (at(step.q_np1, slot.nodes[k]) - origin, at(step.q_n, slot.nodes[k]) - origin_n);
+            let (x, x_n) = (position(step.q_np1, slot.nodes[k]) - origin, position(step.q_n, slot.nodes[k]) - origin_n);
             for (column, d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
                 for i in 0..3 {
                     motion[i * n + column] += x[i] * d;

@@ -1,14 +1,15 @@
 //! Friction as a part of the contact method: rules, history, augmentation, energies.
 
-use crate::frames::MaterialFrames;
-use crate::friction::{PointHistory, SLIVER, SurfaceFriction};
-use crate::method::MortarContact;
-use crate::sides::Row;
-use crate::slip::SlipMeasure;
-use crate::slot::{Slot, at};
-use crate::tangential::{FrictionState, NodeFriction, Scratch};
+use super::MortarContact;
+use crate::friction::{
+    FrictionState, MaterialFrames, NodeFriction, PointHistory, SLIVER, Scratch, SlipMeasure, SurfaceFriction,
+};
+use crate::rows::Row;
+use crate::slot::Slot;
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
-use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration};
+use stoss_contact::{
+    ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration, position,
+};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
 const HISTORY: usize = 32;
@@ -220,7 +221,7 @@ impl MortarContact {
                 continue;
             }
             let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
-            let far = at(q_np1, self.surfaces.slave.nodes()[self.surfaces.rows[slot].local]).norm();
+            let far = position(q_np1, self.surfaces.slave.nodes()[self.surfaces.rows[slot].local]).norm();
             let Some(surface) = &mut self.friction else { continue };
             let point = &mut surface.points[slot];
             let converged =

@@ -1,4 +1,4 @@
-//! Nearly parallel edges: the factor by which their energy fades out.
+//! Nearly parallel edges: the factor by which their energy fades out, a mollifier.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -7,13 +7,13 @@ use nalgebra::{Matrix3, Vector3};
 ///
 /// The closest points of parallel edges jump along them. Such pairs need no energy of their own: their ends against the other facets do what is necessary.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parallel {
+pub struct EdgeMollifier {
     threshold: f64,
 }
 
 /// Invariants of two edges at one state.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
+pub(crate) struct EdgePair {
     u: Vector3<f64>,
     v: Vector3<f64>,
     /// `u . u`, `v . v`, `u . v`.
@@ -24,7 +24,7 @@ pub(crate) struct Crossing {
     squared: f64,
 }
 
-impl Crossing {
+impl EdgePair {
     pub fn new(x: &[Vector3<f64>; 4]) -> Self {
         let (u, v) = (x[1] - x[0], x[3] - x[2]);
         Self { u, v, uu: u.norm_squared(), vv: v.norm_squared(), uv: u.dot(&v), squared: u.cross(&v).norm_squared() }
@@ -45,7 +45,7 @@ fn at_points([by_u, by_v]: [Vector3<f64>; 2]) -> [Vector3<f64>; 4] {
     [-by_u, by_u, -by_v, by_v]
 }
 
-impl Parallel {
+impl EdgeMollifier {
     /// A factor that is 1 for edges with `|u x v|^2 >= threshold`, a positive length to the fourth power.
     pub const fn new(threshold: f64) -> Self {
         Self { threshold }
@@ -58,15 +58,15 @@ impl Parallel {
 
     /// `m` for edges given by the points of their pair.
     pub fn factor(&self, x: &[Vector3<f64>; 4]) -> f64 {
-        self.at(&Crossing::new(x)).0
+        self.at(&EdgePair::new(x)).0
     }
 
     /// `m`, `dm/dC`, `d2m/dC2`.
-    fn at(&self, crossing: &Crossing) -> (f64, f64, f64) {
-        if crossing.squared >= self.threshold {
+    fn at(&self, edges: &EdgePair) -> (f64, f64, f64) {
+        if edges.squared >= self.threshold {
             return (1.0, 0.0, 0.0);
         }
-        let z = crossing.squared / self.threshold;
+        let z = edges.squared / self.threshold;
         (z * (2.0 - z), 2.0 * (1.0 - z) / self.threshold, -2.0 / (self.threshold * self.threshold))
     }
 
@@ -90,14 +90,14 @@ impl Parallel {
     }
 
     /// The factor at both ends and its discrete gradient; of no pair of edges or of edges that cross well the gradient is `None`.
-    pub(crate) fn between(&self, start: &Crossing, end: &Crossing) -> Between {
+    pub(crate) fn between(&self, start: &EdgePair, end: &EdgePair) -> MollifierStep {
         let ((m_n, ..), (m_np1, slope, _)) = (self.at(start), self.at(end));
         if start.squared >= self.threshold && end.squared >= self.threshold {
-            return Between { m_n, m_np1, varies: None };
+            return MollifierStep { m_n, m_np1, varies: None };
         }
         let (secant, secant_slope) = self.divided_difference(start.squared, end.squared);
         // C is quadratic in the means over both ends of u.u, v.v, u.v, and these are quadratic in the positions: the midpoint rule is exact.
-        let mean = Crossing {
+        let mean = EdgePair {
             u: (start.u + end.u) * 0.5,
             v: (start.v + end.v) * 0.5,
             uu: (start.uu + end.uu) * 0.5,
@@ -106,7 +106,7 @@ impl Parallel {
             squared: f64::NAN,
         };
         let c_gradient = end.half_gradient().map(|g| g * 2.0);
-        let varies = Varies {
+        let varies = MollifierChange {
             m_np1_gradient: at_points(c_gradient.map(|g| g * slope)),
             mean_gradient: at_points(mean.half_gradient().map(|g| g * 2.0)),
             mean,
@@ -114,19 +114,19 @@ impl Parallel {
             secant,
             secant_gradient: at_points(c_gradient.map(|g| g * secant_slope)),
         };
-        Between { m_n, m_np1, varies: Some(varies) }
+        MollifierStep { m_n, m_np1, varies: Some(varies) }
     }
 
     /// `m` at one state with gradient and second derivative.
-    pub(crate) fn at_state(&self, crossing: &Crossing) -> (f64, Option<AtState>) {
-        let (m, slope, curvature) = self.at(crossing);
-        if crossing.squared >= self.threshold {
+    pub(crate) fn at_state(&self, edges: &EdgePair) -> (f64, Option<MollifierState>) {
+        let (m, slope, curvature) = self.at(edges);
+        if edges.squared >= self.threshold {
             return (m, None);
         }
-        let c_gradient = crossing.half_gradient().map(|g| g * 2.0);
-        let state = AtState {
+        let c_gradient = edges.half_gradient().map(|g| g * 2.0);
+        let state = MollifierState {
             gradient: at_points(c_gradient.map(|g| g * slope)),
-            crossing: *crossing,
+            edges: *edges,
             c_gradient: at_points(c_gradient),
             slope,
             curvature,
@@ -136,18 +136,18 @@ impl Parallel {
 }
 
 /// The factor over a step.
-pub(crate) struct Between {
+pub(crate) struct MollifierStep {
     pub m_n: f64,
     pub m_np1: f64,
-    pub varies: Option<Varies>,
+    pub varies: Option<MollifierChange>,
 }
 
 /// What changes where the factor is not 1 at both ends.
-pub(crate) struct Varies {
+pub(crate) struct MollifierChange {
     /// Gradient of `m_np1` at the end.
     pub m_np1_gradient: [Vector3<f64>; 4],
-    mean: Crossing,
-    end: Crossing,
+    mean: EdgePair,
+    end: EdgePair,
     /// Discrete gradient of `C`.
     mean_gradient: [Vector3<f64>; 4],
     /// Divided difference of `m` by `C`, and its gradient at the end.
@@ -155,7 +155,7 @@ pub(crate) struct Varies {
     secant_gradient: [Vector3<f64>; 4],
 }
 
-impl Varies {
+impl MollifierChange {
     /// Discrete gradient of `m`: its product with the motion is `m_np1 - m_n`.
     pub fn gradient(&self) -> [Vector3<f64>; 4] {
         self.mean_gradient.map(|g| g * self.secant)
@@ -180,18 +180,18 @@ impl Varies {
 }
 
 /// The factor at one state where it is not 1.
-pub(crate) struct AtState {
+pub(crate) struct MollifierState {
     pub gradient: [Vector3<f64>; 4],
-    crossing: Crossing,
+    edges: EdgePair,
     c_gradient: [Vector3<f64>; 4],
     slope: f64,
     curvature: f64,
 }
 
-impl AtState {
+impl MollifierState {
     /// Second derivative of `m` with respect to points `i` and `j`.
     pub fn hessian(&self, i: usize, j: usize) -> Matrix3<f64> {
-        let Crossing { u, v, uu, vv, uv, .. } = &self.crossing;
+        let EdgePair { u, v, uu, vv, uv, .. } = &self.edges;
         let (du, dv) = (IN_U[j], IN_V[j]);
         let d_uv = v * du + u * dv;
         let identity = Matrix3::identity();

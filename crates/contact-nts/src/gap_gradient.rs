@@ -1,23 +1,23 @@
-//! Where the gap gradient of a slot is put together.
+//! The gap gradient of a slot, put together over the nodes of its element.
 
 use crate::crossing::{MAX_NODES, component, spread};
 use crate::kinematics::{Local, LocalMatrix};
 use stoss_reference_element::Nodal;
 
 /// Gap gradient and tangent of one slot; the tangent is empty if not asked for.
-pub(crate) struct Work {
-    pub gradient: [f64; 3 * MAX_NODES],
+pub(crate) struct GapGradient {
+    pub values: [f64; 3 * MAX_NODES],
     pub tangent: Vec<f64>,
 }
 
-impl Work {
+impl GapGradient {
     pub fn new() -> Self {
-        Self { gradient: [0.0; 3 * MAX_NODES], tangent: Vec::new() }
+        Self { values: [0.0; 3 * MAX_NODES], tangent: Vec::new() }
     }
 
     /// Zeros for `n` components.
     pub fn reset(&mut self, n: usize, want_tangent: bool) {
-        self.gradient[..n].fill(0.0);
+        self.values[..n].fill(0.0);
         self.tangent.clear();
         if want_tangent {
             self.tangent.resize(n * n, 0.0);
@@ -28,7 +28,7 @@ impl Work {
     pub fn add_gradient(&mut self, gradient: &Local, facet: &Nodal<usize>, factor: f64) {
         for (node, part) in spread(facet).iter().zip(gradient.chunks_exact(3)) {
             for i in 0..3 {
-                self.gradient[3 * node + i] += factor * part[i];
+                self.values[3 * node + i] += factor * part[i];
             }
         }
     }

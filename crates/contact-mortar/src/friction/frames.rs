@@ -33,7 +33,7 @@ impl MaterialFrames {
             let around = slave.facets_around(local);
             let area = |f: &u32| diagonals[*f as usize][1].cross(&diagonals[*f as usize][0]);
             let sum: Vector3<f64> = around.iter().map(area).sum();
-            // Into the slave, as in `tangential`. The two sides of a fold have no mean.
+            // Into the slave, as in `node`. The two sides of a fold have no mean.
             let size: f64 = around.iter().map(|f| area(f).norm()).sum();
             let normal = if sum.norm() > FLAT * size { sum } else { area(&around[0]) }.normalize();
             let [a, b] = diagonals[around[0] as usize].map(|d| d - normal * normal.dot(&d));
@@ -62,8 +62,8 @@ impl MaterialFrames {
 
 #[cfg(test)]
 mod tests {
+    use super::super::slip::tangents;
     use super::*;
-    use crate::slip::tangents;
     use nalgebra::{Matrix3, Rotation3};
     use proptest::prelude::*;
     use stoss_reference_element::Nodal;

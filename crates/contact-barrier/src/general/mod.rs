@@ -1,16 +1,21 @@
 //! General contact: the sum over all pairs of a skin.
+//!
+//! Springs of pairs that stick are in `springs`, what is reported at the end of a step in `output`.
 
-use crate::areas::{Areas, Meeting, areas_of_triangles};
+mod areas;
+mod output;
+mod springs;
+
 use crate::proximity::{Candidate, Proximity};
 use crate::slip::SlipLine;
-use crate::{Friction, FrictionForce, Interaction, Interactions, Layer, PairStart, Skin, StepForce, Stick, Tangent};
+use crate::{Friction, Interaction, Interactions, Layer, PairStart, Skin, StepForce, Stick, Tangent};
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
+use springs::Spring;
 use stoss_contact::{
     BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration, SurfaceForce,
     SurfaceNode,
 };
-use stoss_geometry::{PairKind, closest};
+use stoss_geometry::closest;
 
 /// No start of a pair is known.
 const NONE: u32 = u32::MAX;
@@ -18,18 +23,8 @@ const NONE: u32 = u32::MAX;
 /// Shear stiffness of the layer of a pair that sticks, in moduli over thicknesses.
 const SHEAR: f64 = 3.0;
 
-/// Cosine of the angle between the normals of two facets, one of them turned around, from which on they face each other.
-const FACING: f64 = 0.5;
-
-/// Kinds of pairs, by their numbers in a checkpoint.
-const KINDS: [PairKind; 4] =
-    [PairKind::VertexTriangle, PairKind::EdgeEdge, PairKind::VertexEdge, PairKind::VertexVertex];
-
-/// Bytes of a spring in a checkpoint.
-const SPRING: usize = 49;
-
 /// Iterations of a step with inertia in which motions are shortened because they pass very many facets; then the step is given up.
-const WILD: u32 = 3;
+const MAX_SHORTENED: u32 = 3;
 
 /// Settings of [`GeneralContact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,21 +73,11 @@ pub struct GeneralContact {
     next_springs: Option<Vec<Spring>>,
 }
 
-/// The friction of a pair that sticks, at the end of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Spring {
-    kind: PairKind,
-    points: [u32; 4],
-    stretch: Vector3<f64>,
-    /// Its energy.
-    stored: f64,
-}
-
 impl GeneralContact {
     /// Contact of a skin by rules for its classes.
     ///
     /// # Errors
-    /// [`ContactError::EmptySurface`] if there is no facet, [`ContactError::Option`] if the thickness is not positive.
+    /// [`ContactError::EmptySurface`] if there is no facet, [`ContactError::OptionOutOfRange`] if the thickness is not positive.
     pub fn new(
         name: impl Into<String>,
         skin: Skin,
@@ -101,7 +86,7 @@ impl GeneralContact {
     ) -> Result<Self, ContactError> {
         if !(options.thickness > 0.0 && options.thickness.is_finite()) {
             let (option, range) = ("thickness", "a positive length");
-            return Err(ContactError::Option { option, value: options.thickness, range });
+            return Err(ContactError::OptionOutOfRange { option, value: options.thickness, range });
         }
         if skin.facets().is_empty() {
             return Err(ContactError::EmptySurface { side: "general" });
@@ -166,21 +151,6 @@ impl GeneralContact {
         Some(Friction { coefficient: friction, stick })
     }
 
-    /// Springs at the end of the step, ascending; none in dynamics.
-    fn stretched(&self) -> Vec<Spring> {
-        if self.has_rates || !self.rules.has_friction() {
-            return Vec::new();
-        }
-        let of = |&k: &u32| {
-            let Candidate { term, points, .. } = self.proximity.candidates[k as usize];
-            let FrictionForce { stretch, stored, .. } = self.force(k, None).friction;
-            (stored > 0.0).then_some(Spring { kind: term.kind, points, stretch, stored })
-        };
-        let mut springs: Vec<Spring> = self.active.iter().filter_map(of).collect();
-        springs.sort_unstable_by_key(|spring| (spring.kind, spring.points));
-        springs
-    }
-
     /// After the candidates changed: which are in the layer at the start.
     fn renew_starts(&mut self) {
         let Self { proximity, x_n, inside_n, start_of, starts, options, .. } = self;
@@ -239,64 +209,6 @@ impl GeneralContact {
         nodes.sort_unstable();
         nodes.dedup();
     }
-
-    /// Forces at the surface nodes in the step, and distances at its end.
-    fn surface(&self, triangles: &[Vector3<f64>]) -> Surface {
-        let n = self.skin.surface_nodes().len();
-        let zero = || vec![Vector3::zeros(); n];
-        let mut surface =
-            Surface { normal: zero(), friction: zero(), distance: vec![f64::INFINITY; n], meets: Vec::new() };
-        for &k in &self.active {
-            let candidate = &self.proximity.candidates[k as usize];
-            let StepForce { barrier, friction } = self.force(k, None);
-            if candidate.is_inner {
-                surface.meets.extend(self.meeting(candidate, triangles));
-            }
-            for i in 0..4 {
-                self.skin.shares(candidate.points[i], 1.0, &mut |k, share| {
-                    surface.normal[k] -= barrier.gradient[i] * share;
-                    surface.friction[k] -= friction.gradient[i] * share;
-                });
-            }
-        }
-        for candidate in &self.proximity.candidates {
-            let point = candidate.points[0] as usize;
-            if candidate.term.kind == PairKind::VertexTriangle && point < n {
-                let distance = closest(candidate.term.kind, &candidate.of(&self.x)).distance_squared.sqrt();
-                surface.distance[point] = surface.distance[point].min(distance);
-            }
-        }
-        surface
-    }
-
-    /// A point of integration and a triangle that act on each other at the end of the step, if their surfaces face each other: the side of a block that stands on a plate does not face the plate, near as its lower edge may be.
-    fn meeting(&self, candidate: &Candidate, triangles: &[Vector3<f64>]) -> Option<Meeting> {
-        let [point, ref corners @ ..] = candidate.points;
-        let own = self.skin.triangle_of_inner(point)?;
-        let [f, g] = candidate.facets;
-        let other = if self.skin.facet_of_triangle(own) == f { g } else { f };
-        let mut of_other = self.skin.triangles_of(other).iter().copied();
-        let triangle = of_other.find(|&t| self.skin.triangles()[t as usize] == *corners)?;
-        let [a, b] = [own, triangle].map(|t| triangles[t as usize]);
-        let faces = a.dot(&b) < -FACING * a.norm() * b.norm();
-        let pair = closest(candidate.term.kind, &candidate.of(&self.x));
-        let is_near = pair.distance_squared < self.options.thickness * self.options.thickness;
-        let weights = std::array::from_fn(|i| -pair.weights[i + 1]);
-        (faces && is_near).then_some(Meeting { point, own, triangle, weights, weight: candidate.term.weight })
-    }
-
-    fn place(skin: &Skin, q: &[f64], x: &mut Vec<Vector3<f64>>) {
-        x.clear();
-        x.extend((0..skin.point_count() as u32).map(|p| skin.at(p, q)));
-    }
-}
-
-/// Forces at the places of [`Skin::surface_nodes`], and where surfaces meet.
-struct Surface {
-    normal: Vec<Vector3<f64>>,
-    friction: Vec<Vector3<f64>>,
-    distance: Vec<f64>,
-    meets: Vec<Meeting>,
 }
 
 /// Whether a pair is in the layer. Most are not, which their boxes tell.
@@ -329,7 +241,7 @@ impl Potential for GeneralContact {
             return;
         }
         let mut d = std::mem::take(&mut self.increment);
-        Self::place(&self.skin, increment, &mut d);
+        self.skin.place(increment, &mut d);
         let along = |&k: &u32| {
             let candidate = &self.proximity.candidates[k as usize];
             let points = [candidate.of(&self.x_n), candidate.of(&self.x), candidate.of(&d)];
@@ -359,13 +271,13 @@ impl Potential for GeneralContact {
 
     fn begin_step(&mut self, q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
         if !matches!(self.rule, ContactRule::EnergyMomentum | ContactRule::EndPoint) {
-            return Err(ContactError::Rule { method: "general", rule: format!("{:?}", self.rule) });
+            return Err(ContactError::RuleUnavailable { method: "general", rule: format!("{:?}", self.rule) });
         }
         if let Some(springs) = self.next_springs.take() {
             self.springs = springs;
         }
         let Self { skin, rules, proximity, x_n, x, velocity, step_size, .. } = self;
-        Self::place(skin, q_n, x_n);
+        skin.place(q_n, x_n);
         x.clone_from(x_n);
         let motion = |p: u32| if velocity.is_empty() { Vector3::zeros() } else { skin.at(p, velocity) * *step_size };
         proximity.begin(skin, rules, x_n, motion);
@@ -378,11 +290,11 @@ impl Potential for GeneralContact {
     }
 
     fn renew(&mut self, q_np1: &[f64]) -> Result<bool, ContactError> {
-        if self.has_rates && self.shortened >= WILD {
+        if self.has_rates && self.shortened >= MAX_SHORTENED {
             return Err(ContactError::TooFar { contact: self.name.clone(), iterations: self.shortened });
         }
         let Self { skin, rules, proximity, x, .. } = self;
-        Self::place(skin, q_np1, x);
+        skin.place(q_np1, x);
         if let Some(point) = x.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
             // A point has a node at least.
             let node = skin.terms(point as u32).first().map_or(u32::MAX, |term| term.0);
@@ -396,8 +308,8 @@ impl Potential for GeneralContact {
 
     fn longest_step(&mut self, q: &[f64], increment: &[f64]) -> f64 {
         let Self { skin, rules, proximity, x, increment: d, .. } = self;
-        Self::place(skin, q, x);
-        Self::place(skin, increment, d);
+        skin.place(q, x);
+        skin.place(increment, d);
         let (part, changed) = proximity.hold(skin, rules, x, Some(d));
         if part < 1.0 {
             d.iter_mut().for_each(|d| *d *= part);
@@ -496,7 +408,7 @@ impl Potential for GeneralContact {
 
     fn energy(&self, q: &[f64]) -> Result<f64, ContactError> {
         let mut x = Vec::new();
-        Self::place(&self.skin, q, &mut x);
+        self.skin.place(q, &mut x);
         let mut proximity = Proximity::new(&self.skin, self.options.thickness);
         proximity.begin(&self.skin, &self.rules, &x, |_| Vector3::zeros());
         let energy = |c: &Candidate| c.term.at_state(&self.layer(c), &c.of(&x), None).energy;
@@ -519,91 +431,15 @@ impl Potential for GeneralContact {
     }
 
     fn body_pairs(&self) -> Vec<BodyPair> {
-        let mut list: BTreeMap<[u32; 2], BodyPair> = BTreeMap::new();
-        // Points of integration with their weights and forces: one may act on several triangles.
-        let mut points: BTreeMap<([u32; 2], u32), (f64, Vector3<f64>)> = BTreeMap::new();
-        for &k in &self.active {
-            let candidate = &self.proximity.candidates[k as usize];
-            let StepForce { barrier, friction } = self.force(k, None);
-            let [a, b] = candidate.classes.map(|class| self.rules.body(class));
-            let bodies = [a.min(b), a.max(b)];
-            let pair = list.entry(bodies).or_insert(BodyPair::none(bodies));
-            let x = candidate.of(&self.x);
-            let distance = closest(candidate.term.kind, &x).distance_squared.sqrt();
-            pair.distance = pair.distance.min(distance);
-            pair.friction_work += friction.work;
-            if distance < self.options.thickness {
-                pair.active += 1;
-                if candidate.is_inner {
-                    let point = points.entry((bodies, candidate.points[0])).or_default();
-                    point.0 = candidate.term.weight.max(point.0);
-                    point.1 += barrier.gradient[0];
-                }
-            }
-            // Forces on the points of the first body; of a body on itself they cancel.
-            let first = candidate.term.kind.first_count();
-            let points = if a <= b { 0..first } else { first..4 };
-            for i in points.filter(|_| a != b) {
-                let force = -(barrier.gradient[i] + friction.gradient[i]);
-                let moment = x[i].cross(&force);
-                for c in 0..3 {
-                    pair.force[c] += force[c];
-                    pair.moment[c] += moment[c];
-                }
-            }
-        }
-        for ((bodies, _), (weight, force)) in points {
-            if let Some(pair) = list.get_mut(&bodies) {
-                pair.area += weight;
-                pair.pressure = pair.pressure.max(force.norm() / weight);
-            }
-        }
-        list.into_values().collect()
+        self.pairs_of_bodies()
     }
 
     fn surface_forces(&self) -> Vec<SurfaceForce> {
-        let nodes = self.skin.surface_nodes();
-        if !self.skin.is_inset() {
-            return Vec::new();
-        }
-        let mut sums = vec![[Vector3::zeros(); 2]; nodes.len()];
-        for &k in &self.active {
-            let candidate = &self.proximity.candidates[k as usize];
-            let (StepForce { barrier, friction }, x) = (self.force(k, None), candidate.of(&self.x));
-            for i in 0..4 {
-                let force = -(barrier.gradient[i] + friction.gradient[i]);
-                let moment = x[i].cross(&force);
-                self.skin.shares(candidate.points[i], 1.0, &mut |k, share| {
-                    sums[k][0] += force * share;
-                    sums[k][1] += moment * share;
-                });
-            }
-        }
-        let all = nodes.iter().zip(sums).filter(|(_, sums)| *sums != [Vector3::zeros(); 2]);
-        all.map(|(&node, [force, moment])| SurfaceForce { node, force: force.into(), moment: moment.into() }).collect()
+        self.forces_at_surface_nodes()
     }
 
     fn surface_nodes(&self, q_np1: &[f64]) -> Vec<SurfaceNode> {
-        let triangles = areas_of_triangles(&self.skin, q_np1);
-        let surface = self.surface(&triangles);
-        let areas = Areas::of(&self.skin, &triangles, &surface.meets);
-        let mut list = Vec::new();
-        for (k, &node) in self.skin.surface_nodes().iter().enumerate() {
-            let (normal, friction, distance) = (surface.normal[k], surface.friction[k], surface.distance[k]);
-            if distance.is_infinite() && normal == Vector3::zeros() && friction == Vector3::zeros() {
-                continue;
-            }
-            let (area, outward) = areas.at(k);
-            let friction = (friction - outward * outward.dot(&friction)) / area;
-            list.push(SurfaceNode {
-                node,
-                pressure: -normal.dot(&outward) / area,
-                friction: friction.into(),
-                distance,
-                area,
-            });
-        }
-        list
+        self.tractions_at_surface_nodes(q_np1)
     }
 
     fn has_friction(&self) -> bool {
@@ -618,34 +454,11 @@ impl Potential for GeneralContact {
     }
 
     fn save_history(&self) -> Vec<u8> {
-        let springs = self.next_springs.as_ref().unwrap_or(&self.springs);
-        let mut out = Vec::with_capacity(SPRING * springs.len());
-        for Spring { kind, points, stretch, stored } in springs {
-            // cannot fail: it is one of the kinds.
-            out.push(KINDS.iter().position(|k| k == kind).unwrap_or_default() as u8);
-            points.iter().for_each(|point| out.extend_from_slice(&point.to_le_bytes()));
-            stretch.iter().chain([stored]).for_each(|value| out.extend_from_slice(&value.to_le_bytes()));
-        }
-        out
+        springs::save(self.next_springs.as_ref().unwrap_or(&self.springs))
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        let wrong = |reason: String| ContactError::History { reason };
-        if !bytes.len().is_multiple_of(SPRING) {
-            return Err(wrong(format!("{} bytes for springs of {SPRING} bytes", bytes.len())));
-        }
-        let read = |chunk: &[u8]| {
-            let kind =
-                *KINDS.get(chunk[0] as usize).ok_or_else(|| wrong(format!("no pair is of kind {}", chunk[0])))?;
-            let points = std::array::from_fn(|i| u32::from_le_bytes(std::array::from_fn(|k| chunk[1 + 4 * i + k])));
-            let count = self.skin.point_count();
-            if let Some(point) = points.iter().find(|&&point| point as usize >= count) {
-                return Err(wrong(format!("point {point} of {count}")));
-            }
-            let value = |i: usize| f64::from_le_bytes(std::array::from_fn(|k| chunk[17 + 8 * i + k]));
-            Ok(Spring { kind, points, stretch: Vector3::new(value(0), value(1), value(2)), stored: value(3) })
-        };
-        self.springs = bytes.chunks_exact(SPRING).map(read).collect::<Result<_, _>>()?;
+        self.springs = springs::load(bytes, self.skin.point_count())?;
         self.next_springs = None;
         Ok(())
     }

@@ -1,6 +1,6 @@
-//! Convex pieces of a facet's image in the plane, and the maps between image and convective coordinates.
+//! Maps between the image of a facet in the plane and its convective coordinates.
 
-use robust::{Coord, orient2d};
+use crate::plane::{cross, sub};
 use stoss_reference_element::{FacetKind, MAX_NODES, Nodal, quad4};
 
 /// How convective coordinates belong to points of (a piece of) a facet.
@@ -72,86 +72,8 @@ fn affine_gradient(kind: FacetKind, corners: [u8; 3]) -> [[f64; 2]; MAX_NODES] {
     gradient
 }
 
-pub(crate) fn sub(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-pub(crate) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-pub(crate) fn orient(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    let coord = |p: [f64; 2]| Coord { x: p[0], y: p[1] };
-    orient2d(coord(a), coord(b), coord(c))
-}
-
-/// A convex polygon of corners of a facet, counter-clockwise in the plane.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Cell {
-    pub count: usize,
-    /// Corners of the facet.
-    pub corners: [u8; MAX_NODES],
-    /// Their images.
-    pub points: [[f64; 2]; MAX_NODES],
-    pub map: FacetMap,
-}
-
-impl Cell {
-    fn triangle(order: [u8; 3], images: &Images) -> Option<Self> {
-        let p = order.map(|k| images[k as usize]);
-        (orient(p[0], p[1], p[2]) > 0.0).then_some(Self {
-            count: 3,
-            corners: [order[0], order[1], order[2], order[0]],
-            points: [p[0], p[1], p[2], p[0]],
-            map: FacetMap::Affine { kind: images.kind(), corners: order },
-        })
-    }
-
-    /// Which [`FacetKind::side`] of the facet side `side` of the cell is.
-    pub fn edge(&self, side: usize) -> u8 {
-        let (a, b) = (self.corners[side], self.corners[(side + 1) % self.count]);
-        // cannot fail: every two corners of a facet have a side.
-        self.map.kind().side_between(a as usize, b as usize).map_or(0, |side| side as u8)
-    }
-}
-
 /// Images of a facet's corners in the plane.
 pub(crate) type Images = Nodal<[f64; 2]>;
-
-/// Order in which the corners of a facet are taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Orientation {
-    /// In the order of their numbers.
-    Forward,
-    /// Against it: for a facet that looks the other way.
-    Backward,
-}
-
-/// The convex pieces of a facet that are counter-clockwise in the plane when its corners are taken in this order.
-///
-/// The whole facet if the image is strictly convex. Otherwise, of a quadrilateral, the triangles of positive area that a diagonal
-/// leaves: of both diagonals the one whose triangles reach less to the negative side. For a reflex image that is the
-/// inner one; an image that crosses itself has one triangle of each sign, and the smaller the crossing, the less is
-/// lost.
-pub(crate) fn split(images: &Images, orientation: Orientation) -> ([Option<Cell>; 2], bool) {
-    let kind = images.kind();
-    let count = images.len();
-    let order = Nodal::from_fn(kind, |k| match orientation {
-        Orientation::Forward => k as u8,
-        Orientation::Backward => ((count - k) % count) as u8,
-    });
-    let p = order.map(|k| images[k as usize]);
-    let turn = Nodal::from_fn(kind, |k| orient(p[kind.previous(k)], p[k], p[kind.next(k)]));
-    if turn.iter().all(|&o| o > 0.0) {
-        let whole = Cell { count, corners: *order.padded(), points: *p.padded(), map: FacetMap::whole(kind) };
-        return ([Some(whole), None], false);
-    }
-    // A diagonal cuts off the corners in the middle of its triangles, and their turns are the triangles' areas.
-    let reach = |pieces: &[[u8; 3]; 2]| turn[pieces[0][1] as usize].min(turn[pieces[1][1] as usize]);
-    let better = |best: &'static [[u8; 3]; 2], other| if reach(other) > reach(best) { other } else { best };
-    let Some(pieces) = kind.pieces().iter().reduce(better) else { return ([None, None], false) };
-    (pieces.map(|corners| Cell::triangle(corners.map(|k| order[k as usize]), images)), true)
-}
 
 /// `xi` of the point whose image is `p`, for the facet whose corners have the images `images` (either orientation).
 ///
@@ -222,20 +144,6 @@ mod tests {
                 assert!((back[0] - xi[0]).abs() + (back[1] - xi[1]).abs() < 1e-13, "{xi:?} {back:?}");
             }
         }
-    }
-
-    #[test]
-    fn pieces_of_convex_reflex_crossed_and_reversed_images() {
-        let count = |x: &[[f64; 2]; 4]| split(&(*x).into(), Orientation::Forward).0.iter().flatten().count();
-        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        assert!(!split(&square.into(), Orientation::Forward).1);
-        assert_eq!(count(&[[0.0, 0.0], [0.4, 0.4], [1.0, 0.0], [0.5, 1.0]]), 2);
-        assert_eq!(count(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), 1);
-        assert_eq!(count(&[[0.0, 0.0], [5.0, 1.0], [1.0, 0.0], [5.0, 3.0]]), 1);
-        assert_eq!(split(&square.into(), Orientation::Backward).0.iter().flatten().count(), 0);
-        let triangle = Images::from([[0.0, 0.0], [1.0, 0.0], [0.3, 1.0]]);
-        let cells = |orientation| split(&triangle, orientation).0.iter().flatten().count();
-        assert_eq!([cells(Orientation::Forward), cells(Orientation::Backward)], [1, 0]);
     }
 
     #[test]

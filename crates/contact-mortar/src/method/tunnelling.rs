@@ -1,22 +1,24 @@
-//! What goes through a surface in one step is found, not lost.
+//! Slave facets that pass through the master in one step.
 
-use crate::method::MortarContact;
-use crate::slot::at;
+use super::MortarContact;
 use crate::state::Surfaces;
 use crate::surfaces::area_vector;
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, FacetNodes};
+use stoss_contact::{ContactError, FacetNodes, position};
 use stoss_reference_element::Nodal;
 
 impl MortarContact {
-    /// Fails if a part of the slave that lay before the master has gone deeper than where contact takes notice: the step was too long.
-    pub(crate) fn check_passage(&self) -> Result<(), ContactError> {
+    /// Fails if a part of the slave that was in front of the master is now deeper behind it than contact reaches: the step was too long.
+    ///
+    /// # Errors
+    /// [`ContactError::Tunnelled`].
+    pub(crate) fn check_tunnelling(&self) -> Result<(), ContactError> {
         let depth = self.factors().fading_depth();
         if !depth.is_finite() {
             return Ok(());
         }
         let Surfaces { slave, master, .. } = &self.surfaces;
-        let corner = |q: &[f64], nodes: FacetNodes| nodes.map(|n| at(q, n));
+        let corner = |q: &[f64], nodes: FacetNodes| nodes.map(|n| position(q, n));
         let point = |x: &Nodal<Vector3<f64>>, xi: [f64; 2]| -> Vector3<f64> {
             x.kind().shape(xi).iter().zip(x).map(|(n, x)| x * *n).sum()
         };
@@ -35,7 +37,7 @@ impl MortarContact {
                     v.iter().map(|v| (point(&y, v.master) - point(&x, v.slave)).dot(&normal)).sum::<f64>()
                         / v.len() as f64;
                 if before >= 0.0 {
-                    return Err(ContactError::Passed { facet: f as u32, before, after: deepest });
+                    return Err(ContactError::Tunnelled { facet: f as u32, before, after: deepest });
                 }
             }
         }

@@ -1,9 +1,9 @@
-//! What a body asks of a block of elements of one kind. The numbers of nodes and points are constants inside of a block and unknown outside of [`Cells`],
+//! What a body asks of a block of elements of one kind. The numbers of nodes and points are constants inside of a block and unknown outside of [`ElementBlock`],
 //! which is called once a block.
 
 use crate::{
     SolidStep,
-    assembly::Additions,
+    assembly::AssemblyTarget,
     element::{Failure, FailureKind},
     kernel::Matrix3,
     viscous::Viscosity,
@@ -15,7 +15,7 @@ use stoss_reference_element::Rule;
 pub(crate) type ElementFailure = (usize, Failure);
 
 /// Why a block cannot be made.
-pub(crate) enum Refused {
+pub(crate) enum BlockError {
     /// `det dX/dxi` of an element at a Gauss point.
     Inverted { element: usize, gauss_point: usize, determinant: f64 },
     /// The kind has no such rule.
@@ -51,15 +51,15 @@ pub(crate) struct PointStrain {
 }
 
 /// What a body asks of a block. `nodes` are the global nodes of all its elements; elements are counted in the block.
-pub(crate) trait Cells: std::fmt::Debug + Send + Sync {
-    fn boxed(&self) -> Box<dyn Cells>;
+pub(crate) trait ElementBlock: std::fmt::Debug + Send + Sync {
+    fn boxed(&self) -> Box<dyn ElementBlock>;
     fn rule(&self) -> Rule;
     fn memory_bytes(&self) -> usize;
     /// Adds the volumes of all Gauss points, one after the other.
     fn add_volume(&self, total: &mut f64);
     fn element_volume(&self, element: usize) -> f64;
     fn begin_step(&mut self, material: Material<'_>, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure>;
-    /// Forgets what [`Cells::begin_step`] kept.
+    /// Forgets what [`ElementBlock::begin_step`] kept.
     fn end_step(&mut self);
     fn has_begun(&self) -> bool;
     /// Stencils of the tangent beside those of the elements.
@@ -75,13 +75,13 @@ pub(crate) trait Cells: std::fmt::Debug + Send + Sync {
         material: Material<'_>,
         nodes: &[u32],
         step: SolidStep<'_>,
-        to: Additions<'_, '_>,
+        to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure>;
     fn add_viscous_force(
         &self,
         nodes: &[u32],
         viscosity: Viscosity<'_>,
-        to: Additions<'_, '_>,
+        to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure>;
     /// Adds the energies of all elements, one after the other.
     fn add_energy(

@@ -1,14 +1,14 @@
-//! Force and row of a slot: the law of the normal part.
+//! Normal force and constraint row of a slot.
 
+use super::{CARRIED, MortarContact};
 use crate::discrete::RelativeMotion;
-use crate::method::{CARRIED, MortarContact};
 use crate::options::Force;
 use crate::positions::Positions;
-use crate::slot::{Evaluation, Slot, Want, at};
+use crate::slot::{Evaluation, Slot, Want};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{ContactError, ContactRule, LocalContribution, StepConfiguration, position};
 
-/// Part of [`crate::method::CARRIED`] below which the row of a multiplier gets a compliance, so that it cannot vanish.
+/// Part of [`CARRIED`] below which the row of a multiplier gets a compliance, so that it cannot vanish.
 const VANISHING: f64 = 0.1;
 /// That compliance, in lengths of facets over Young's modulus.
 const COMPLIANCE: f64 = 1e-6;
@@ -42,9 +42,9 @@ impl MortarContact {
         let no_normal = || ContactError::NoNormal { node: slot.nodes[0] };
         let end_point = self.rule == ContactRule::EndPoint;
         let mean_of_ends = self.rule == ContactRule::EndPointMean;
-        let holds = end_point && self.options.force == Force::HeldWeights;
-        let want_at_end = match (holds, want_tangent && (end_point || mean_of_ends)) {
-            (true, _) => Want::HeldForce,
+        let has_fixed_weights = end_point && self.options.force == Force::FixedWeights;
+        let want_at_end = match (has_fixed_weights, want_tangent && (end_point || mean_of_ends)) {
+            (true, _) => Want::FixedWeights,
             (false, true) => Want::Hessian,
             (false, false) => Want::Gradient,
         };
@@ -55,7 +55,7 @@ impl MortarContact {
         let mut force = vec![0.0; n];
         let mut hessian = Vec::new();
         if end_point {
-            force.copy_from_slice(if holds { &at_end.held } else { &at_end.gradient });
+            force.copy_from_slice(if has_fixed_weights { &at_end.at_fixed_weights } else { &at_end.gradient });
             hessian.clone_from(&at_end.hessian);
         } else if mean_of_ends {
             (0..n).for_each(|c| force[c] = 0.5 * (at_end.gradient[c] + start_of(c)));
@@ -107,7 +107,9 @@ impl MortarContact {
         let area = self.surfaces.rows[k].area;
         force.copy_from_slice(&at_middle.gradient);
         let work: f64 = (slot.nodes.iter().zip(at_middle.gradient.chunks_exact(3)))
-            .map(|(&node, g)| (at(step.q_np1, node) - at(step.q_n, node)).dot(&Vector3::new(g[0], g[1], g[2])))
+            .map(|(&node, g)| {
+                (position(step.q_np1, node) - position(step.q_n, node)).dot(&Vector3::new(g[0], g[1], g[2]))
+            })
             .sum();
         let defect = at_end.value - self.step.gap[k].unwrap_or(0.0) - work;
         let relative = RelativeMotion::new(&middle.positive, &slot.nodes, step.q_n, step.q_np1);

@@ -1,14 +1,15 @@
 //! Friction as a part of the contact method: which rule takes what, history, augmentation, energies.
 
-use crate::augmented::mean;
 use crate::crossing::{MAX_NODES, local_of};
 use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, SurfaceFriction, carry};
-use crate::kinematics::{Gap, points};
-use crate::method::{NodeToSurface, position};
+use crate::kinematics::{Gap, mean, points};
+use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
-use crate::slot::{ElementNodes, Pairing};
+use crate::slot::{ElementNodes, PairedSlot};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
-use stoss_contact::{ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration};
+use stoss_contact::{
+    ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration, position,
+};
 
 /// Bytes of history of a slot: two components of the traction, path slid.
 const HISTORY: usize = 24;
@@ -49,14 +50,8 @@ impl NodeToSurface {
         self
     }
 
-    fn place(
-        &self,
-        slot: usize,
-        element: &ElementNodes,
-        pairing: Pairing,
-        end: &Gap,
-        step: StepConfiguration<'_>,
-    ) -> Result<Placed, ContactError> {
+    fn place(&self, at: PairedSlot<'_>) -> Result<Placed, ContactError> {
+        let PairedSlot { slot, element, pairing, end, step } = at;
         let mut placed = Placed { increment: [0.0; 3 * MAX_NODES], q: [0.0; 3 * MAX_NODES], mid: None };
         let at_end = match step.rule {
             ContactRule::EndPoint => true,
@@ -89,18 +84,15 @@ impl NodeToSurface {
     /// Hands the friction element of a paired slot over; `None` without friction.
     fn with_element<R>(
         &self,
-        slot: usize,
-        element: &ElementNodes,
-        pairing: Pairing,
-        end: &Gap,
-        step: StepConfiguration<'_>,
+        of: PairedSlot<'_>,
         pressure: f64,
         multiplier: [f64; 2],
         evaluate: impl FnOnce(&FrictionElement<'_>) -> R,
     ) -> Result<Option<R>, ContactError> {
         let Some(surface) = &self.friction else { return Ok(None) };
+        let PairedSlot { slot, element, pairing, end, step } = of;
         let history = PointHistory { multiplier, ..surface.points[slot] };
-        let placed = self.place(slot, element, pairing, end, step)?;
+        let placed = self.place(of)?;
         let n = 3 * element.count;
         let at = match &placed.mid {
             Some(mid) => (mid, &element.mid),
@@ -132,20 +124,16 @@ impl NodeToSurface {
     /// Adds a slot's friction to its contribution.
     pub(crate) fn add_friction(
         &self,
-        slot: usize,
-        element: &ElementNodes,
-        pairing: Pairing,
-        end: &Gap,
-        step: StepConfiguration<'_>,
+        of: PairedSlot<'_>,
         pressure: f64,
         multiplier: [f64; 2],
         want_tangent: bool,
         contribution: &mut LocalContribution,
     ) -> Result<(), ContactError> {
-        let weight = self.slave.weights()[slot];
-        self.with_element(slot, element, pairing, end, step, pressure, multiplier, |friction| {
+        let weight = self.slave.weights()[of.slot];
+        self.with_element(of, pressure, multiplier, |friction| {
             let state = friction.state();
-            let rows = 3 * element.count + 1..contribution.dim();
+            let rows = 3 * of.element.count + 1..contribution.dim();
             let add = |rows: &mut [f64], mismatch: [f64; 2]| {
                 rows.iter_mut().zip(mismatch).for_each(|(row, m)| *row += weight * m);
             };
@@ -186,7 +174,8 @@ impl NodeToSurface {
         let end = self.gap(slot, pairing.end, q_np1)?;
         let step = StepConfiguration { q_n: &self.q_n, q_np1, rule: surface.rule };
         let multiplier = surface.points[slot].multiplier;
-        self.with_element(slot, &element, pairing, &end, step, pressure, multiplier, |friction| friction.state())
+        let of = PairedSlot { slot, element: &element, pairing, end: &end, step };
+        self.with_element(of, pressure, multiplier, |friction| friction.state())
     }
 
     /// The traction with which a slot begins its step: that of the last one, on the facet that it starts from now.

@@ -3,9 +3,10 @@
 use crate::Skin;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
+use stoss_contact::position;
 
 /// A point of integration in contact with a triangle.
-pub(crate) struct Meeting {
+pub(super) struct Meeting {
     pub point: u32,
     /// Triangle that the point is in.
     pub own: u32,
@@ -17,18 +18,14 @@ pub(crate) struct Meeting {
 }
 
 /// Vectors of the current areas of the triangles.
-pub(crate) fn areas_of_triangles(skin: &Skin, q: &[f64]) -> Vec<Vector3<f64>> {
-    let node = |k: usize| {
-        let at = 3 * skin.surface_nodes()[k] as usize;
-        Vector3::new(q[at], q[at + 1], q[at + 2])
-    };
-    let position = |vertex: u32| {
+pub(super) fn areas_of_triangles(skin: &Skin, q: &[f64]) -> Vec<Vector3<f64>> {
+    let of_vertex = |vertex: u32| {
         let mut x = Vector3::zeros();
-        skin.shares(vertex, 1.0, &mut |k, share| x += node(k) * share);
+        skin.shares(vertex, 1.0, &mut |k, share| x += position(q, skin.surface_nodes()[k]) * share);
         x
     };
     let area = |corners: &[u32; 3]| {
-        let [a, b, c] = corners.map(position);
+        let [a, b, c] = corners.map(of_vertex);
         (b - a).cross(&(c - a)) * 0.5
     };
     skin.triangles().iter().map(area).collect()
@@ -37,7 +34,7 @@ pub(crate) fn areas_of_triangles(skin: &Skin, q: &[f64]) -> Vec<Vector3<f64>> {
 /// Vectors of the current areas that belong to the surface nodes, of what is in contact and of all, with their sizes.
 ///
 /// A facet is in contact where its points of integration are, each of which stands for its part of the facet, or, if that is more, where those of others meet it (facets of rigid bodies, and large ones, whose own points do not act).
-pub(crate) struct Areas {
+pub(super) struct Areas {
     vectors: [Vec<Vector3<f64>>; 2],
     sizes: [Vec<f64>; 2],
 }
@@ -60,7 +57,7 @@ impl Areas {
         points.keys().for_each(|&(_, t)| by_own[facet(t)] += size(t) / 3.0);
         // What the pair stands for, as it is now.
         let met = |m: &Meeting| {
-            let stretch = size(m.own) / skin.area_of(m.own).max(f64::MIN_POSITIVE);
+            let stretch = size(m.own) / skin.reference_area(m.own).max(f64::MIN_POSITIVE);
             m.weight * stretch / points[&(m.point, m.own)]
         };
         meets.iter().for_each(|m| by_others[facet(m.triangle)] += met(m));

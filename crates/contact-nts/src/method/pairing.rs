@@ -1,12 +1,12 @@
 //! Which facets a node is paired with, decided in [`stoss_contact::ContactMethod::repair`] and then fixed for the iterations.
 
+use crate::gap_gradient::GapGradient;
 use crate::kinematics::Gap;
-use crate::method::{NodeToSurface, position};
+use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
-use crate::slot::{ElementNodes, Pairing};
-use crate::work::Work;
+use crate::slot::{ElementNodes, PairedSlot, Pairing};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, MasterPoint, SearchView, StepConfiguration};
+use stoss_contact::{ContactError, ContactRule, MasterPoint, SearchView, StepConfiguration, position};
 use stoss_geometry::Patch;
 
 /// How far the foot at `n` may lie on the extension of the facet that a node closes on, in halves of an edge: up to one
@@ -70,16 +70,17 @@ impl NodeToSurface {
         if self.augmented || !matches!(self.normal.rule, ContactRule::Midpoint | ContactRule::EnergyMomentum) {
             return Ok(0);
         }
-        let mut work = Work::new();
+        let mut gradient = GapGradient::new();
         let mut changes = 0;
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(pairing) = self.slots[slot].pairing.filter(|p| p.start != p.end) else { continue };
             let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
             let end = self.gap(slot, pairing.end, q_np1)?;
             let step = StepConfiguration { q_n: &self.q_n, q_np1, rule: self.normal.rule };
-            self.gradient(slot, &element, pairing, &end, step, false, &mut work)?;
+            let of = PairedSlot { slot, element: &element, pairing, end: &end, step };
+            self.gradient(of, false, &mut gradient)?;
             let Some(mid) = self.gap_at_midpoint(slot, pairing.mid, q_np1) else { continue };
-            let pressing: f64 = (0..3).map(|i| mid.gradient[i] * work.gradient[i]).sum();
+            let pressing: f64 = (0..3).map(|i| mid.gradient[i] * gradient.values[i]).sum();
             if self.slots[slot].rechosen {
                 if pressing.abs() < UNDETERMINED {
                     return Err(ContactError::Folded { node: self.node(slot) });

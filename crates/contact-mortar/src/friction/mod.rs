@@ -1,7 +1,14 @@
-//! What the friction of a surface keeps from step to step.
+//! Friction of the slave nodes: slip and force as functions of gap vectors in `slip`, frames of the tractions in `frames`, one node in a step in `node`; here what a
+//! surface keeps from step to step.
 
-use crate::frames::MaterialFrames;
-use crate::slip::SlipMeasure;
+mod frames;
+mod node;
+mod slip;
+
+pub(crate) use frames::MaterialFrames;
+pub(crate) use node::{FrictionState, NodeFriction, Scratch};
+pub use slip::SlipMeasure;
+
 use stoss_contact::SlotFriction;
 use stoss_contact::friction::{Friction, PointIteration};
 

@@ -1,56 +1,8 @@
-//! Sharp edges of a surface in the reference configuration, and the rows of the constraints: one for each side of a slave node.
+//! The rows of the constraints: one for each side of a slave node against each smooth part of the master.
 
-use crate::surfaces::{area_vector, corners};
+use crate::sharp_edges::is_sharp;
 use nalgebra::Vector3;
 use stoss_contact::ContactSurface;
-
-/// Cosine of the angle between the normals of two facets in the reference configuration from which on the edge between them is sharp, 34.4 degrees: a chamfer of
-/// 45 degrees is, a round side of twelve facets is not. It lies between the edges of regular prisms with ten and with eleven sides, so that round-off
-/// decides nothing.
-const SHARP: f64 = 0.825;
-
-/// Unit normals of all facets at positions `q`; zero where there is none.
-pub(crate) fn unit_normals(surface: &ContactSurface, q: &[f64]) -> Vec<Vector3<f64>> {
-    let facets = 0..surface.facets().len() as u32;
-    facets.map(|f| area_vector(&corners(surface, f, q)).try_normalize(0.0).unwrap_or_default()).collect()
-}
-
-/// Whether an edge between facets with these reference normals is sharp.
-fn is_sharp(normals: &[Vector3<f64>], e: usize, f: usize) -> bool {
-    normals[e].dot(&normals[f]) <= SHARP
-}
-
-/// Whether a surface has sharp edges; reference normals.
-pub(crate) fn has_sharp_edges(surface: &ContactSurface, normals: &[Vector3<f64>]) -> bool {
-    (0..normals.len()).any(|f| surface.neighbours(f as u32).any(|e| is_sharp(normals, e as usize, f)))
-}
-
-/// More smooth parts than this, as a coarse mesh of a round body has, are taken for one.
-const MOST_SHEETS: usize = 12;
-
-/// Numbers of the smooth parts into which sharp edges divide a surface, one a facet, and how many there are; reference normals.
-pub(crate) fn sheets(surface: &ContactSurface, normals: &[Vector3<f64>]) -> (Vec<usize>, usize) {
-    const NONE: usize = usize::MAX;
-    let mut sheets = vec![NONE; normals.len()];
-    let mut count = 0;
-    for first in 0..normals.len() {
-        if sheets[first] != NONE {
-            continue;
-        }
-        sheets[first] = count;
-        let mut reached = vec![first];
-        while let Some(f) = reached.pop() {
-            for e in surface.neighbours(f as u32).map(|e| e as usize) {
-                if sheets[e] == NONE && !is_sharp(normals, e, f) {
-                    sheets[e] = count;
-                    reached.push(e);
-                }
-            }
-        }
-        count += 1;
-    }
-    if count > MOST_SHEETS { (vec![0; normals.len()], 1) } else { (sheets, count) }
-}
 
 /// A constraint that a slave node may have against one smooth part of the master: the node's shape function on the facets of one of its sides. Facets are on one side of a node if edges at the node that
 /// are not sharp lead from one to the other, so that a node of a smooth surface has one row, and one at an edge of a block two.
@@ -59,7 +11,7 @@ pub(crate) struct Row {
     /// Local number of the node.
     pub local: usize,
     /// Smooth part of the master.
-    pub sheet: usize,
+    pub smooth_part: usize,
     /// Facets of the side, ascending, and which of their corners the node is.
     pub facets: Vec<(u32, usize)>,
     /// Reference area.
@@ -69,7 +21,7 @@ pub(crate) struct Row {
 }
 
 /// Rows of all slave nodes against a master of so many smooth parts, in the order of the nodes.
-pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>], sheets: usize) -> Vec<Row> {
+pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>], smooth_parts: usize) -> Vec<Row> {
     let facets = surface.local_facets();
     let mut rows = Vec::new();
     for local in 0..surface.nodes().len() {
@@ -94,7 +46,13 @@ pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>], sheets: u
             side.sort_unstable();
             let facets: Vec<(u32, usize)> = side.into_iter().filter_map(|f| Some((f, corner(f)?))).collect();
             let area: f64 = facets.iter().map(|&(f, a)| surface.corner_areas()[f as usize][a]).sum();
-            rows.extend((0..sheets).map(|sheet| Row { local, sheet, facets: facets.clone(), area, shared: false }));
+            rows.extend((0..smooth_parts).map(|smooth_part| Row {
+                local,
+                smooth_part,
+                facets: facets.clone(),
+                area,
+                shared: false,
+            }));
         }
         let shared = rows.len() - first_row > 1;
         rows[first_row..].iter_mut().for_each(|row| row.shared = shared);
@@ -105,6 +63,7 @@ pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>], sheets: u
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sharp_edges::{smooth_parts, unit_normals};
     use stoss_testkit::meshes::Mesh;
 
     #[test]
@@ -125,7 +84,7 @@ mod tests {
             let area = |a: f64| areas.iter().any(|b| (a - b).abs() < 1e-15);
             assert!(rows.iter().all(|row| row.shared && area(row.area)), "{mesh:?}");
             assert!((rows.iter().map(|row| row.area).sum::<f64>() - 6.0).abs() < 1e-14);
-            assert_eq!(sheets(&surface, &unit_normals(&surface, &q)).1, 6);
+            assert_eq!(smooth_parts(&surface, &unit_normals(&surface, &q)).1, 6);
         }
         let top = ContactSurface::new("slave", &facets[..1], &q).unwrap();
         assert!(rows(&top, &unit_normals(&top, &q), 1).iter().all(|row| !row.shared));

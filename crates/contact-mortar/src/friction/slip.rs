@@ -35,7 +35,7 @@ fn sum<T: Scalar>(f: T, a: V3<T>, g: T, b: V3<T>) -> V3<T> {
 
 /// Components `m^ab s_b` of covariant ones, with the metric of two vectors.
 fn raise<T: Scalar>(d: [V3<T>; 2], s: [T; 2]) -> [T; 2] {
-    let [m_11, m_12, m_22] = [dot(d[0], d[0]), dot(d[0], d[1]), dot(d[1], d[1])];
+    let [m_11, m_12, m_22] = [dot(&d[0], &d[0]), dot(&d[0], &d[1]), dot(&d[1], &d[1])];
     let inverse = T::constant(1.0) / (m_11 * m_22 - m_12 * m_12);
     [(m_22 * s[0] - m_12 * s[1]) * inverse, (m_11 * s[1] - m_12 * s[0]) * inverse]
 }
@@ -60,9 +60,9 @@ impl SlipMeasure {
                 let s: [T; 2] = std::array::from_fn(|a| {
                     let d_n = constant(start[1 + a]);
                     if at_end {
-                        dot(d[a], g) - dot(d_n, g_n)
+                        dot(&d[a], &g) - dot(&d_n, &g_n)
                     } else {
-                        dot(d[a], increment) + dot(twice(minus(d[a], d_n)), g)
+                        dot(&d[a], &increment) + dot(&twice(minus(d[a], d_n)), &g)
                     }
                 });
                 let [s_1, s_2] = raise(d, s);
@@ -77,24 +77,24 @@ impl SlipMeasure {
         if self != Self::Objective {
             return [traction, [T::constant(0.0); 3], [T::constant(0.0); 3]];
         }
-        let [t_1, t_2] = raise([d_1, d_2], [dot(d_1, traction), dot(d_2, traction)]);
+        let [t_1, t_2] = raise([d_1, d_2], [dot(&d_1, &traction), dot(&d_2, &traction)]);
         [sum(t_1, d_1, t_2, d_2), g.map(|x| t_1 * x), g.map(|x| t_2 * x)]
     }
 }
 
 /// A facet's part `-d_1 x d_2` of the direction of the nodal normal.
 pub(crate) fn normal_part<T: Scalar>(x: &Facet<T>) -> V3<T> {
-    cross(x[2], x[1])
+    cross(&x[2], &x[1])
 }
 
 /// Tangent vectors at a node with a normal `n` of this direction. The first one has the direction of `a + b x n` with the sums `a`, `b` of diagonals times
-/// their coordinates ([`crate::frames`]): `E_1` turned as the material is.
+/// their coordinates (`frames`): `E_1` turned as the material is.
 pub(crate) fn tangents<T: Scalar>(normal: V3<T>, along: [V3<T>; 2]) -> [V3<T>; 2] {
     let n = unit(normal);
     let one = T::constant(1.0);
-    let line = sum(one, along[0], one, cross(along[1], n));
-    let e_1 = unit(sum(T::constant(1.0), line, -dot(n, line), n));
-    [e_1, cross(n, e_1)]
+    let line = sum(one, along[0], one, cross(&along[1], &n));
+    let e_1 = unit(sum(T::constant(1.0), line, -dot(&n, &line), n));
+    [e_1, cross(&n, &e_1)]
 }
 
 #[cfg(test)]

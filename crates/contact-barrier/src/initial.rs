@@ -1,4 +1,4 @@
-//! What a skin looks like before the first step: surfaces that cross, and the smallest distances.
+//! The check of a skin before the first step: surfaces that cross, and the smallest distances.
 
 use crate::proximity::{Candidate, Proximity};
 use crate::{Interactions, Skin};
@@ -20,9 +20,9 @@ pub struct Nearest {
     pub place: [f64; 3],
 }
 
-/// A first look at a skin.
+/// What is found at the start.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct FirstLook {
+pub struct InitialCheck {
     /// Facets that go through each other, each pair once, with a point near the place: first those of an edge.
     pub crossings: Vec<([u32; 2], [f64; 3])>,
     /// Smallest distances below the reach by pair of bodies, the smaller number first. Of a body with itself only what is no neighbour counts.
@@ -30,13 +30,14 @@ pub struct FirstLook {
 }
 
 /// Looks for crossings, and for distances below `reach`, at the positions `q`.
-pub fn first_look(skin: &Skin, rules: &Interactions, q: &[f64], reach: f64) -> FirstLook {
-    let x: Vec<Vector3<f64>> = (0..skin.point_count() as u32).map(|p| skin.at(p, q)).collect();
-    let mut look = FirstLook { crossings: crossings(skin, rules, &x), ..FirstLook::default() };
+pub fn check_initial(skin: &Skin, rules: &Interactions, q: &[f64], reach: f64) -> InitialCheck {
+    let mut x = Vec::new();
+    skin.place(q, &mut x);
+    let mut check = InitialCheck { crossings: crossings(skin, rules, &x), ..InitialCheck::default() };
     let mut proximity = Proximity::new(skin, reach);
     proximity.begin(skin, rules, &x, |_| Vector3::zeros());
     let body = |class: u32| rules.body(class);
-    for candidate in proximity.candidates.iter().filter(|candidate| !candidate.is_inner) {
+    for candidate in proximity.candidates.iter().filter(|candidate| !candidate.is_integration_point) {
         let Candidate { classes: [a, b], facets, term, .. } = candidate;
         let points = candidate.of(&x);
         let pair = closest(term.kind, &points);
@@ -45,14 +46,14 @@ pub fn first_look(skin: &Skin, rules: &Interactions, q: &[f64], reach: f64) -> F
             continue;
         }
         let (a, b) = (body(*a), body(*b));
-        let known = look.nearest.get(&[a.min(b), a.max(b)]).map_or(f64::INFINITY, |nearest| nearest.distance);
+        let known = check.nearest.get(&[a.min(b), a.max(b)]).map_or(f64::INFINITY, |nearest| nearest.distance);
         if distance < known {
             let place: Vector3<f64> = points.iter().zip(pair.weights).map(|(x, c)| x * (0.5 * c.abs())).sum();
             let nearest = Nearest { distance, facets: *facets, place: place.into() };
-            look.nearest.insert([a.min(b), a.max(b)], nearest);
+            check.nearest.insert([a.min(b), a.max(b)], nearest);
         }
     }
-    look
+    check
 }
 
 /// Edges that go through triangles.

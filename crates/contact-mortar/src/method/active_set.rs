@@ -1,0 +1,76 @@
+//! Which rows are closed: what the active set asks of a method.
+
+use super::{CARRIED, MortarContact, NO_PENETRATION};
+use crate::slot::Want;
+use crate::state::{Need, StepState};
+use stoss_contact::{ContactError, ContactMethod};
+
+impl ContactMethod for MortarContact {
+    fn has_friction(&self) -> bool {
+        self.friction.is_some()
+    }
+
+    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
+        let rows = self.surfaces.rows.iter().zip(&self.end.slots).enumerate();
+        for ((k, (row, slot)), out) in rows.zip(out) {
+            let there = self.step.carried[k] && slot.support > 0.0;
+            let gap = if there { slot.gap(q_np1) } else { None };
+            let area = slot.support.max(CARRIED * row.area);
+            *out = gap.map_or(f64::INFINITY, |gap| (gap - self.step.reference[k]) / area);
+            // The law gives a closed row the gap that its pressure asks for.
+            if active[k] && self.options.overclosure.is_some() {
+                *out = 0.0;
+            }
+            if gap.is_none() && self.step.carried[k] && active[k] {
+                *out = 0.0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Rows that have come opposite the master since the start of the step carry multipliers from now on, if they are inside.
+    fn repair(&mut self, q_np1: &[f64], _active: &[bool]) -> Result<usize, ContactError> {
+        let mut changes = 0;
+        if self.is_frozen() {
+            return Ok(0);
+        }
+        let tolerance = NO_PENETRATION * self.length();
+        for (k, row) in self.surfaces.rows.iter().enumerate() {
+            let slot = &self.end.slots[k];
+            if self.step.carried[k] || slot.support <= CARRIED * row.area {
+                continue;
+            }
+            let inside = slot.gap(q_np1).is_some_and(|gap| gap < self.step.reference[k] - tolerance * row.area);
+            self.step.carried[k] = inside;
+            changes += usize::from(inside);
+        }
+        if changes > 0 && self.step.without != self.surfaces.handing_over(None) {
+            // What they had handed over comes back to them.
+            self.step.without = self.surfaces.handing_over(Some(&self.step.carried));
+            self.end.at.clear();
+        }
+        Ok(changes)
+    }
+
+    fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+        self.augment_friction(q_np1, pressures, active)
+    }
+
+    fn constraint_gradients(
+        &self,
+        q_np1: &[f64],
+        active: &[bool],
+        visit: &mut dyn FnMut(usize, &[u32], &[f64]),
+    ) -> Result<(), ContactError> {
+        let carrying: Vec<bool> = active.iter().zip(&self.step.carried).map(|(a, c)| *a && *c).collect();
+        let StepState { candidates, without, .. } = &self.step;
+        let needs = self.surfaces.needs(Need::Nothing, &carrying);
+        let end = self.surfaces.integrate(candidates, q_np1.into(), &needs, without, &self.end.slots, false)?;
+        for (k, slot) in end.slots.iter().enumerate().filter(|(k, slot)| carrying[*k] && slot.support > 0.0) {
+            let evaluation = slot.evaluate(q_np1, slot.nodes.len(), Want::Gradient);
+            let evaluation = evaluation.ok_or(ContactError::NoNormal { node: slot.nodes[0] })?;
+            visit(k, &slot.nodes, &evaluation.gradient);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,194 @@
+//! The equations of the slots: what is constant in a step, residual, tangent.
+
+use super::integrate::MARGIN;
+use super::{CARRIED, MortarContact, NO_PENETRATION};
+use crate::friction::Scratch;
+use crate::options::Force;
+use crate::positions::Positions;
+use crate::state::{Integrated, Need, StepState};
+use stoss_contact::{
+    Auxiliary, Constraint, ContactError, ContactRule, LocalContribution, StepConfiguration, multipliers_of,
+};
+use stoss_segmentation::GapRange;
+
+impl Constraint for MortarContact {
+    fn slot_count(&self) -> usize {
+        self.surfaces.rows.len()
+    }
+
+    fn slot_weight(&self, slot: usize) -> f64 {
+        self.surfaces.rows[slot].area
+    }
+
+    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
+        self.rule = rule;
+        self.step_size = step_size;
+        self.set_friction_step(step_size);
+    }
+
+    fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
+        self.surfaces.master.set_carriers(of);
+        if self.surfaces.master.carriers().is_some() {
+            self.tree.forget();
+        }
+    }
+
+    fn set_velocity(&mut self, v_n: &[f64]) {
+        self.velocity.clear();
+        self.velocity.extend_from_slice(v_n);
+    }
+
+    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
+        let velocity = std::mem::take(&mut self.velocity);
+        self.tree.update(&self.surfaces.master, q_n);
+        let surfaces = &self.surfaces;
+        let factors = self.factors();
+        let (candidates, range) = self.search(&self.tree, q_n, reach)?;
+        let values = surfaces.needs(Need::Value, &[]);
+        let with_facets = self.friction.is_some();
+        let crosspoints = surfaces.handing_over(None);
+        let predicted = |part: f64| {
+            let ahead = Positions::Ahead(q_n, part * self.step_size, &velocity);
+            let q = if velocity.is_empty() { q_n.into() } else { ahead };
+            surfaces.integrate(&candidates, q, &values, &crosspoints, &[], with_facets && self.is_frozen())
+        };
+        let mut start = surfaces.integrate(&candidates, q_n.into(), &values, &crosspoints, &[], with_facets)?;
+        let still = velocity.is_empty() || self.step_size == 0.0;
+        let middle = if (self.has_middle() && !still) || self.is_frozen() { Some(predicted(0.5)?) } else { None };
+        let end = if still || self.is_frozen() { None } else { Some(predicted(1.0)?) };
+        let seen: Vec<&Integrated> = match (&middle, &end) {
+            (None, None) => vec![&start],
+            _ => middle.iter().chain(&end).collect(),
+        };
+        let rows = surfaces.rows.iter().enumerate();
+        let carried: Vec<bool> =
+            rows.map(|(k, row)| seen.iter().all(|of| of.slots[k].opposite > CARRIED * row.area)).collect();
+        // In statics no energy is at stake, and constant pressures stay exact.
+        let hands_over = self.options.force == Force::FixedWeights && self.rule == ContactRule::EndPoint;
+        let without = if hands_over { surfaces.handing_over(Some(&carried)) } else { crosspoints.clone() };
+        if without != crosspoints {
+            start = surfaces.integrate(&candidates, q_n.into(), &values, &without, &[], with_facets)?;
+        }
+        let (frozen, no_penetration) = (self.is_frozen(), NO_PENETRATION * surfaces.slave.length_scale());
+        let weights = if frozen { middle.as_ref().unwrap_or(&start) } else { &start };
+        let gap: Vec<Option<f64>> =
+            weights.slots.iter().map(|slot| if slot.opposite > 0.0 { slot.gap(q_n) } else { None }).collect();
+        let reference = gap.iter().zip(&surfaces.rows).map(|(gap, row)| match gap {
+            Some(gap) if self.options.keeps_penetration && !frozen && *gap < -no_penetration * row.area => *gap,
+            _ => 0.0,
+        });
+        let reference = reference.collect();
+        let count = surfaces.rows.len();
+        self.middle = Integrated::default();
+        self.end = match middle {
+            Some(middle) if frozen => middle,
+            _ => start.clone(),
+        };
+        if frozen && self.has_middle() {
+            self.middle.slots.clone_from(&self.end.slots);
+        }
+        self.step = StepState {
+            nodes: candidates.nodes(&surfaces.slave, &surfaces.master),
+            candidates,
+            range: Some(GapRange { min: -factors.fading_depth().min(range.depth), max: range.far / MARGIN }),
+            q_n: q_n.to_vec(),
+            start: if frozen { self.end.slots.clone() } else { start.slots },
+            gap,
+            gradient: vec![Vec::new(); count],
+            reference,
+            carried,
+            without,
+        };
+        self.step.note(q_n, &mut self.end.at);
+        self.begin_friction()
+    }
+
+    fn renew(
+        &mut self,
+        q_np1: &[f64],
+        pressures: &[f64],
+        auxiliaries: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+    ) -> Result<bool, ContactError> {
+        self.keep_multipliers(auxiliaries);
+        let carrying: Vec<bool> = active.iter().zip(&self.step.carried).map(|(a, c)| *a && *c).collect();
+        let mut changed = !self.is_frozen() && self.follow(q_np1, &carrying, want_tangent)?;
+        if self.rule != ContactRule::EndPoint {
+            let before: Vec<usize> = self.end.slots.iter().map(|s| s.nodes.len()).collect();
+            self.follow_start(&carrying)?;
+            changed |= before.iter().zip(&self.end.slots).any(|(n, slot)| *n != slot.nodes.len());
+        }
+        if want_tangent {
+            self.follow_friction(q_np1, pressures, active);
+        }
+        Ok(changed)
+    }
+
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for (k, slot) in self.end.slots.iter().enumerate().filter(|(k, _)| active[*k]) {
+            visit(&slot.nodes, &[k as u32]);
+        }
+    }
+
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        self.assemble_with(step, pressures, &[], active, want_tangent, visit)
+    }
+
+    /// Two multipliers of the friction, if stick is enforced by them: components in the frame of the node of what they add to the traction
+    /// at the start.
+    fn auxiliaries(&self) -> &[Auxiliary] {
+        if self.has_stick_multipliers() { &[Auxiliary::Constraint; 2] } else { &[] }
+    }
+
+    fn assemble_with(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        auxiliaries: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let further = self.auxiliaries().len();
+        let mut out = LocalContribution { auxiliaries: further, ..LocalContribution::default() };
+        let mut scratch = Scratch::default();
+        for (k, slot) in self.end.slots.iter().enumerate().filter(|(k, _)| active[*k]) {
+            out.slots.clear();
+            out.slots.push(k as u32);
+            out.nodes.clear();
+            out.nodes.extend_from_slice(&slot.nodes);
+            out.reset(want_tangent);
+            let multiplier = multipliers_of(k, further, auxiliaries);
+            let of_friction = self.friction_slots().get(k).filter(|slot| slot.support > 0.0);
+            let carries = self.step.carried[k];
+            if carries {
+                self.contribute(k, step, pressures[k], want_tangent, &mut out)?;
+            }
+            let slides = carries && of_friction.is_some();
+            if slides && !self.add_friction(k, step, pressures[k], multiplier, want_tangent, &mut scratch, &mut out) {
+                return Err(ContactError::NoNormal { node: slot.nodes[0] });
+            }
+            // The row `-A p = 0` keeps the system regular until the slot opens.
+            let (n, weight) = (3 * slot.nodes.len(), self.slot_weight(k));
+            let (dim, first) = (out.dim(), n + out.slots.len());
+            let values =
+                [(n, pressures[k], !carries), (first, multiplier[0], !slides), (first + 1, multiplier[1], !slides)];
+            for (row, value, _) in values[..1 + further].iter().filter(|(.., idle)| *idle) {
+                out.residual[*row] = -weight * value;
+                if want_tangent {
+                    out.tangent[row * dim + row] = -weight;
+                }
+            }
+            visit(&out);
+        }
+        Ok(())
+    }
+}

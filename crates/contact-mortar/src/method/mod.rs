@@ -1,0 +1,225 @@
+//! Mortar contact as a contact method.
+//!
+//! What the traits of a method ask for is in its children: integrals that follow the iterate in `integrate`, equations in `assembly`, force and row of a slot in `normal`,
+//! friction in `friction`, which rows are closed in `active_set`, what goes from step to step in `history`, reports in `report`, passages through the master in `tunnelling`.
+
+mod active_set;
+mod assembly;
+mod friction;
+mod history;
+mod integrate;
+mod normal;
+mod report;
+mod tunnelling;
+
+use crate::MortarError;
+use crate::factors::Factors;
+use crate::friction::SurfaceFriction;
+use crate::options::{Integrals, MortarOptions};
+use crate::rows::rows;
+use crate::sharp_edges::{has_sharp_edges, smooth_parts, unit_normals};
+use crate::slot::Slot;
+use crate::state::{Integrated, StepState, Surfaces};
+use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickness};
+use crate::weights::Integration;
+use nalgebra::Vector3;
+use stoss_contact::{ContactError, ContactRule, ContactSurface, FacetNodes, SurfaceTree};
+use stoss_segmentation::FacetSegmentation;
+
+/// Penetration at which points take no part any more, in lengths of slave facets, where a surface has sharp edges or both sides of its body: beyond that other sides
+/// are.
+const DEEPEST: f64 = 1.0;
+/// A row of which less than this part of the reference area is opposite the master carries no multiplier in the step: the pressure would be a force divided by next
+/// to nothing.
+const CARRIED: f64 = 0.02;
+/// A penetration at the start of a step that is less than this, in lengths of facets, is what the iteration left.
+const NO_PENETRATION: f64 = 1e-11;
+/// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
+const FREE_ALONG_NORMAL: f64 = 0.1;
+
+/// Slave surface against master surface with one pressure (traction) for each side of a slave node and weighted gaps (theory/mortar#eq-gap) whose integrals move:
+/// the weighted gap `Phi_A(q)` is a function of the positions alone, see theory/mortar#gap.
+///
+/// The constraint of a closed row is `Phi_A(q_np1) = 0` under every rule. Under [`ContactRule::EndPoint`] the force is `p grad Phi_A(q_np1)`, under
+/// [`ContactRule::Midpoint`] and [`ContactRule::EnergyMomentum`] the discrete gradient about the middle of the step: it has neither resultant nor moment about `q_m`, for
+/// any gap, and its work is the change of the weighted gap. So the energy changes by what closing gaps cost, `p Phi_A(q_n)`, and by nothing else.
+///
+/// A row of which less than a fiftieth is opposite the master at the start of a step carries no multiplier in it. A slave node whose motion along the normal is prescribed
+/// beside free ones gets no multiplier ([`MortarContact::with_crosspoints`]).
+#[derive(Clone, Debug)]
+pub struct MortarContact {
+    name: String,
+    pub(crate) surfaces: Surfaces,
+    /// Over the master.
+    tree: SurfaceTree,
+    pub(crate) options: MortarOptions,
+    pub(crate) rule: ContactRule,
+    step_size: f64,
+    /// Stress per length, see [`MortarContact::with_stiffness`].
+    pub(crate) stiffness: f64,
+    /// Velocities at the start of the next step; empty if not known.
+    velocity: Vec<f64>,
+    pub(crate) step: StepState,
+    /// At the end of the step, and at its middle where the rule asks for it. With frozen integrals both have the weights of the step.
+    pub(crate) end: Integrated,
+    pub(crate) middle: Integrated,
+    pub(crate) friction: Option<SurfaceFriction>,
+}
+
+impl MortarContact {
+    /// From facets (global nodes, numbered outward) and reference positions (`3 * nodes`).
+    ///
+    /// # Errors
+    /// Empty or degenerate surfaces, shared nodes.
+    pub fn new<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
+        name: &str,
+        slave_facets: &[S],
+        master_facets: &[M],
+        reference: &[f64],
+        options: MortarOptions,
+    ) -> Result<Self, ContactError> {
+        let slave = ContactSurface::new("slave", slave_facets, reference)?;
+        let master = ContactSurface::new("master", master_facets, reference)?;
+        slave.check_disjoint(&master)?;
+        let [normals, master_normals] = [&slave, &master].map(|surface| unit_normals(surface, reference));
+        let sharp = has_sharp_edges(&slave, &normals) || has_sharp_edges(&master, &master_normals);
+        let thinner = thickness(&slave, reference).min(thickness(&master, reference));
+        let h = slave.length_scale();
+        let factors = Factors {
+            facing: true,
+            deepest: if sharp || thinner.is_finite() { thinner.min(DEEPEST * h) } else { f64::INFINITY },
+            nearness: if sharp { options.nearness / h } else { 0.0 },
+        };
+        let integration = Integration { space: options.space, rule: options.rule, factors };
+        let (smooth_parts, smooth_part_count) = smooth_parts(&master, &master_normals);
+        let rows = rows(&slave, &normals, smooth_part_count);
+        let without = vec![false; slave.nodes().len()];
+        Ok(Self {
+            name: name.to_owned(),
+            tree: SurfaceTree::new(&master, reference)?,
+            surfaces: Surfaces { slave, master, rows, smooth_parts, smooth_part_count, normals, without, integration },
+            rule: ContactRule::EndPoint,
+            step_size: 0.0,
+            stiffness: 0.0,
+            velocity: Vec::new(),
+            step: StepState { q_n: reference.to_vec(), ..StepState::default() },
+            end: Integrated::default(),
+            middle: Integrated::default(),
+            friction: None,
+            options,
+        })
+    }
+
+    /// Takes the multipliers of crosspoints away: slave nodes whose motion along their normal is prescribed, on facets that have other nodes too.
+    /// `prescribed`: which components of a global node are. Their functions go to the other nodes of the facet: beside a finer master they would be
+    /// harmless, beside a coarser one there would be more pressures than motions. A surface that is prescribed as a whole (a rigid tool) keeps its
+    /// multipliers.
+    #[must_use]
+    pub fn with_crosspoints(mut self, prescribed: impl Fn(u32) -> [bool; 3]) -> Self {
+        let slave = &self.surfaces.slave;
+        let fixed: Vec<bool> =
+            (slave.nodes().iter().enumerate()).map(|(a, &n)| self.is_held_along_normal(a, prescribed(n))).collect();
+        let mut without = vec![false; fixed.len()];
+        for node in 0..fixed.len() {
+            let mut beside = slave.facets_around(node).iter().flat_map(|&f| slave.local_facets()[f as usize]);
+            without[node] = fixed[node] && beside.any(|other| !fixed[other as usize]);
+        }
+        // A facet must keep a function to hand the others to.
+        for facet in slave.local_facets() {
+            if facet.iter().all(|&n| without[n as usize]) {
+                facet.iter().for_each(|&n| without[n as usize] = false);
+            }
+        }
+        self.surfaces.without = without;
+        self
+    }
+
+    /// Tells the stress per length, Young's modulus over the length of a facet, that compliances are measured by. Without it there are none.
+    #[must_use]
+    pub fn with_stiffness(mut self, stiffness: f64) -> Self {
+        self.stiffness = stiffness;
+        self
+    }
+
+    /// Whether prescribed components leave a slave node (local number) no motion along its reference normal.
+    pub fn is_held_along_normal(&self, local: usize, prescribed: [bool; 3]) -> bool {
+        let sum = self.reference_normal(local);
+        let free: f64 = (0..3).filter(|&i| !prescribed[i]).map(|i| sum[i] * sum[i]).sum();
+        free.sqrt() <= FREE_ALONG_NORMAL * sum.norm()
+    }
+
+    /// The sum of the reference normals of the facets around a slave node.
+    fn reference_normal(&self, local: usize) -> Vector3<f64> {
+        let around = self.surfaces.slave.facets_around(local).iter();
+        around.map(|&f| self.surfaces.normals[f as usize]).sum()
+    }
+
+    /// Whether a prescribed component takes a motion across the reference normal from a slave node (local number).
+    pub fn is_held_across_normal(&self, local: usize, prescribed: [bool; 3]) -> bool {
+        let n = self.reference_normal(local);
+        (0..3).any(|i| prescribed[i] && n.norm_squared() - n[i] * n[i] > FREE_ALONG_NORMAL.powi(2) * n.norm_squared())
+    }
+
+    /// The slave surface.
+    pub fn slave(&self) -> &ContactSurface {
+        &self.surfaces.slave
+    }
+
+    /// The master surface.
+    pub fn master(&self) -> &ContactSurface {
+        &self.surfaces.master
+    }
+
+    /// Factors of the integrands of these surfaces.
+    pub fn factors(&self) -> Factors {
+        self.surfaces.integration.factors
+    }
+
+    /// Another choice of the factors, for tests and comparisons.
+    #[must_use]
+    pub fn with_factors(mut self, factors: Factors) -> Self {
+        self.surfaces.integration.factors = factors;
+        self
+    }
+
+    /// Segments at the end of the step, where integrals are there; `None` before the first step.
+    pub fn segments(&self) -> Option<SurfaceSegmentation> {
+        let range = self.step.range?;
+        let facets: Option<Vec<FacetSegmentation>> = self.end.segments.iter().cloned().collect();
+        facets.filter(|facets| !facets.is_empty()).map(|facets| SurfaceSegmentation { facets, range })
+    }
+
+    /// Covered part `int phi_A dA` of every slot, an area.
+    pub fn supports(&self) -> Vec<f64> {
+        self.end.slots.iter().map(|s| s.support).collect()
+    }
+
+    /// Coverage of the present segments, which are those at `q_np1`; `None` before the first step.
+    ///
+    /// # Errors
+    /// Facets that cannot be segmented.
+    pub fn coverage(&self, q_np1: &[f64]) -> Result<Option<SurfaceCoverage>, MortarError> {
+        let present = self.segments();
+        let check =
+            |s: SurfaceSegmentation| s.check_with(&self.surfaces.master, Some(&self.tree), q_np1, CheckExtent::Near);
+        present.map(check).transpose()
+    }
+
+    pub(crate) fn is_frozen(&self) -> bool {
+        self.options.integrals == Integrals::Frozen
+    }
+
+    /// Whether forces are evaluated at the middle of the step.
+    pub(crate) fn has_middle(&self) -> bool {
+        matches!(self.rule, ContactRule::Midpoint | ContactRule::EnergyMomentum)
+    }
+
+    /// Slots whose weights friction has: those of the middle of the step, or of the end if the rule takes forces there.
+    pub(crate) fn friction_slots(&self) -> &[Slot] {
+        if self.has_middle() { &self.middle.slots } else { &self.end.slots }
+    }
+
+    pub(crate) fn length(&self) -> f64 {
+        self.surfaces.slave.length_scale()
+    }
+}

@@ -1,0 +1,212 @@
+//! The equations of the slots: gaps at the start of a step, residual, tangent.
+
+use crate::crossing::{component, spread};
+use crate::gap_gradient::GapGradient;
+use crate::method::NodeToSurface;
+use crate::options::ConstraintForm;
+use crate::slot::{ElementNodes, PairedSlot, Slot};
+use stoss_contact::{
+    Auxiliary, Constraint, ContactError, ContactRule, Enforcement, LocalContribution, StepConfiguration,
+    multipliers_of, position,
+};
+
+impl NodeToSurface {
+    /// An active slot that found no facet (the union of sets of the active-set control can ask for one): the row `-A p = 0`, which keeps
+    /// the system regular until the slot opens, its gap being infinite. Auxiliaries of the contribution are zero likewise.
+    pub(crate) fn without_partner(
+        &self,
+        slot: usize,
+        pressure: f64,
+        auxiliaries: &[f64],
+        want_tangent: bool,
+        contribution: &mut LocalContribution,
+    ) {
+        contribution.nodes.push(self.node(slot));
+        contribution.reset(want_tangent);
+        let (weight, dim) = (self.slot_weight(slot), contribution.dim());
+        contribution.residual[3] = -weight * pressure;
+        for (row, value) in contribution.residual[4..].iter_mut().zip(auxiliaries) {
+            *row = weight * value;
+        }
+        for k in (3..dim).filter(|_| want_tangent) {
+            contribution.tangent[k * dim + k] = if k == 3 { -weight } else { weight };
+        }
+    }
+}
+
+impl Constraint for NodeToSurface {
+    fn slot_count(&self) -> usize {
+        self.slots.len()
+    }
+
+    fn slot_weight(&self, slot: usize) -> f64 {
+        self.slave.weights()[slot]
+    }
+
+    /// At the end point, without friction: the Hessian of the gap, and one gradient for force and constraint. The row of a spring has the other sign.
+    fn is_symmetric(&self, rule: ContactRule) -> bool {
+        let is_spring = matches!(self.normal.enforcement, Enforcement::Penalty(_));
+        rule == ContactRule::EndPoint && self.friction.is_none() && !is_spring
+    }
+
+    fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
+        self.search.set_carriers(of);
+    }
+
+    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
+        self.normal.rule = rule;
+        if let Some(friction) = &mut self.friction {
+            friction.rule = rule;
+            friction.step_size = step_size;
+            friction.friction.begin(step_size);
+        }
+    }
+
+    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
+        self.q_n.clear();
+        self.q_n.extend_from_slice(q_n);
+        self.normal.begin_step();
+        self.search.update(q_n, reach);
+        let view = self.search.at(q_n);
+        // Facets that the last step ended on, for friction only.
+        let mut last = Vec::new();
+        if self.friction.is_some() {
+            last.extend(self.slots.iter().map(|slot| slot.committed));
+        }
+        for slot in 0..self.slots.len() {
+            let state = self.slots[slot];
+            let normal = self.slave.normal(slot, q_n);
+            let closest = || view.closest(&position(q_n, self.slave.nodes()[slot]), normal.as_ref());
+            self.slots[slot] = match state.committed {
+                // A node in contact keeps the gap that its last step ended with. It keeps its facet too, unless it stands on the extension
+                // of that: then it starts from the facet below it, with the gap that it has there. (Crossing the edge with
+                // the gap of the old facet would need a force tilted by the difference of both gaps over the motion.)
+                Some(facet) => {
+                    let on_facet = self.gap(slot, facet, q_n)?;
+                    let mut at_n = (facet, on_facet.gap);
+                    if on_facet.outside() > 0.0
+                        && let Some(pairing) = closest().pairing
+                        && pairing.facet != facet
+                    {
+                        at_n = (pairing.facet, self.gap(slot, pairing.facet, q_n)?.gap);
+                    }
+                    let (kept, wanted) = match self.constraint {
+                        ConstraintForm::Standard => (state.kept + (at_n.1 - on_facet.gap), 0.0),
+                        ConstraintForm::Modified => (at_n.1, at_n.1),
+                    };
+                    Slot::closed(at_n.0, at_n.1, kept, wanted)
+                }
+                None => {
+                    let point = closest();
+                    let kept = if state.kept < 0.0 { self.gap_to_keep(slot, &point, q_n).min(0.0) } else { 0.0 };
+                    Slot::open(point.pairing.map(|p| p.facet), point.gap, kept, state.strayed)
+                }
+            };
+        }
+        for (slot, facet) in last.into_iter().enumerate() {
+            self.begin_friction(slot, facet);
+        }
+        Ok(())
+    }
+
+    fn renew(
+        &mut self,
+        q_np1: &[f64],
+        pressures: &[f64],
+        auxiliaries: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+    ) -> Result<bool, ContactError> {
+        self.keep_multipliers(auxiliaries, 2);
+        if want_tangent {
+            self.follow_friction(q_np1, pressures, active)?;
+        }
+        Ok(false)
+    }
+
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+            match self.slots[slot].pairing {
+                Some(pairing) => {
+                    let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
+                    visit(element.list(), &[slot as u32]);
+                }
+                None => visit(&[self.node(slot)], &[slot as u32]),
+            }
+        }
+    }
+
+    fn assemble(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        self.assemble_with(step, pressures, &[], active, want_tangent, visit)
+    }
+
+    /// Two multipliers of the friction, if stick is enforced by them: components in the frame of the old foot of what they add to the
+    /// traction at the start.
+    fn auxiliaries(&self) -> &[Auxiliary] {
+        if self.has_stick_multipliers() { &[Auxiliary::Constraint; 2] } else { &[] }
+    }
+
+    fn assemble_with(
+        &self,
+        step: StepConfiguration<'_>,
+        pressures: &[f64],
+        auxiliaries: &[f64],
+        active: &[bool],
+        want_tangent: bool,
+        visit: &mut dyn FnMut(&LocalContribution),
+    ) -> Result<(), ContactError> {
+        let further = self.auxiliaries().len();
+        let mut contribution = LocalContribution { auxiliaries: further, ..LocalContribution::default() };
+        let mut gradient = GapGradient::new();
+        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+            contribution.slots.clear();
+            contribution.slots.push(slot as u32);
+            contribution.nodes.clear();
+            let multiplier = multipliers_of(slot, further, auxiliaries);
+            let Some(pairing) = self.slots[slot].pairing else {
+                self.without_partner(slot, pressures[slot], &multiplier, want_tangent, &mut contribution);
+                visit(&contribution);
+                continue;
+            };
+            let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
+            let end = self.gap(slot, pairing.end, step.q_np1)?;
+            let of = PairedSlot { slot, element: &element, pairing, end: &end, step };
+            self.gradient(of, want_tangent, &mut gradient)?;
+            let (n, weight) = (3 * element.count, self.slot_weight(slot));
+            let pressure = pressures[slot];
+            contribution.nodes.extend_from_slice(element.list());
+            contribution.reset(want_tangent);
+            for (r, g) in contribution.residual.iter_mut().zip(&gradient.values[..n]) {
+                *r = -weight * pressure * g;
+            }
+            let row = self.normal_row(slot, step.rule, end.gap, pressure);
+            contribution.residual[n] = -weight * row.value;
+            if want_tangent {
+                let dim = contribution.dim();
+                for i in 0..n {
+                    for j in 0..n {
+                        contribution.tangent[i * dim + j] = -weight * pressure * gradient.tangent[i * n + j];
+                    }
+                    contribution.tangent[i * dim + n] = -weight * gradient.values[i];
+                }
+                let nodes = spread(&element.end);
+                for (j, g) in end.gradient.iter().enumerate() {
+                    contribution.tangent[n * dim + component(&nodes, j)] -= weight * row.d_gap * g;
+                }
+                contribution.tangent[n * dim + n] = -weight * row.d_pressure;
+            }
+            if self.friction.is_some() {
+                self.add_friction(of, pressure, multiplier, want_tangent, &mut contribution)?;
+            }
+            visit(&contribution);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,82 @@
+//! What a slot carries from one accepted step to the next.
+
+use crate::method::NodeToSurface;
+use stoss_contact::{ContactError, ContactWork, History};
+
+/// Bytes of history of a slot: facet, gap kept, strayed or not.
+const HISTORY: usize = 13;
+
+impl History for NodeToSurface {
+    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+        let mut total = self.friction_work(q_np1, pressures, active)?;
+        total.stored += self.normal_stored(q_np1, active)?;
+        Ok(ContactWork { closing: None, ..total })
+    }
+
+    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+        self.commit_friction(q_np1, pressures, active);
+        self.normal.commit(pressures, active);
+        let view = self.search.at(q_np1);
+        let behind: Vec<(bool, f64)> = (0..self.slots.len())
+            .map(|slot| {
+                let state = &self.slots[slot];
+                // Most nodes are in front, or far away: nothing to look for.
+                let may_stray = state.origin.is_none() || state.strayed;
+                let was_kept = state.committed.is_some() || state.kept < 0.0;
+                if active[slot] || !(may_stray || was_kept) {
+                    return (false, 0.0);
+                }
+                let point = self.closest(&view, slot, q_np1);
+                match point.pairing {
+                    Some(pairing) if point.gap < 0.0 => {
+                        let strayed = may_stray && self.came_from_behind(slot, pairing.facet);
+                        (strayed, if was_kept { self.gap_to_keep(slot, &point, q_np1) } else { 0.0 })
+                    }
+                    _ => (false, 0.0),
+                }
+            })
+            .collect();
+        for ((slot, &active), (strayed, left_behind)) in self.slots.iter_mut().zip(active).zip(behind) {
+            slot.committed = slot.pairing.filter(|_| active).map(|p| p.end);
+            slot.kept = if slot.committed.is_some() { slot.reference } else { left_behind };
+            slot.strayed = strayed;
+        }
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        let mut out = Vec::with_capacity(HISTORY * self.slots.len());
+        for slot in &self.slots {
+            out.extend_from_slice(&slot.committed.unwrap_or(u32::MAX).to_le_bytes());
+            out.extend_from_slice(&slot.kept.to_le_bytes());
+            out.push(u8::from(slot.strayed));
+        }
+        self.normal.save(&mut out);
+        self.save_friction(&mut out);
+        out
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+        let size = HISTORY + self.normal.bytes() + self.friction_bytes();
+        if bytes.len() != size * self.slots.len() {
+            return Err(ContactError::History {
+                reason: format!("{} bytes for {} slave nodes of {size} bytes", bytes.len(), self.slots.len()),
+            });
+        }
+        let (bytes, rest) = bytes.split_at(HISTORY * self.slots.len());
+        let (normal, friction) = rest.split_at(self.normal.bytes() * self.slots.len());
+        let facets = self.search.surface().facets().len() as u32;
+        for (slot, chunk) in self.slots.iter_mut().zip(bytes.chunks_exact(HISTORY)) {
+            let facet = u32::from_le_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
+            if facet != u32::MAX && facet >= facets {
+                return Err(ContactError::History { reason: format!("facet {facet} of {facets}") });
+            }
+            let kept: [u8; 8] = std::array::from_fn(|k| chunk[4 + k]);
+            slot.committed = (facet != u32::MAX).then_some(facet);
+            slot.kept = f64::from_le_bytes(kept);
+            slot.strayed = chunk[12] != 0;
+        }
+        self.normal.load(normal);
+        self.load_friction(friction);
+        Ok(())
+    }
+}

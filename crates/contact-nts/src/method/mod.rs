@@ -1,0 +1,143 @@
+//! Node-to-surface contact as a contact method.
+//!
+//! What the traits of a method ask for is in its children: equations in `assembly`, which slots are closed in `active_set`, pairings in `pairing`, gap gradients in
+//! `gradient`, enforcement in `normal`, friction in `friction`, what goes from step to step in `history`.
+
+mod active_set;
+mod assembly;
+mod friction;
+mod gradient;
+mod history;
+mod normal;
+mod pairing;
+
+use crate::friction::SurfaceFriction;
+use crate::kinematics::Gap;
+use crate::normal::NormalEnforcement;
+use crate::options::{ConstraintForm, NodeToSurfaceOptions};
+use crate::slave::Slave;
+use crate::slot::Slot;
+use stoss_contact::{
+    Constraint, ContactError, ContactLine, ContactSurface, FacetNodes, MasterSearch, Report, SlotReport, position,
+};
+use stoss_geometry::Patch;
+
+/// Slave nodes against master facets, with or without friction, one pressure a slave node: traction on the node's reference area or, of a line, force per reference
+/// length.
+#[derive(Clone, Debug)]
+pub struct NodeToSurface {
+    name: String,
+    pub(crate) slave: Slave,
+    pub(crate) search: MasterSearch,
+    pub(crate) constraint: ConstraintForm,
+    pub(crate) normal: NormalEnforcement,
+    pub(crate) slots: Vec<Slot>,
+    /// Positions at `n`, for pairing.
+    pub(crate) q_n: Vec<f64>,
+    /// A typical edge of the master.
+    pub(crate) length: f64,
+    pub(crate) friction: Option<SurfaceFriction>,
+    /// Serves coordinate augmentation ([`crate::augmented`]): the coordinates at the midpoint are the mean of those at the ends.
+    pub(crate) augmented: bool,
+}
+
+impl NodeToSurface {
+    /// From facets (global nodes, numbered outward) and reference positions (`3 * nodes`).
+    ///
+    /// # Errors
+    /// Empty or degenerate surfaces, shared nodes, options out of range, a penalty with the modified constraint.
+    pub fn new<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
+        name: &str,
+        slave_facets: &[S],
+        master_facets: &[M],
+        reference: &[f64],
+        options: NodeToSurfaceOptions,
+    ) -> Result<Self, ContactError> {
+        let slave = Slave::Surface(ContactSurface::new("slave", slave_facets, reference)?);
+        Self::of(name, slave, master_facets, reference, options)
+    }
+
+    /// As [`Self::new`] with the nodes of a string or of a beam as the slave side. They may touch from any side.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`] but for the slave's facets.
+    pub fn of_line<M: Copy + Into<FacetNodes>>(
+        name: &str,
+        slave: ContactLine,
+        master_facets: &[M],
+        reference: &[f64],
+        options: NodeToSurfaceOptions,
+    ) -> Result<Self, ContactError> {
+        Self::of(name, Slave::Line(slave), master_facets, reference, options)
+    }
+
+    fn of<M: Copy + Into<FacetNodes>>(
+        name: &str,
+        slave: Slave,
+        master_facets: &[M],
+        reference: &[f64],
+        options: NodeToSurfaceOptions,
+    ) -> Result<Self, ContactError> {
+        let master = ContactSurface::new("master", master_facets, reference)?;
+        slave.check_disjoint(&master)?;
+        let length = master.length_scale();
+        let slots = vec![Slot::FREE; slave.nodes().len()];
+        Ok(Self {
+            name: name.to_owned(),
+            search: MasterSearch::new(master, reference, options.search)?,
+            constraint: options.constraint,
+            normal: NormalEnforcement::new(options, slots.len())?,
+            slots,
+            q_n: Vec::new(),
+            length,
+            friction: None,
+            augmented: false,
+            slave,
+        })
+    }
+
+    pub(crate) fn node(&self, slot: usize) -> u32 {
+        self.slave.nodes()[slot]
+    }
+
+    pub(crate) fn patch(&self, facet: u32, q: &[f64]) -> Patch {
+        self.search.surface().patch(facet, q)
+    }
+
+    /// Projection of a slot's node on an extended facet.
+    pub(crate) fn gap(&self, slot: usize, facet: u32, q: &[f64]) -> Result<Gap, ContactError> {
+        let node = self.node(slot);
+        Gap::from_centre(&position(q, node), &self.patch(facet, q)).ok_or(ContactError::Projection { node, facet })
+    }
+}
+
+impl Report for NodeToSurface {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.slave.length_scale()
+    }
+
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+        let view = self.search.at(q);
+        let current = self.slave.weights_at(q);
+        Ok((0..self.slots.len())
+            .map(|slot| {
+                let point = self.closest(&view, slot, q);
+                SlotReport {
+                    node: self.node(slot),
+                    weight: self.slot_weight(slot),
+                    per_current_area: self.slot_weight(slot) / current[slot],
+                    area: current[slot],
+                    gap: point.pairing.map(|_| point.gap),
+                    normal: point.normal.into(),
+                    feature: point.feature.name(),
+                    reference_gap: self.slots[slot].kept,
+                    friction: self.last_friction(slot),
+                }
+            })
+            .collect())
+    }
+}

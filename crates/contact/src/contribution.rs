@@ -1,0 +1,111 @@
+//! What a constraint is evaluated at, and what it adds to the equations: rule, configurations, one dense contribution.
+
+/// Where the gradient of the gap is taken that makes the contact force `A p G` of a step (theory/node-to-surface#residual).
+///
+/// The constraint row is `-A` times the gap at `q_np1` (less the gap that it refers to) under every rule, for pressures that are multipliers;
+/// otherwise see [`crate::Enforcement`]. The forces
+/// of every rule have no resultant; about which configuration they have no moment is said for each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ContactRule {
+    /// `G = grad g(q_n)`, constant in the step (variational midpoint scheme: theory/integrators#eq-variational). No moment about `q_n`.
+    StartPoint,
+    /// `G = grad g(q_np1)` (statics, backward Euler: theory/integrators#eq-backward-euler). No moment about `q_np1`.
+    EndPoint,
+    /// `G = (grad g(q_n) + grad g(q_np1)) / 2` (trapezoidal rule: theory/integrators#eq-trapezoidal). The moment about `q_mid` is
+    /// `-(1/4) sum dq x (grad g(q_np1) - grad g(q_n))`: it vanishes in a rigid motion on one facet, otherwise only with
+    /// the step.
+    EndPointMean,
+    /// `G = grad g(q_mid)` (midpoint rule: theory/integrators#eq-midpoint). No moment about `q_mid`.
+    Midpoint,
+    /// Discrete gradient of the gap between `q_n` and `q_np1`: `G . (q_np1 - q_n) = g_np1 - g_n`. No moment about
+    /// `q_mid`.
+    EnergyMomentum,
+}
+
+impl ContactRule {
+    /// All rules.
+    pub const ALL: [Self; 5] =
+        [Self::StartPoint, Self::EndPoint, Self::EndPointMean, Self::Midpoint, Self::EnergyMomentum];
+}
+
+/// Positions that a step's evaluation may read. All slices have `3 * nodes` entries, node-major.
+#[derive(Clone, Copy, Debug)]
+pub struct StepConfiguration<'a> {
+    /// Converged positions at `n`.
+    pub q_n: &'a [f64],
+    /// Iterate of the positions at `n+1`.
+    pub q_np1: &'a [f64],
+    /// Rule of the scheme.
+    pub rule: ContactRule,
+}
+
+/// A further unknown of a slot, beside its pressure. Each active slot of a method has the same list of them, see
+/// [`crate::Constraint::auxiliaries`]. What is measured in coordinates and multipliers is the method's; scaled to the units below
+/// the rows can be judged together with the others, and the matrix keeps its balance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Auxiliary {
+    /// A global unknown, a length or a traction. Its row is a force, and counts as one of the forces that have to balance.
+    Balance,
+    /// A global unknown, a length or a traction. Its row is a weight (area) times a length, and counts as a constraint.
+    Constraint,
+    /// Eliminated in the linear equations of each iteration, but a part of the iterate: the contribution has neither row nor column of it, and
+    /// [`crate::Constraint::recover`] gives its increment.
+    Condensed,
+}
+
+impl Auxiliary {
+    /// Number of those that have an equation.
+    pub fn equations(list: &[Self]) -> usize {
+        list.iter().filter(|&&kind| kind != Self::Condensed).count()
+    }
+}
+
+/// The first two of the `count` auxiliaries of a slot, zero where there are none: multipliers of the friction.
+pub fn multipliers_of(slot: usize, count: usize, auxiliaries: &[f64]) -> [f64; 2] {
+    let own = auxiliaries.get(slot * count..slot * count + count).unwrap_or_default();
+    [0, 1].map(|k| own.get(k).copied().unwrap_or(0.0))
+}
+
+/// One dense contribution: unknowns are the three components of each of `nodes`, then one pressure for each of `slots`, then
+/// `auxiliaries` further ones for each of `slots`, slot by slot.
+///
+/// `residual` has [`Self::dim`] entries, `tangent` is row-major `dim() x dim()`:
+/// `d residual / d (q_np1 of nodes, p of slots)`.
+#[derive(Clone, Debug, Default)]
+pub struct LocalContribution {
+    /// Global node numbers, each at most once.
+    pub nodes: Vec<u32>,
+    /// Constraint slots, each at most once.
+    pub slots: Vec<u32>,
+    /// Residual in the sign of theory/node-to-surface#eq-residual: minus the contact force; then `-A g`.
+    pub residual: Vec<f64>,
+    /// Row-major tangent; empty or stale if the tangent was not asked for.
+    pub tangent: Vec<f64>,
+    /// Further unknowns of each slot that have an equation, zero for most methods.
+    pub auxiliaries: usize,
+    /// Largest violation of equations that were condensed, relative (a length to a length); zero without such.
+    pub violation: f64,
+    /// What the linear equations take in addition to `residual`, one entry a row, or empty: the difference between the
+    /// branch that they are linearised on and the one that the iterate is on, or the start of multipliers that are not determined. It is no part of the norm, so that it cannot change a solution.
+    pub shift: Vec<f64>,
+}
+
+impl LocalContribution {
+    /// Number of local unknowns.
+    pub fn dim(&self) -> usize {
+        3 * self.nodes.len() + self.slots.len() * (1 + self.auxiliaries)
+    }
+    /// Sizes and clears the arrays for the present `nodes` and `slots`.
+    pub fn reset(&mut self, want_tangent: bool) {
+        let n = self.dim();
+        self.violation = 0.0;
+        self.shift.clear();
+        self.residual.clear();
+        self.residual.resize(n, 0.0);
+        if want_tangent {
+            self.tangent.clear();
+            self.tangent.resize(n * n, 0.0);
+        }
+    }
+}

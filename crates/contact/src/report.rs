@@ -1,0 +1,189 @@
+//! What contacts, ties, joints and potentials report at the end of a step.
+
+use crate::ContactError;
+
+/// What a slot did at the end of a step, for output (signs: theory/node-to-surface#eq-gap).
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlotReport {
+    /// Global slave node.
+    pub node: u32,
+    /// Reference area of the slave node.
+    pub weight: f64,
+    /// Factor by which the slot's pressure becomes a force per area of the given configuration: 1 where it is one already, reference area over
+    /// current area where it is one per reference area.
+    pub per_current_area: f64,
+    /// Area over which the pressure acts in the given configuration: the node's share of the current slave surface, with mortar contact of what of it lies
+    /// opposite the master; zero if nothing does.
+    pub area: f64,
+    /// True gap at the given configuration; `None` if no master is within reach.
+    pub gap: Option<f64>,
+    /// Unit normal, master to slave (zero if there is none).
+    pub normal: [f64; 3],
+    /// Which geometric case the projection was ("face", "edge", "vertex", "none").
+    pub feature: &'static str,
+    /// Gap that a closed slot keeps: zero, but for constraints that keep a gap, and `gap` itself where the constraint gives way.
+    pub reference_gap: f64,
+    /// Friction in the last accepted step of this session; `None` without friction and for open slots.
+    pub friction: Option<SlotFriction>,
+}
+
+/// Friction of a slot in an accepted step, in components of an orthonormal frame of the tangent plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlotFriction {
+    /// Traction in the equations, along the slip.
+    pub traction: [f64; 2],
+    /// Slip of the slave in the step that springs do not take up, a length.
+    pub slip: [f64; 2],
+    /// Largest traction that the law admits.
+    pub bound: f64,
+    /// True if nothing slides.
+    pub sticks: bool,
+}
+
+/// What a joint does at the end of a step, for output.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointReport {
+    /// Force of the first side on the second.
+    pub force: [f64; 3],
+    /// Moment of the first side on the second about the joint's point on the second.
+    pub moment: [f64; 3],
+    /// From the joint's point on the first side to that on the second.
+    pub arm: [f64; 3],
+    /// Angles and displacements that the joint leaves free and that can be measured.
+    pub coordinates: Vec<JointCoordinate>,
+}
+
+/// A coordinate of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointCoordinate {
+    /// Angle (radians, followed over turns) or displacement.
+    pub value: f64,
+    /// Whether it is an angle.
+    pub is_angle: bool,
+    /// What acts along the coordinate.
+    pub torques: JointTorques,
+}
+
+/// Torques (along an angle) or forces (along a displacement) that act on the second side of a joint along its coordinate; zero without such a thing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointTorques {
+    /// Of Coulomb friction.
+    pub friction: f64,
+    /// Of viscous friction, in the last step.
+    pub viscous: f64,
+    /// Of the spring, at the end of the step.
+    pub spring: f64,
+    /// Of the motor or the pretension.
+    pub motor: f64,
+    /// Of the limits.
+    pub limit: f64,
+}
+
+/// A node whose motion along a direction a sliding support prescribes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SupportedNode {
+    /// Its global number.
+    pub node: u32,
+    /// The direction, of length one.
+    pub direction: [f64; 3],
+    /// What `direction . x` of its position has to be, a length.
+    pub place: f64,
+    /// Rate of `place` just after the time, a length per time.
+    pub rate: f64,
+}
+
+/// How the surfaces of a discretisation are covered by what it integrates over.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coverage {
+    /// By how much the invariant is missed, round-off: of mortar contact the largest part of a slave facet that lies opposite the master and has no
+    /// segment, or has two.
+    pub defect: f64,
+}
+
+/// Energy of the contact in a step, as far as it is not that of the bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactWork {
+    /// Energy stored at the end of the step (normal and tangential springs).
+    pub stored: f64,
+    /// Energy dissipated in the step.
+    pub dissipated: f64,
+    /// The part of `stored` that is in tangential springs.
+    pub friction_stored: f64,
+    /// Work of the slip against the friction in the step, what friction takes out of the bodies. It is measured with force and slip: what it differs from
+    /// the change of `friction_stored` and `dissipated` is what the iteration left.
+    pub friction_work: f64,
+    /// The part of `dissipated` that viscous normal forces took.
+    pub damped: f64,
+    /// What closing gaps cost in the step by the constraints themselves, `sum p (Phi(q_n) - Phi(q_np1))` over the closed slots: what the normal forces take from
+    /// the bodies if they do the work of the gaps. `None` if the method does not tell.
+    pub closing: Option<f64>,
+    /// Work done in the step by constraints that depend on time: drives.
+    pub driven: f64,
+}
+
+impl Default for ContactWork {
+    fn default() -> Self {
+        Self {
+            stored: 0.0,
+            dissipated: 0.0,
+            friction_stored: 0.0,
+            friction_work: 0.0,
+            damped: 0.0,
+            closing: Some(0.0),
+            driven: 0.0,
+        }
+    }
+}
+
+impl std::ops::AddAssign for ContactWork {
+    fn add_assign(&mut self, other: Self) {
+        self.stored += other.stored;
+        self.dissipated += other.dissipated;
+        self.friction_stored += other.friction_stored;
+        self.friction_work += other.friction_work;
+        self.damped += other.damped;
+        self.driven += other.driven;
+        self.closing = self.closing.zip(other.closing).map(|(a, b)| a + b);
+    }
+}
+
+/// What a contact, a tie or a potential says of itself, for output and judgement.
+pub trait Report: Send + Sync + std::fmt::Debug {
+    /// Name for reports and error messages.
+    fn name(&self) -> &str;
+    /// Length of a facet of the slave, the unit of its gaps.
+    fn length_scale(&self) -> f64;
+    /// Whether the forces leave linear momentum as it is: they add up to zero. Not so where the ground takes a part of them.
+    fn conserves_linear_momentum(&self) -> bool {
+        true
+    }
+    /// Whether it holds surfaces together that lie on each other, as mesh ties do: then their nodes may be a little inside the other body.
+    fn holds_surfaces_together(&self) -> bool {
+        false
+    }
+    /// Whether the forces leave angular momentum as it is, under schemes that conserve it: their moments about any point add up to zero.
+    fn conserves_angular_momentum(&self) -> bool {
+        true
+    }
+    /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
+    fn verify(&self, _q_np1: &[f64]) -> Result<Coverage, ContactError> {
+        Ok(Coverage::default())
+    }
+    /// Checks at the end of a converged step that equations without an active slot hold: those of joints between things that cannot move, or move as prescribed. Of constraints that always hold only.
+    ///
+    /// # Errors
+    /// [`ContactError::Joint`] if the prescribed motion contradicts them.
+    fn verify_inactive(&self, _q_np1: &[f64], _active: &[bool]) -> Result<(), ContactError> {
+        Ok(())
+    }
+    /// What a joint does at the end of a step at `q`; `None` for everything else.
+    fn joint(&self, _q: &[f64], _multipliers: &[f64]) -> Option<JointReport> {
+        None
+    }
+    /// What a slot of a sliding support prescribes at a time; `None` for all other constraints.
+    fn supported_node(&self, _slot: usize, _time: f64) -> Option<SupportedNode> {
+        None
+    }
+    /// Gap, normal and feature of every slot at a configuration, for output and probes.
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError>;
+}
