@@ -104,6 +104,7 @@ fn the_schema_documents_every_key() {
     let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     assert_eq!(schema::undocumented(&schema), Vec::<String>::new());
+    assert_eq!(schema::without_dimension(&schema, Dimension::NAMES), Vec::<String>::new());
 }
 
 #[test]

@@ -22,6 +22,7 @@ mod models;
 mod mortar;
 mod multibody;
 mod newton;
+mod numbers;
 mod origin;
 mod patch;
 mod quadratic;

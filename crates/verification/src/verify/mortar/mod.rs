@@ -15,6 +15,7 @@ use toml::{Table, Value};
 
 use super::check::{Bound, Check};
 use super::{Bench, Findings, Run, Suite};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Fields, momenta, impact, oblique impact, ironing, deep ironing in few steps, rotating indenter, Hertz, tied cantilever.
@@ -92,7 +93,7 @@ fn impact(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
 /// Largest distance from the first value, relative.
 fn spread(values: &[f64]) -> f64 {
     let Some(first) = values.first() else { return f64::NAN };
-    values.iter().map(|value| (value / first - 1.0).abs()).fold(0.0, f64::max)
+    values.iter().map(|value| (value / first - 1.0).abs()).fold(0.0, larger)
 }
 
 /// An entry of a list of the scene, as `body` and `contact` are.

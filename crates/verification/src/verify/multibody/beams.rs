@@ -1,10 +1,8 @@
 //! Beams at rest and in motion.
 
-use super::build::{
-    ABOUT_Z, Couple, add_beam, add_constraint, add_force, apart, beam_frame, dynamic, follow, larger, order, place,
-    quasi_static,
-};
+use super::build::{ABOUT_Z, Couple, add_beam, add_constraint, add_force, beam_frame, dynamic, follow, order, place, quasi_static};
 use super::{ENERGY, MOMENTUM, ORDER, check, noted};
+use crate::verify::numbers::{apart, larger, norm};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
 use crate::workspace::Outcome;
@@ -315,7 +313,6 @@ fn spaghetti(quick: bool, findings: &mut Findings) -> Outcome<()> {
         "50",
     );
     let kept = follow(&mut run, |_, _| {})?;
-    let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let [linear, angular] = [kept.linear, kept.angular].map(|k| k.iter().copied().fold(0.0, larger));
     let note = format!(
         "{} steps of free flight, {} iterations at most, strain energy at its begin {:.1} of {:.1}",

@@ -1,9 +1,8 @@
 //! Strings.
 
-use super::build::{
-    add_constraint, add_gravity, add_vectors, dynamic, fix, follow, larger, order, place, quasi_static_searching,
-};
+use super::build::{add_constraint, add_gravity, add_vectors, dynamic, fix, follow, order, place, quasi_static_searching};
 use super::{ENERGY, noted};
+use crate::verify::numbers::larger;
 use crate::verify::Findings;
 use crate::verify::check::Bound;
 use crate::workspace::Outcome;
