@@ -286,9 +286,7 @@ fn impact(run: &Run, findings: &mut Findings, conserves: bool) -> Outcome<()> {
     let row =
         |quantity: &str, value: f64, bound: Bound| Check::new(&run.name, quantity, value, bound).noted(run.note());
     if conserves {
-        let (linear, angular) = (balance.linear_drift(None), balance.angular_drift(None));
-        findings.checks.push(row("linear momentum drift", linear, Bound::AtMost(MOMENTUM)));
-        findings.checks.push(row("angular momentum drift", angular, Bound::AtMost(MOMENTUM)));
+        findings.checks.extend(run.momentum_drifts(&balance, MOMENTUM));
         let gain = balance.energy_changes(None).into_iter().fold(0.0, larger);
         findings.checks.push(row("energy gain of a step", gain, Bound::AtMost(ENERGY)));
     }

@@ -131,7 +131,7 @@ fn patches(findings: &mut Findings, quick: bool) -> Outcome<()> {
     Ok(())
 }
 
-/// Vertical displacement of the nodes at a place.
+/// Mean displacement along an axis of the nodes at a place.
 fn displacement(simulation: &Simulation, axis: usize, is_there: impl Fn(&[f64]) -> bool) -> f64 {
     let (reference, q) = (&simulation.model().reference, &simulation.state().q);
     let nodes: Vec<usize> = (0..reference.len() / 3).filter(|n| is_there(&reference[3 * n..3 * n + 3])).collect();

@@ -42,7 +42,7 @@ enum Shape {
 }
 
 impl Shape {
-    /// Radius of the contact and largest pressure under the force that the probe tells, which is that on the modelled part.
+    /// Radius of the contact and largest pressure under the force of the probe, which is that on the modelled part.
     fn analytic(self, force: f64) -> (f64, f64) {
         let plane_strain = MODULUS / (1.0 - POISSON * POISSON);
         match self {

@@ -59,9 +59,7 @@ fn impact(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let balance = run.balance()?;
     let row =
         |quantity: &str, value: f64, bound: Bound| Check::new(&run.name, quantity, value, bound).noted(run.note());
-    let momentum = Bound::AtMost(MOMENTUM);
-    findings.checks.push(row("linear momentum drift", balance.linear_drift(None), momentum));
-    findings.checks.push(row("angular momentum drift", balance.angular_drift(None), momentum));
+    findings.checks.extend(run.momentum_drifts(&balance, MOMENTUM));
     let contact = run.table("contact.csv")?;
     let active: Vec<f64> = contact
         .column("step")?

@@ -39,8 +39,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::AtMost(0.0)));
             let iterations = run.summary_number("mean_iterations")?;
             findings.checks.push(row("iterations a step", iterations, Bound::AtMost(ITERATIONS)));
-            findings.checks.push(row("linear momentum drift", balance.linear_drift(None), Bound::AtMost(MOMENTUM)));
-            findings.checks.push(row("angular momentum drift", balance.angular_drift(None), Bound::AtMost(MOMENTUM)));
+            findings.checks.extend(run.momentum_drifts(&balance, MOMENTUM));
             let changes = balance.energy_changes(None);
             let rise = changes.iter().copied().fold(0.0, larger);
             let lost = -changes.iter().sum::<f64>();

@@ -1,7 +1,7 @@
 //! Beams at rest and in motion.
 
 use super::build::{ABOUT_Z, Couple, add_beam, add_constraint, add_force, beam_frame, dynamic, follow, order, place, quasi_static};
-use super::{ENERGY, MOMENTUM, ORDER, check, noted};
+use super::{ENERGY, MOMENTUM, ORDER, check, noted, order_in_mesh};
 use crate::verify::numbers::{apart, larger, norm};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
@@ -56,19 +56,8 @@ fn roll_up(findings: &mut Findings) -> Outcome<()> {
     for (of, [coarse, fine], least) in
         [(1, [40, 80], MESH_ORDER[0]), (2, [10, 20], MESH_ORDER[1]), (3, [8, 16], MESH_ORDER[1])]
     {
-        let errors = [gap(coarse, of)?, gap(fine, of)?];
-        let note = format!(
-            "gap of the ends over the length {:.2e} with {coarse} elements, {:.2e} with {fine}",
-            errors[0], errors[1]
-        );
-        noted(
-            findings,
-            case,
-            &format!("order in the mesh, elements of order {of}"),
-            order(errors),
-            Bound::AtLeast(least),
-            note,
-        );
+        let off = ("gap of the ends over the length", [gap(coarse, of)?, gap(fine, of)?]);
+        order_in_mesh(findings, case, of, off, [coarse, fine], least);
     }
     Ok(())
 }
