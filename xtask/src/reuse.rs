@@ -15,7 +15,8 @@ pub fn command(workspace: &Workspace, bless: bool) -> Outcome<bool> {
     let mut good = true;
     let members = manifest::members(workspace)?;
     let leaves = published(&members);
-    let is_list = |file: &&PathBuf| file.starts_with("docs/reuse") && file.extension().is_some_and(|kind| kind == "txt");
+    let is_list =
+        |file: &&PathBuf| file.starts_with("docs/reuse") && file.extension().is_some_and(|kind| kind == "txt");
     for file in workspace.files()?.iter().filter(is_list) {
         if !leaves.iter().any(|leaf| file.file_stem().is_some_and(|stem| stem == *leaf)) {
             println!("reuse: error: {} belongs to no published crate", file.display());

@@ -34,7 +34,8 @@ pub fn path(out: &mut String, points: &[[f64; 2]]) {
         // Numbers after a command's own ones repeat it.
         let mut before = None;
         if next == command {
-            before = Some(out.rsplit(|c: char| !c.is_ascii_digit() && c != '.').next().unwrap_or_default().contains('.'));
+            before =
+                Some(out.rsplit(|c: char| !c.is_ascii_digit() && c != '.').next().unwrap_or_default().contains('.'));
         } else {
             out.push(next);
         }

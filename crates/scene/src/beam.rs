@@ -1,9 +1,9 @@
 //! `[[beam]]`: axis, section, material, initial velocity of a beam.
 
-use crate::body::is_default;
-use crate::vector::{cross, dot, norm, scaled, sub};
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::body::is_default;
+use crate::vector::{cross, dot, norm, scaled, sub};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,9 @@
 //! `[[body]]`: mesh, placement, material, density, initial velocity.
 
-use crate::names::named;
-use crate::{Material, MeshSource};
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::names::named;
+use crate::{Material, MeshSource};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

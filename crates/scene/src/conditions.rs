@@ -1,11 +1,11 @@
 //! Sets, contact, prescribed displacements, loads, and functions of time.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::Friction;
 use crate::coupling::Coupling;
 use crate::names::named;
 use crate::tie::Multipliers;
-#[cfg(feature = "schema")]
-use crate::Dimension;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! `[[event]]` and `[[stage]]`: changes in the course of a run.
 
-use crate::{Automatic, Integrator, Kind, ProbeComponent, Stabilise};
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::{Automatic, Integrator, Kind, ProbeComponent, Stabilise};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,9 @@
 //! Friction of a contact (theory/friction).
 
-use crate::Parameter;
-use crate::names::named;
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::Parameter;
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,9 @@
 //! The tables `[scene]`, `[time]` and `[solver]`.
 
-use crate::Units;
-use crate::names::named;
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::Units;
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,9 @@
 //! The table `[general_contact]`.
 
-use crate::Integrator;
-use crate::names::named;
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::Integrator;
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

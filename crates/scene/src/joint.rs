@@ -1,10 +1,10 @@
 //! `[[joint]]` and `[[spring]]`: connections of two parts.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::Series;
 use crate::coupling::Coupling;
 use crate::names::named;
-#[cfg(feature = "schema")]
-use crate::Dimension;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! Mesh of a body: a generator with parameters, or a file.
 
-use crate::names::named;
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

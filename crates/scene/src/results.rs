@@ -1,9 +1,9 @@
 //! Probes, output, and expected results of a run.
 
-use crate::Verdict;
-use crate::names::named;
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::Verdict;
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,9 @@
 //! `[[rigid]]`: surface, placement, mass, initial velocity of a rigid body.
 
-use crate::body::is_default;
-use crate::{MeshSource, Rotations};
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::body::is_default;
+use crate::{MeshSource, Rotations};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,9 @@
 //! `[[string]]` and `[[mass]]`.
 
-use crate::body::is_default;
-use crate::vector::{norm, sub};
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::body::is_default;
+use crate::vector::{norm, sub};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! `[[support]]`: elastic foundation, springs and dashpots to the ground.
 
-use crate::names::named;
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

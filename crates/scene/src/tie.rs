@@ -1,8 +1,8 @@
 //! Mesh ties.
 
-use crate::names::named;
 #[cfg(feature = "schema")]
 use crate::Dimension;
+use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -29,7 +29,10 @@ fn arm(part: &Charges, q: &[f64]) -> Result<([f64; 3], f64), PartError> {
     if length > 0.0 {
         Ok((r, length))
     } else {
-        Err(PartError { part: part.name().into(), reason: "the charges are at the same place: the energy is infinite".into() })
+        Err(PartError {
+            part: part.name().into(),
+            reason: "the charges are at the same place: the energy is infinite".into(),
+        })
     }
 }
 
@@ -189,7 +192,9 @@ fn miss(orbit: &Orbit, steps: u32) -> Result<f64, Box<dyn Error>> {
 fn main() -> Result<(), Box<dyn Error>> {
     for rule in [ForceRule::END_POINT, ForceRule::MIDPOINT, ForceRule::DiscreteGradient] {
         let [tangent, work] = errors(rule)?;
-        println!("{rule:?}: tangent against differences {tangent:.1e}, work against the change of the energy {work:.1e}");
+        println!(
+            "{rule:?}: tangent against differences {tangent:.1e}, work against the change of the energy {work:.1e}"
+        );
         assert!(tangent < 1e-8);
         assert!(rule != ForceRule::DiscreteGradient || work.abs() < 1e-14);
     }

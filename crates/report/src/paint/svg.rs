@@ -40,7 +40,12 @@ impl Canvas for Svg {
             Anchor::Middle => " text-anchor=\"middle\"",
         };
         let text = text.replace('&', "&amp;").replace('<', "&lt;");
-        let _ = writeln!(self.0, "<text x=\"{}\" y=\"{}\" font-size=\"{size}\"{anchor}>{text}</text>", pixels(x), pixels(y));
+        let _ = writeln!(
+            self.0,
+            "<text x=\"{}\" y=\"{}\" font-size=\"{size}\"{anchor}>{text}</text>",
+            pixels(x),
+            pixels(y)
+        );
     }
 
     fn rectangle(&mut self, colour: Colour, [x, y]: [f64; 2], [width, height]: [f64; 2]) {

@@ -160,9 +160,8 @@ fn collect_without_dimension(root: &Value, value: &Value, names: &[&str], path: 
         Value::Object(object) => {
             let properties = object.get("properties").and_then(Value::as_object);
             for (name, property) in properties.into_iter().flatten() {
-                let is_name = |value: &Value| {
-                    value.as_str().is_some_and(|text| names.contains(&text) || text.contains("as "))
-                };
+                let is_name =
+                    |value: &Value| value.as_str().is_some_and(|text| names.contains(&text) || text.contains("as "));
                 let is_dimension = match property.get("x-dimension") {
                     None => !is_numeric(root, property),
                     Some(Value::Array(choices)) => choices.iter().all(is_name),

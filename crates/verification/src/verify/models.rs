@@ -3,8 +3,8 @@
 use super::Findings;
 use super::check::{Bound, Check};
 use super::report::Section;
-use crate::verify::numbers::largest;
 use crate::plot::{self, Drawn, Labels, Series};
+use crate::verify::numbers::largest;
 use crate::workspace::Outcome;
 use stoss_integrators::scheme;
 use stoss_model_problems::{BouncingBar, ConstraintForm, MassPoint, ModelProblem, Pendulum, ReducedPendulum, simulate};

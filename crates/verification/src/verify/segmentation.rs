@@ -13,8 +13,8 @@ use super::check::{Bound, Check};
 use super::report::Section;
 use super::states::Random;
 use super::{Bench, Findings, Suite};
-use crate::verify::numbers::larger;
 use crate::gallery::{self, Interface};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Pairs, degenerate pairs, surfaces, derivatives.

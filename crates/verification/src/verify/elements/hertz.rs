@@ -10,9 +10,9 @@ use stoss::solver::Simulation;
 use stoss_fe_solid::{SolidStep, StressRule, Workspace};
 
 use super::{facade, table};
-use crate::verify::numbers::larger;
 use crate::verify::Findings;
 use crate::verify::check::{Bound, Check, number};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 const CELLS: [&str; 2] = ["hex20", "tet10"];

@@ -4,8 +4,8 @@ use super::features::{apart_edges, edge_on_edge};
 use super::judge::{judge, run};
 use super::mesh::{Hexahedra, slab_with_slivers};
 use super::scene::{Body, Scene};
-use crate::verify::numbers::larger;
 use crate::verify::check::{Bound, Check};
+use crate::verify::numbers::larger;
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
 

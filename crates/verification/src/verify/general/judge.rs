@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use super::scene::Scene;
-use crate::verify::numbers::larger;
 use crate::verify::check::{Bound, Check};
 use crate::verify::launch::{Launched, launch_within};
+use crate::verify::numbers::larger;
 use crate::verify::{Bench, Findings, Run};
 use crate::workspace::Outcome;
 

@@ -3,8 +3,8 @@
 use super::judge::judge;
 use super::mesh::{band, gear, groove, torus, trefoil, tube, wedge};
 use super::scene::{Body, Scene};
-use crate::verify::numbers::larger;
 use crate::verify::check::{Bound, Check};
+use crate::verify::numbers::larger;
 use crate::verify::{Bench, Findings, Run};
 use crate::workspace::Outcome;
 

@@ -7,8 +7,8 @@ use stoss_reference_element::FacetNodes;
 
 use super::judge::run;
 use super::scene::{Body, Scene};
-use crate::verify::numbers::larger;
 use crate::verify::check::{Bound, Check};
+use crate::verify::numbers::larger;
 use crate::verify::report::{Grid, Section};
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;

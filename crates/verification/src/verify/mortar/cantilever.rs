@@ -5,8 +5,8 @@ use stoss_reference_cases::cantilever::{Field, cantilever, error, field};
 use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, facade};
-use crate::verify::numbers::larger;
 use crate::plot::{self, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Least order that counts as two.

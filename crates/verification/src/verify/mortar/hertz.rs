@@ -13,9 +13,9 @@ use toml::{Table, Value};
 use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, Run, newton};
-use crate::verify::numbers::larger;
 use crate::hexahedra;
 use crate::plot::{self, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::vtu::Grid as Frame;
 use crate::workspace::Outcome;
 

@@ -8,9 +8,9 @@ use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, Run, newton};
 use super::{ITERATIONS, entry, resistance};
-use crate::verify::numbers::larger;
 use crate::gallery::{Interface, Sides};
 use crate::plot::{self, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::vtu::{self, Grid as Frame};
 use crate::workspace::Outcome;
 

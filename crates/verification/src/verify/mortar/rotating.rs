@@ -8,8 +8,8 @@ use super::super::check::{Bound, Check};
 use super::super::report::Section;
 use super::super::{Bench, Findings, newton};
 use super::ITERATIONS;
-use crate::verify::numbers::larger;
 use crate::plot::{self, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Largest force along x and y over that along z: there is none in the continuum, by symmetry.

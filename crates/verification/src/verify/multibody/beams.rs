@@ -1,10 +1,12 @@
 //! Beams at rest and in motion.
 
-use super::build::{ABOUT_Z, Couple, add_beam, add_constraint, add_force, beam_frame, dynamic, follow, order, place, quasi_static};
+use super::build::{
+    ABOUT_Z, Couple, add_beam, add_constraint, add_force, beam_frame, dynamic, follow, order, place, quasi_static,
+};
 use super::{ENERGY, MOMENTUM, ORDER, check, noted, order_in_mesh};
-use crate::verify::numbers::{apart, larger, norm};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger, norm};
 use crate::workspace::Outcome;
 use std::f64::consts::PI;
 use std::sync::Arc;

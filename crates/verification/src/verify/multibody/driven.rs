@@ -3,8 +3,8 @@
 use super::build::order;
 use super::scene::{probe, run};
 use super::{check, noted};
-use crate::verify::numbers::{apart, larger};
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger};
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
 use std::f64::consts::{PI, TAU};

@@ -1,10 +1,12 @@
 //! Mechanisms, bearings, redundant joints.
 
-use super::build::{ABOUT_Z, AXES, add_body, add_constraint, add_gravity, add_joint, dynamic, dynamic_cutting, follow, order, place};
+use super::build::{
+    ABOUT_Z, AXES, add_body, add_constraint, add_gravity, add_joint, dynamic, dynamic_cutting, follow, order, place,
+};
 use super::{ENERGY, MOMENTUM, ORDER, check, noted};
-use crate::verify::numbers::{apart, larger, norm};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger, norm};
 use crate::workspace::Outcome;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

@@ -7,9 +7,9 @@
 
 use super::scene::{probe, run};
 use super::{ENERGY, MOMENTUM, noted};
-use crate::verify::numbers::{apart, larger};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger};
 use crate::workspace::Outcome;
 use std::f64::consts::PI;
 use std::fmt::Write as _;

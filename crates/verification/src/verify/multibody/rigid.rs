@@ -2,9 +2,9 @@
 
 use super::build::{ABOUT_Z, AXES, Kept, add_body, add_gravity, add_joint, cross, dynamic, follow, order, place};
 use super::{ENERGY, MOMENTUM, ORDER, check, noted};
-use crate::verify::numbers::{apart, larger, norm};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger, norm};
 use crate::workspace::Outcome;
 use stoss_multibody::{CoordinateOptions, Frame, JointKind, RigidBody, RigidMass, axes_along};
 use stoss_reference_cases::multibody::pendulums::{DoublePendulum, spherical_pendulum};

@@ -2,9 +2,9 @@
 
 use super::build::{add_constraint, add_gravity, add_vectors, dynamic, fix, follow, place, quasi_static_searching};
 use super::{ENERGY, noted, order_in_mesh};
-use crate::verify::numbers::larger;
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 use stoss_multibody::{ConstraintSet, ElasticString, Embedded, Equation, PointMass, QuadraticsBuilder, StringMaterial};
 use stoss_reference_cases::multibody::elliptic::quarter_period;

@@ -3,8 +3,8 @@
 use super::build::place;
 use super::noted;
 use super::scene::{probe, run, value};
-use crate::verify::numbers::larger;
 use crate::verify::check::Bound;
+use crate::verify::numbers::larger;
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
 use std::f64::consts::PI;

@@ -3,10 +3,10 @@
 use super::build::{ABOUT_Z, add_beam, add_gravity, add_joint, beam_frame, follow, place, with_scheme};
 use super::rigid::{SPHERICAL, double, double_error, double_model, spherical_error, spherical_model, spherical_square};
 use super::{check, noted};
-use crate::verify::numbers::{apart, larger};
 use crate::plot::{self, Labels, Series};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger};
 use crate::verify::report::{Grid, Section};
 use crate::verify::work_precision::curve::timed;
 use crate::workspace::Outcome;

@@ -3,8 +3,8 @@
 use super::super::check::{Bound, Check};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings};
-use crate::verify::numbers::larger;
 use crate::plot::{self, Cell, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 use stoss_integrators::{SCHEMES, Scheme, scheme};
 use stoss_model_problems::{ModelError, SpringPendulum, simulate};
