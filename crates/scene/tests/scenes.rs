@@ -3,7 +3,7 @@
 use crate::support::schema;
 use std::path::PathBuf;
 use stoss_scene::{
-    BoxShape, Component, Coupling, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter,
+    BoxShape, Component, Coupling, Dimension, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter,
     PartKind, ProbeComponent, Problem, Scene, Section, Series, Shape, json_schema, parse, parse_with,
 };
 

@@ -11,7 +11,7 @@ use stoss_fe_solid::{SolidOptions, Volumetric};
 use stoss_materials::NeoHooke;
 use stoss_mesh::Mesh;
 use stoss_mesh::generate::Block;
-use stoss_reference_element::{CellKind, Integration};
+use stoss_reference_element::CellKind;
 use stoss_tensor::{SymmetricTensor2, Tensor2};
 
 use super::equilibrium::{Equilibrium, Load};
