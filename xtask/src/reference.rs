@@ -23,7 +23,8 @@ pub fn page(schema: &Value, samples: &[Sample]) -> Result<String, String> {
          (`stoss schema`); [the pages of the guide](README.md) say what the keys are for.\n\n\
          * A key is needed if its default is *needed*; *none* is nothing, or what its description says.\n\
          * A *number* may be a string with an [expression](scene.md) over the parameters, for instance `\"2*radius\"`.\n\
-         * Units are those of the scene, any that fit together: [units](units.md).\n\
+         * *Unit* is what a number measures, in the system of units of the scene ([units](units.md)). An angle is in degrees, an angular velocity in radians \
+         per time; \"-\" is no unit. Where there are two, the description says which one applies.\n\
          * An example is the shortest of its kind among the shipped scenes.\n\n",
     );
     let names: Vec<String> = tables.keys().map(|name| format!("[`{name}`](#{name})")).collect();
@@ -113,7 +114,7 @@ fn keys(text: &mut String, object: &Value) {
     if rows.is_empty() {
         return;
     }
-    text.push_str("| key | type | default | meaning |\n|---|---|---|---|\n");
+    text.push_str("| key | type | unit | default | meaning |\n|---|---|---|---|---|\n");
     for (key, schema) in rows {
         let words = cell(&own_words(schema));
         let default = match (schema.get("default"), left_out(&words)) {
@@ -122,9 +123,21 @@ fn keys(text: &mut String, object: &Value) {
             (None, Some(default)) => default.to_owned(),
             (None, None) => "*none*".into(),
         };
-        writeln!(text, "| `{key}` | {} | {default} | {words} |", cell(&kind(schema))).unwrap();
+        writeln!(text, "| `{key}` | {} | {} | {default} | {words} |", cell(&kind(schema)), unit(schema)).unwrap();
     }
     text.push('\n');
+}
+
+/// What a key measures, as its `x-dimension` says.
+fn unit(schema: &Value) -> String {
+    let name = |dimension: &Value| match dimension.as_str() {
+        None | Some("number") => "-".to_owned(),
+        Some(name) => name.replace('_', " "),
+    };
+    match &schema["x-dimension"] {
+        Value::Array(choices) => choices.iter().map(name).collect::<Vec<_>>().join(" or "),
+        dimension => name(dimension),
+    }
 }
 
 /// What a description says that a key is "if left out".
@@ -276,9 +289,9 @@ mod tests {
                 "Wall": {
                     "description": "`[[wall]]`: a plane that nothing passes.\n\n# How to add one\nInternal.",
                     "properties": {
-                        "normal": { "type": "array", "minItems": 3, "maxItems": 3, "items": { "type": ["number", "string"] } },
+                        "normal": { "type": "array", "minItems": 3, "maxItems": 3, "items": { "type": ["number", "string"] }, "x-dimension": ["angular_velocity", "force/length³"] },
                         "law": { "$ref": "#/$defs/Law", "default": "dry", "description": "See [`Law`]." },
-                        "share": { "type": ["number", "null"], "minimum": 0.0, "maximum": 1.0, "description": "a | b; 0.5 if left out." },
+                        "share": { "type": ["number", "null"], "minimum": 0.0, "maximum": 1.0, "description": "a | b; 0.5 if left out.", "x-dimension": "number" },
                     },
                     "required": ["normal"],
                 },
@@ -315,9 +328,9 @@ mod tests {
             "## `[[wall]]`",
             "## `[air]`",
             "A plane that nothing passes. Needed.",
-            "| `normal` | 3 of number | *needed* |  |",
-            "| `law` | [Law](#law) | `\"dry\"` | See `Law`. |",
-            "| `share` | number in [0.0, 1.0] | 0.5 | a \\| b; 0.5 if left out. |",
+            "| `normal` | 3 of number | angular velocity or force/length³ | *needed* |  |",
+            "| `law` | [Law](#law) | - | `\"dry\"` | See `Law`. |",
+            "| `share` | number in [0.0, 1.0] | - | 0.5 | a \\| b; 0.5 if left out. |",
             "| `\"wet\"` |  |",
         ] {
             assert!(page.contains(line), "{line}\n{page}");

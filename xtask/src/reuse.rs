@@ -1,6 +1,7 @@
 //! `cargo xtask reuse`: each published crate builds alone and pulls in what its committed list says, nothing more.
 
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
 use crate::layers::expected_package;
 use crate::manifest::{self, Member};
@@ -14,7 +15,9 @@ pub fn command(workspace: &Workspace, bless: bool) -> Outcome<bool> {
     let mut good = true;
     let members = manifest::members(workspace)?;
     let leaves = published(&members);
-    for file in workspace.files()?.iter().filter(|file| file.starts_with("docs/reuse")) {
+    let is_list =
+        |file: &&PathBuf| file.starts_with("docs/reuse") && file.extension().is_some_and(|kind| kind == "txt");
+    for file in workspace.files()?.iter().filter(is_list) {
         if !leaves.iter().any(|leaf| file.file_stem().is_some_and(|stem| stem == *leaf)) {
             println!("reuse: error: {} belongs to no published crate", file.display());
             good = false;

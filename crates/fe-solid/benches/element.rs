@@ -13,7 +13,7 @@ use stoss_fe_solid::{
 use stoss_linalg::{ScatterMap, SparsityPattern};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::{Mesh, generate::Block};
-use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};
+use stoss_reference_element::{CellKind, hex8, quadrature::GAUSS_HEX_2};
 
 const NODES: usize = 8;
 const GAUSS_POINTS: usize = 8;
@@ -126,7 +126,7 @@ fn bodies(criterion: &mut Criterion) {
 /// Every cell with each of its rules, without and with averages: two cubes a direction, filled with cells. The number of Gauss points is in the name.
 fn cells(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("cells");
-    for (kind, integration) in common::CASES {
+    for (kind, integration) in CellKind::with_rules() {
         let mesh = common::cells(&[kind], [2; 3], 0.0, 0.0, 0);
         let points = mesh.elements.len() * kind.rule(integration).map_or(0, <[_]>::len);
         for volumetric in [Volumetric::Displacement, Volumetric::Mixed] {

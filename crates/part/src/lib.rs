@@ -8,7 +8,7 @@
 //!
 //! # How to add a part
 //! Implement [`Part`]. Forces that come from an energy `V(q)` must do the work `V(q_n) - V(q_np1)` under [`ForceRule::DiscreteGradient`], and must have neither
-//! resultant nor moment about `(q_n + q_np1)/2`; then the energy-momentum scheme conserves energy and momenta.
+//! resultant nor moment about `(q_n + q_np1)/2`; then the energy-momentum scheme conserves energy and momenta. `docs/how-to-add/part.md` has the steps, with an example.
 //!
 #![doc = include_str!("../README.md")]
 

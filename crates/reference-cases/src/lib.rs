@@ -2,11 +2,13 @@
 //!
 //! * [`facets`]: random pairs of facets and the area that they have in common;
 //! * [`patch`]: blocks whose meshes do not match under a load with uniform stress;
-//! * [`cantilever`]: a beam of one body or of two that are tied.
+//! * [`blocks`]: a block that falls on a larger one;
+//! * [`cantilever`]: a beam of one body or of two that are tied;
 //! * [`multibody`]: closed forms and minimal coordinates of tops, pendulums, mechanisms, beams and strings.
 //!
 //! Texts and formulas only: whoever uses them builds and runs them.
 
+pub mod blocks;
 pub mod cantilever;
 pub mod facets;
 pub mod multibody;

@@ -51,6 +51,11 @@ impl CellKind {
         self.table().rules.iter().find(|(name, _)| *name == integration).map(|(_, rule)| *rule)
     }
 
+    /// Every kind with each of its rules for stress and stiffness, in the order of [`Self::ALL`].
+    pub fn with_rules() -> impl Iterator<Item = (Self, Integration)> {
+        Self::ALL.into_iter().flat_map(|kind| kind.table().rules.iter().map(move |(name, _)| (kind, *name)))
+    }
+
     /// Pairs of corners that an edge joins, each once.
     pub fn edges(self) -> &'static [[u8; 2]] {
         match self.table().family {

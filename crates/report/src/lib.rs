@@ -17,6 +17,7 @@ pub mod page;
 pub mod paint;
 pub mod picture;
 pub mod plot;
+mod svg_path;
 pub mod sweep;
 pub mod table;
 pub mod units;

@@ -1,5 +1,7 @@
 //! `[[beam]]`: axis, section, material, initial velocity of a beam.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::body::is_default;
 use crate::vector::{cross, dot, norm, scaled, sub};
 #[cfg(feature = "schema")]
@@ -29,6 +31,7 @@ pub struct Beam {
     pub name: String,
     /// Vertices of the axis, two or more, joined by straight pieces. Either these, or an `arc`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub points: Vec<[f64; 3]>,
     /// A circular axis, instead of `points`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -42,30 +45,39 @@ pub struct Beam {
     pub section: Section,
     /// Young's modulus (stress), positive; for a section with a `shape`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub young: Option<f64>,
     /// Poisson's ratio, between -1 and 0.5; 0.3 if left out. For a section with a `shape`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub poisson: Option<f64>,
     /// Density (mass per volume), for a section with a `shape`. Positive, and required in dynamic scenes and with gravity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Density)))]
     pub density: Option<f64>,
     /// Shear correction factor `k` of the shear stiffness `k G A`, in (0, 1]; 5/6 if left out. For a section with a `shape`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub shear_factor: Option<f64>,
     /// Torsion constant `J` (length^4) of the torsional stiffness `G J`, positive; that of Saint-Venant torsion if left out. For a section with a `shape`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::SecondMoment)))]
     pub torsion_constant: Option<f64>,
     /// Direction whose part normal to the axis gives `d1`; nowhere parallel to the axis. Not needed for isotropic sections (circles, tubes).
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub up: Option<[f64; 3]>,
     /// Initial velocity `v0` (length per time) in `v(X) = v0 + omega x (X - c)`; zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
     pub velocity: [f64; 3],
     /// Initial angular velocity `omega` (radians per time) of axis and sections; zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::AngularVelocity)))]
     pub angular_velocity: [f64; 3],
     /// Point `c` about which `angular_velocity` acts; the origin if left out.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub velocity_about: [f64; 3],
 }
 
@@ -88,12 +100,16 @@ impl Beam {
 #[serde(deny_unknown_fields)]
 pub struct Arc {
     /// Centre of the circle.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub centre: [f64; 3],
     /// First point; its distance from the centre is the radius, and the vector from the centre is perpendicular to `axis`.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub start: [f64; 3],
     /// Direction of the axis, of any length but zero.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub axis: [f64; 3],
     /// Angle in degrees, positive by the right-hand rule; not zero, at most 360 in magnitude. The ends of a full circle are not joined.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Angle)))]
     pub degrees: f64,
 }
 
@@ -164,6 +180,7 @@ pub enum SectionShape {
 #[serde(deny_unknown_fields)]
 pub struct RectangleSection {
     /// Width along `d1` and height along `d2` (lengths).
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub size: [f64; 2],
 }
 
@@ -173,6 +190,7 @@ pub struct RectangleSection {
 #[serde(deny_unknown_fields)]
 pub struct CircleSection {
     /// Radius (length).
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub radius: f64,
 }
 
@@ -182,8 +200,10 @@ pub struct CircleSection {
 #[serde(deny_unknown_fields)]
 pub struct TubeSection {
     /// Outer radius (length).
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub radius: f64,
     /// Wall thickness (length), less than the radius.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub thickness: f64,
 }
 
@@ -198,19 +218,25 @@ impl SectionShape {
 #[serde(deny_unknown_fields)]
 pub struct SectionStiffness {
     /// Axial stiffness `E A` (force), positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Force)))]
     pub axial: f64,
     /// Shear stiffnesses `k G A` along `d1` and `d2` (forces), positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Force)))]
     pub shear: [f64; 2],
     /// Bending stiffnesses `E I` about `d1` and `d2` (force times area), positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::BendingStiffness)))]
     pub bending: [f64; 2],
     /// Torsional stiffness `G J` (force times area), positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::BendingStiffness)))]
     pub torsion: f64,
     /// Mass per length; positive and required in dynamic scenes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::LineDensity)))]
     pub mass: Option<f64>,
     /// Rotary inertia per length about `d1` and `d2`: `rho I_1`, `rho I_2` (mass times length), positive; about `d3` it is their sum. Required in dynamic
     /// scenes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::RotaryInertia)))]
     pub rotary: Option<[f64; 2]>,
 }
 

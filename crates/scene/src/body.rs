@@ -1,5 +1,7 @@
 //! `[[body]]`: mesh, placement, material, density, initial velocity.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::names::named;
 use crate::{Material, MeshSource};
 #[cfg(feature = "schema")]
@@ -69,6 +71,7 @@ pub struct Body {
     pub mesh: MeshSource,
     /// Translation of the mesh, after the rotation (a length each).
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub position: [f64; 3],
     /// Rotation of the mesh, or a list of rotations that are applied one after the other; none if left out.
     #[serde(default, skip_serializing_if = "Rotations::is_empty")]
@@ -87,6 +90,7 @@ pub struct Body {
     pub material: Material,
     /// Density: mass per reference volume, positive. Required in dynamic scenes, and with gravity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Density)))]
     pub density: Option<f64>,
     /// Mass matrix: `consistent` if left out, or `lumped`.
     #[serde(default = "Body::default_mass")]
@@ -97,15 +101,19 @@ pub struct Body {
     /// Initial velocity `v0` (length per time) in `v(X) = v0 + omega x (X - c) + G (X - c)`, where `X` is the reference position after placement.
     /// Zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
     pub velocity: [f64; 3],
     /// Initial angular velocity `omega` (radians per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::AngularVelocity)))]
     pub angular_velocity: [f64; 3],
     /// Initial velocity gradient `G`, three rows (1/time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Rate)))]
     pub velocity_gradient: [[f64; 3]; 3],
     /// Point `c` about which `angular_velocity` and `velocity_gradient` act; the origin if left out.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub velocity_about: [f64; 3],
 }
 
@@ -117,9 +125,11 @@ pub struct Body {
 pub struct Damping {
     /// Factor of the mass matrix, not negative (1/time); 0 if left out. It also damps rigid motions.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Rate)))]
     pub mass: f64,
     /// Factor of the stiffness at small strains, not negative (a time); 0 if left out. It is a viscous stress in the material frame and changes neither rigid motions nor momenta.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub stiffness: f64,
 }
 
@@ -170,11 +180,14 @@ impl Body {
 #[serde(deny_unknown_fields)]
 pub struct Rotation {
     /// Direction of the axis, of any length but zero.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub axis: [f64; 3],
     /// Angle in degrees, positive by the right-hand rule.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Angle)))]
     pub degrees: f64,
     /// A point on the axis; the origin of the coordinates of the mesh if left out.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub about: [f64; 3],
 }
 

@@ -1,5 +1,7 @@
 //! Sets, contact, prescribed displacements, loads, and functions of time.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::Friction;
 use crate::coupling::Coupling;
 use crate::names::named;
@@ -101,11 +103,13 @@ pub enum Enforcement {
     /// Penalty method: springs of this stiffness against penetration.
     Penalty(
         /// Stiffness, positive.
+        #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
         f64,
     ),
     /// Exactly, by an augmented Lagrangian: several solutions in each step, fewer with a larger stiffness.
     Augmented(
         /// Stiffness, positive. It affects the number of solutions, not the result.
+        #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
         f64,
     ),
 }
@@ -174,8 +178,10 @@ pub fn split_set(reference: &str) -> Option<(&str, &str)> {
 #[serde(deny_unknown_fields)]
 pub struct BoxRegion {
     /// Smallest coordinates (a length each); `-inf` is allowed.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub min: [f64; 3],
     /// Largest coordinates (a length each), not below `min`; `inf` is allowed.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub max: [f64; 3],
 }
 
@@ -185,11 +191,14 @@ pub struct BoxRegion {
 #[serde(deny_unknown_fields)]
 pub struct PlaneRegion {
     /// A point on the plane.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub point: [f64; 3],
     /// Normal of the plane, of any length but zero.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub normal: [f64; 3],
     /// Largest distance of a node from the plane (length), positive; a millionth of the size of the body if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub tolerance: Option<f64>,
 }
 
@@ -250,6 +259,7 @@ pub struct Contact {
     /// by a quarter of a facet; with 12 by half of that. If left out 12 in statics and 0 in dynamics, where steps may fail with larger values if edges of both surfaces
     /// coincide.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub nearness: Option<f64>,
     /// Treatment of contact that the method does not detect, such as edge against edge: `method` (none) or `general`, which switches `[general_contact]` on for the two bodies. `method` if left out.
     #[serde(default, skip_serializing_if = "Edges::is_method")]
@@ -305,6 +315,7 @@ pub enum Series {
 #[serde(deny_unknown_fields)]
 pub struct Table {
     /// The rows, at least one.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "time, then as the key")))]
     pub table: Vec<Vec<f64>>,
 }
 
@@ -360,9 +371,11 @@ pub struct Prescribe {
     /// Instead of `components`: a direction of any length but zero along which the displacement is prescribed, while the nodes slide freely in the plane normal to it. With
     /// `fixed = true` this is a symmetry plane, or a sliding support, in any direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub normal: Option<[f64; 3]>,
     /// Displacement from the reference position (a length each): one value for each component, or one value along `normal`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub displacement: Option<Series>,
     /// `true`: the displacement of the components, or along `normal`, is zero. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -372,10 +385,12 @@ pub struct Prescribe {
     pub rotation: Option<PrescribedRotation>,
     /// Translation after the rotation (three lengths); none if left out. With a `rotation` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub translation: Option<Series>,
     /// Where a stage switches it on, the nodes begin where they are then, and are where `displacement` says from this time on: the difference falls linearly, and stays
     /// if it is `inf`. If left out they are there at the end of the first step. Of sets, along components or a normal that is an axis of space.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub ramp_until: Option<f64>,
 }
 
@@ -410,11 +425,14 @@ impl Prescribe {
 #[serde(deny_unknown_fields)]
 pub struct PrescribedRotation {
     /// Direction of the axis, of any length but zero.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub axis: [f64; 3],
     /// Angle from the reference position in degrees, positive by the right-hand rule; may exceed 360.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Angle)))]
     pub degrees: Series,
     /// A point on the axis; the origin if left out.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub about: [f64; 3],
 }
 
@@ -470,40 +488,51 @@ pub struct Load {
     pub body: Option<String>,
     /// Dead pressure (force per reference area), positive in compression.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub pressure: Option<Series>,
     /// Dead traction (force per reference area), three values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub traction: Option<Series>,
     /// Dead body force (force per reference volume), three values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::ForcePerVolume)))]
     pub body_force: Option<Series>,
     /// Follower pressure (force per current area), positive in compression.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub follower_pressure: Option<Series>,
     /// Dead force on each node of the set (three values); on a rigid body one force at its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Force)))]
     pub force: Option<Series>,
     /// Moment (three values) with a direction fixed in space, on a rigid body or on each node of a set of a beam; on a set of a deformable body one moment, transferred by the `coupling`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Moment)))]
     pub moment: Option<Series>,
     /// Coupling of a set of a deformable body to the point on which the moment acts; `distributing` if left out. With a `moment` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
     /// Force per mass (three values) on a whole body with a density, as `[gravity]` is for all bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Acceleration)))]
     pub acceleration: Option<Series>,
     /// Resultant dead force (three values) on the set of facets: the uniform traction `total_force / area` on its reference area.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Force)))]
     pub total_force: Option<Series>,
     /// Angular velocity (radians per time) of the rotating frame of reference about `axis`: the centrifugal force `density angular_velocity^2 r` at the current distance `r` from the axis,
     /// on a whole body with a density. Coriolis and Euler forces are not added.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::AngularVelocity)))]
     pub angular_velocity: Option<Series>,
     /// Direction of the axis, of any length but zero; required with an `angular_velocity`, not allowed otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub axis: Option<[f64; 3]>,
     /// A point on the axis; the origin if left out. With an `angular_velocity` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub about: Option<[f64; 3]>,
 }
 

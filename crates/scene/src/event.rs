@@ -1,5 +1,7 @@
 //! `[[event]]` and `[[stage]]`: changes in the course of a run.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::{Automatic, Integrator, Kind, ProbeComponent, Stabilise};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -23,6 +25,7 @@ pub struct Event {
     pub release: String,
     /// Time of the event, positive and at most the end of the run; a step ends there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub time: Option<f64>,
     /// Condition on a probe: the event takes place at the end of the first step in which it is true.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -41,9 +44,11 @@ pub struct EventCondition {
     pub component: Option<ProbeComponent>,
     /// True if the value is larger than this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the probe")))]
     pub above: Option<f64>,
     /// True if the value is smaller than this.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the probe")))]
     pub below: Option<f64>,
 }
 
@@ -74,9 +79,11 @@ pub struct Stage {
     /// Quasi-static or dynamic. Probes of velocities show the motion of the last step over its time in a quasi-static stage.
     pub kind: Kind,
     /// Time at which the stage ends, later than the end of the stage before.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub until: f64,
     /// Nominal step size; `[time] step` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub step: Option<f64>,
     /// Automatic choice of the increments of a quasi-static stage, of which `step` is the largest; off if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

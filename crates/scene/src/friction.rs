@@ -1,5 +1,7 @@
 //! Friction of a contact (theory/friction).
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::Parameter;
 use crate::names::named;
 #[cfg(feature = "schema")]
@@ -126,10 +128,12 @@ impl Sticking {
 #[serde(deny_unknown_fields)]
 pub struct CoulombFriction {
     /// Coefficient of friction, not negative.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub mu: f64,
     /// Tangential stiffness (traction per length), positive; not with `stick = "multiplier"`. Ten times Young's modulus of the softer body over an edge length if left
     /// out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
     pub penalty: Option<f64>,
     /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -148,14 +152,18 @@ pub struct CoulombFriction {
 #[serde(deny_unknown_fields)]
 pub struct StaticDynamicFriction {
     /// Static coefficient of friction, not below `mu_dynamic`.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub mu_static: f64,
     /// Dynamic coefficient of friction, for fast slip; not negative.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub mu_dynamic: f64,
     /// Slip speed of the transition (length per time), positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
     pub speed: f64,
     /// Tangential stiffness (traction per length), positive; not with `stick = "multiplier"`. Ten times Young's modulus of the softer body over an edge length if left
     /// out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
     pub penalty: Option<f64>,
     /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -174,8 +182,10 @@ pub struct StaticDynamicFriction {
 #[serde(deny_unknown_fields)]
 pub struct RegularisedFriction {
     /// Coefficient of friction, not negative.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub mu: f64,
     /// Slip speed below which friction is viscous (length per time), positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
     pub speed: f64,
     /// Measure of the slip, for `mortar` only; `objective` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

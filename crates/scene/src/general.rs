@@ -1,5 +1,7 @@
 //! The tables `[scene]`, `[time]` and `[solver]`.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::Units;
 use crate::names::named;
 #[cfg(feature = "schema")]
@@ -77,8 +79,10 @@ pub const FORMAT: u32 = 2;
 #[serde(deny_unknown_fields)]
 pub struct Time {
     /// End of the run (time), positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub end: f64,
     /// Nominal step size (time), positive, at most `end`. The last step is shortened to meet `end`. With `automatic` it is the largest step.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub step: f64,
     /// Time-stepping scheme with its parameters; required in dynamic scenes, not allowed in quasi-static ones.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -105,9 +109,11 @@ pub struct Time {
 #[serde(deny_unknown_fields)]
 pub struct Automatic {
     /// Upper bound of the first increment (time), at most `step`: the first increment is the largest `step` over a power of two below it.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub initial: f64,
     /// Smallest increment (time); if it fails the run stops. The first increment over 2^10 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub smallest: Option<f64>,
     /// Largest number of Newton iterations of an easy increment, at least 1.
     #[serde(default = "Automatic::default_easy")]
@@ -159,9 +165,11 @@ impl Automatic {
 pub struct Stabilise {
     /// Viscous dissipation relative to the strain energy of a bar of the size of the body that is stretched at a constant rate over the run or stage, in (0, 1]; for instance 2e-4.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub fraction: Option<f64>,
     /// Viscous coefficient at the start, positive: a force per volume and velocity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::ForcePerVolumeVelocity)))]
     pub coefficient: Option<f64>,
 }
 
@@ -225,6 +233,7 @@ impl JsonSchema for Integrator {
                     let parameter = serde_json::json!({
                         "type": "number", "minimum": minimum, "maximum": maximum,
                         "default": p.default, "description": p.about,
+                        "x-dimension": Dimension::Number,
                     });
                     properties.insert(p.name.into(), parameter);
                 }
@@ -261,9 +270,11 @@ pub struct Solver {
     /// Relative tolerance of Newton's method, in (0, 1): converged when `residual <= absolute_tolerance + relative_tolerance * scale`, where the scale is the
     /// largest norm of inertial, internal, external and contact forces. 1e-9 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub relative_tolerance: Option<f64>,
     /// Absolute tolerance of Newton's method (a force), not negative, see `relative_tolerance`; 0 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Force)))]
     pub absolute_tolerance: Option<f64>,
     /// Largest number of Newton iterations for one solution, at least 1; 25 if left out, 40 with general contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,5 +1,7 @@
 //! The table `[general_contact]`.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::Integrator;
 use crate::names::named;
 #[cfg(feature = "schema")]
@@ -30,18 +32,23 @@ pub struct GeneralContact {
     /// Thickness of the contact layer on the surfaces (a length): contact forces begin at this distance. By default 0.04 of the shortest edge of a facet, or half of the smallest distance between two parts of
     /// the surface of a body that are not neighbours, if that is less.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub thickness: Option<f64>,
     /// Modulus of the contact layer as a multiple of Young's modulus of the softer body of a pair, positive.
     #[serde(default = "GeneralContact::one")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub stiffness: f64,
     /// Coefficient of friction, not negative, of all pairs of bodies that are not in `pairs`.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub friction: f64,
     /// Slip speed (length per time) in dynamics below which friction falls to zero, positive: bodies creep instead of sticking. By default, for each two bodies, a hundredth of the largest speed of a point of one against a point of the other at the start, or, if they do not move against each other, a tenth of the thickness over the time of the run; needed with friction where nothing moves against anything else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
     pub slip_velocity: Option<f64>,
     /// Relaxation time of viscous damping in the contact layer, not negative. Its dissipation is part of the balance of energy.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub damping: f64,
     /// `true`: self-contact of each body is included.
     #[serde(default = "GeneralContact::yes", rename = "self")]
@@ -69,9 +76,11 @@ pub struct GeneralPair {
     pub between: [String; 2],
     /// Coefficient of friction, not negative; that of `[general_contact]` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub friction: Option<f64>,
     /// Modulus of the contact layer (a stress), positive; it follows from `stiffness` if left out. Required between two rigid bodies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub modulus: Option<f64>,
 }
 

@@ -1,6 +1,8 @@
 //! `[gravity]`.
 
 #[cfg(feature = "schema")]
+use crate::Dimension;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -18,5 +20,6 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Gravity {
     /// Acceleration (length per time squared), not zero.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Acceleration)))]
     pub acceleration: [f64; 3],
 }

@@ -1,5 +1,7 @@
 //! `[[joint]]` and `[[spring]]`: connections of two parts.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::Series;
 use crate::coupling::Coupling;
 use crate::names::named;
@@ -99,12 +101,15 @@ pub struct Joint {
     /// nearest to `at`, a set of a deformable body (`body.set`), or `ground`.
     pub between: [String; 2],
     /// Position of the joint (three lengths); for `distance` two points, the first on the first part. A point mass or the end of a string must be at this point.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub at: JointPoint,
     /// Direction of the axis of `hinge`, `slider` and `cylindrical`, or normal of `planar`; of any length but zero. Required for these kinds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub axis: Option<[f64; 3]>,
     /// The two axes of `universal`, fixed to the first and the second part, perpendicular to 1e-6. Required for this kind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub axes: Option<[[f64; 3]; 2]>,
     /// Coupling of sets of deformable bodies to the point of the joint; `distributing` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -117,6 +122,7 @@ pub struct Joint {
     pub pretension: Option<Pretension>,
     /// Smallest and largest value of the first coordinate, in degrees or a length; the interval contains 0. No limits if left out. Not with a motor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::Angle, Dimension::Length])))]
     pub limits: Option<[f64; 2]>,
     /// Friction on the first coordinate; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -139,6 +145,7 @@ pub struct ActingOn {
     pub motor: Option<Motor>,
     /// Smallest and largest value, in degrees or a length; the interval contains 0. Not with a motor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::Angle, Dimension::Length])))]
     pub limits: Option<[f64; 2]>,
     /// Friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -186,9 +193,11 @@ impl JointPoint {
 pub struct Motor {
     /// Angle in degrees, as a function of time; may exceed 360.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Angle)))]
     pub angle: Option<Series>,
     /// Displacement (length), as a function of time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub displacement: Option<Series>,
 }
 
@@ -209,8 +218,10 @@ pub struct Motor {
 #[serde(deny_unknown_fields)]
 pub struct Pretension {
     /// Bolt force until the lock, positive in tension, as a function of time. Its work is external work.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Force)))]
     pub force: Series,
     /// Lock time, positive and at most the end of the run; a step ends there.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub lock: f64,
 }
 
@@ -222,15 +233,19 @@ pub struct Pretension {
 pub struct JointFriction {
     /// Viscous coefficient: torque per angular velocity (radians per time), or force per velocity; not negative, 0 if left out.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::MomentPerAngularVelocity, Dimension::ForcePerVelocity])))]
     pub viscous: f64,
     /// Constant Coulomb friction, a torque or a force, not negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::Moment, Dimension::Force])))]
     pub coulomb: Option<f64>,
     /// Radius of the bearing (length), positive; for an angle, with `coefficient`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub radius: Option<f64>,
     /// Coefficient of friction, not negative; for an angle with `radius`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub coefficient: Option<f64>,
 }
 
@@ -241,12 +256,15 @@ pub struct JointFriction {
 #[serde(deny_unknown_fields)]
 pub struct JointSpring {
     /// Stiffness: torque per radian or force per length, not negative.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::Moment, Dimension::ForcePerLength])))]
     pub stiffness: f64,
     /// Value of the coordinate without force, in degrees or a length; 0 if left out.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::Angle, Dimension::Length])))]
     pub rest: f64,
     /// Damping: torque per angular velocity (radians per time) or force per velocity, not negative; 0 if left out.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::MomentPerAngularVelocity, Dimension::ForcePerVelocity])))]
     pub damping: f64,
 }
 
@@ -271,14 +289,18 @@ pub struct Spring {
     /// The two sides, as of a joint; sets of deformable bodies have a distributing coupling.
     pub between: [String; 2],
     /// The points on the first and the second side in the initial configuration (three lengths each); they must differ.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub at: [[f64; 3]; 2],
     /// Stiffness: force per length, not negative.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::ForcePerLength)))]
     pub stiffness: f64,
     /// Length without force, not negative; the initial distance of the points if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub rest_length: Option<f64>,
     /// Damping: force per velocity, not negative; 0 if left out.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::ForcePerVelocity)))]
     pub damping: f64,
     /// `true`: no force while the spring is shorter than `rest_length`. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -109,6 +109,7 @@ pub struct Scene {
     /// `[parameters]`: named numbers for expressions. Every number of a scene, parameters included, may be a string with an expression in them,
     /// for instance `"2*radius"`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as where it is used")))]
     pub parameters: BTreeMap<String, f64>,
     /// `[sweep]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]

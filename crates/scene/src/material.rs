@@ -1,6 +1,8 @@
 //! Hyperelastic laws and their parameters (theory/kinematics#laws).
 
 #[cfg(feature = "schema")]
+use crate::Dimension;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -50,15 +52,19 @@ impl Material {
 pub struct ElasticModuli {
     /// Young's modulus `E` (stress), positive; together with `poisson`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub young: Option<f64>,
     /// Poisson's ratio, in (-1, 1/2); together with `young`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub poisson: Option<f64>,
     /// First Lame parameter (stress), larger than `-2/3 mu`; together with `mu`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub lambda: Option<f64>,
     /// Shear modulus (stress), positive; together with `lambda`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub mu: Option<f64>,
 }
 
@@ -81,10 +87,13 @@ impl ElasticModuli {
 #[serde(deny_unknown_fields)]
 pub struct MooneyRivlin {
     /// Factor of the first invariant (stress).
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub c1: f64,
     /// Factor of the second invariant (stress).
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub c2: f64,
     /// Volumetric parameter (stress).
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub c: f64,
 }
 
@@ -96,12 +105,16 @@ pub struct MooneyRivlin {
 #[serde(deny_unknown_fields)]
 pub struct Ogden {
     /// Moduli of the terms (stress); one or more.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub mu: Vec<f64>,
     /// Exponents of the terms, none zero; as many as `mu`.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub alpha: Vec<f64>,
     /// Bulk modulus (stress), positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub kappa: f64,
     /// Exponent of the volumetric part, not zero.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub beta: f64,
 }
 

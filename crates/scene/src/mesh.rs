@@ -1,5 +1,7 @@
 //! Mesh of a body: a generator with parameters, or a file.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -33,6 +35,7 @@ pub struct MeshFile {
     pub group: Option<String>,
     /// Factor on the coordinates, for instance to convert the unit of length; positive, 1 if left out.
     #[serde(default = "MeshFile::default_scale")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub scale: f64,
 }
 
@@ -89,17 +92,21 @@ fn uniform() -> [f64; 3] {
 pub struct Block {
     /// Edge lengths along x, y, z of a box with its centre at the origin. Either this, or `min` and `max`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub size: Option<[f64; 3]>,
     /// Smallest coordinates.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub min: Option<[f64; 3]>,
     /// Largest coordinates.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub max: Option<[f64; 3]>,
     /// Numbers of elements along x, y, z.
     pub divisions: [usize; 3],
     /// Grading along each axis: the size of the last element over that of the first, in geometric progression, from 1e-6 to 1e6; 1 if left out.
     #[serde(default = "uniform")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub grading: [f64; 3],
 }
 
@@ -122,8 +129,10 @@ impl Block {
 #[serde(deny_unknown_fields)]
 pub struct HollowBall {
     /// Diameter of the hole.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub inner_diameter: f64,
     /// Outer diameter, larger than the inner one.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub outer_diameter: f64,
     /// Numbers of elements along an edge of the cubed sphere, and through the wall: `6 n^2 layers` elements.
     pub divisions: [usize; 2],
@@ -135,10 +144,13 @@ pub struct HollowBall {
 #[serde(deny_unknown_fields)]
 pub struct HollowTorus {
     /// Radius of the circle through the middle of the tube.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub ring_radius: f64,
     /// Outer radius of the tube, smaller than the ring's radius.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub tube_outer_radius: f64,
     /// Inner radius of the tube, smaller than its outer one.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub tube_inner_radius: f64,
     /// Numbers of elements along the ring (at least 3), around the tube (at least 3), and through the wall.
     pub divisions: [usize; 3],
@@ -150,11 +162,13 @@ pub struct HollowTorus {
 #[serde(deny_unknown_fields)]
 pub struct Hexahedron {
     /// The eight corners: the bottom counter-clockwise seen from the top, then the top.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub corners: [[f64; 3]; 8],
     /// Numbers of elements along the natural directions.
     pub divisions: [usize; 3],
     /// Grading along each direction, as for `block`.
     #[serde(default = "uniform")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub grading: [f64; 3],
 }
 
@@ -164,15 +178,19 @@ pub struct Hexahedron {
 #[serde(deny_unknown_fields)]
 pub struct Indenter {
     /// Widths along x and y; the axis is in the middle.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub size: [f64; 2],
     /// Height of the plane top over the lowest point.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub height: f64,
     /// Radius of the bottom.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub radius: f64,
     /// Numbers of elements along x, y, z.
     pub divisions: [usize; 3],
     /// Grading along each direction, as for `block`.
     #[serde(default = "uniform")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub grading: [f64; 3],
 }
 
@@ -197,6 +215,7 @@ named! {
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
     /// Distance from the lowest point, along the surface, over which the elements have equal size.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub half_width: f64,
     /// Number of elements over this distance, less than the first of the `divisions`.
     pub elements: usize,
@@ -208,6 +227,7 @@ pub struct Refinement {
 #[serde(deny_unknown_fields)]
 pub struct Ball {
     /// Radius.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub radius: f64,
     /// Part that is meshed: `full` if left out.
     #[serde(default = "Part::default_part")]
@@ -225,8 +245,10 @@ pub struct Ball {
 #[serde(deny_unknown_fields)]
 pub struct Cylinder {
     /// Radius.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub radius: f64,
     /// Length along y.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub length: f64,
     /// Part that is meshed: `full` if left out; not `eighth`.
     #[serde(default = "Part::default_part")]
@@ -250,10 +272,13 @@ impl Part {
 #[serde(deny_unknown_fields)]
 pub struct LShape {
     /// Outer lengths of the arms along x and y, larger than the width.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub length: [f64; 2],
     /// Width of both arms in the plane.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub width: f64,
     /// Thickness along z.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub thickness: f64,
     /// Elements along the x-arm beyond the corner, along the y-arm beyond the corner, across the width, through the
     /// thickness.

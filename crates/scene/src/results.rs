@@ -1,5 +1,7 @@
 //! Probes, output, and expected results of a run.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::Verdict;
 use crate::names::named;
 #[cfg(feature = "schema")]
@@ -283,6 +285,7 @@ pub struct Probe {
     /// A point in the reference configuration after placement (three lengths): the nearest node of `body` is probed, or of a rigid body the point itself; for stresses and strains the
     /// material point, which must lie in the body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub point: Option<[f64; 3]>,
     /// Name of a joint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -346,9 +349,11 @@ pub struct Output {
     pub every: u32,
     /// A frame at the first step that ends at or after each multiple of this time, instead of `every`; positive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub interval: Option<f64>,
     /// A frame at the first step that ends at or after each of these times, instead of `every`; 0 is the initial state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub times: Option<Vec<f64>>,
     /// `true`: no frame but that of the last step, instead of `every`. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -432,33 +437,43 @@ pub struct Expect {
     pub max_cuts: Option<u64>,
     /// Upper bound of the mean number of Newton iterations (linear solutions) in a step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub max_newton_mean: Option<f64>,
     /// Upper bound of the drift of the energy, relative to its scale.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub energy_drift: Option<f64>,
     /// Lower bound of the drift of the energy, to show that a scheme does not conserve it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub energy_drift_at_least: Option<f64>,
     /// Upper bound of the change of the energy, relative to its scale, in a step in which no contact closes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub energy_change_without_closing: Option<f64>,
     /// Upper bound of the gain of energy, relative to its scale, in a step, to show that contact adds no energy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub energy_gain: Option<f64>,
     /// Scale of the energy, positive; its largest value in the run if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Energy)))]
     pub energy_scale: Option<f64>,
     /// Upper bound of the drift of the linear momentum, relative to its scale.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub linear_momentum_drift: Option<f64>,
     /// Scale of the linear momentum, positive; its largest norm in the run if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Momentum)))]
     pub linear_momentum_scale: Option<f64>,
     /// Upper bound of the drift of the angular momentum, relative to its scale.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub angular_momentum_drift: Option<f64>,
     /// Scale of the angular momentum, positive; its largest norm in the run if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::AngularMomentum)))]
     pub angular_momentum_scale: Option<f64>,
     /// Interval of time in which the first step with a closed contact must end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -477,8 +492,10 @@ pub struct Expect {
 #[serde(deny_unknown_fields)]
 pub struct Interval {
     /// Start of the interval, not negative.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub from: f64,
     /// End of the interval, not before `from`.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub to: f64,
 }
 
@@ -490,12 +507,15 @@ pub struct ExpectedValue {
     /// Name of the probe.
     pub name: String,
     /// Time, in `[0, end]`.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub time: f64,
     /// Component of a quantity with several values; not for a quantity with one value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<ProbeComponent>,
     /// Expected value.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the probe")))]
     pub value: f64,
     /// Largest absolute difference, positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the probe")))]
     pub tolerance: f64,
 }

@@ -1,5 +1,7 @@
 //! `[[rigid]]`: surface, placement, mass, initial velocity of a rigid body.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::body::is_default;
 use crate::{MeshSource, Rotations};
 #[cfg(feature = "schema")]
@@ -43,35 +45,44 @@ pub struct Rigid {
     pub surface: Option<SurfaceFile>,
     /// Translation, after the rotation (a length each).
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub position: [f64; 3],
     /// Rotation, or a list of rotations that are applied one after the other; none if left out.
     #[serde(default, skip_serializing_if = "Rotations::is_empty")]
     pub rotation: Rotations,
     /// Density (mass per volume), positive; needs a closed surface. Mass, centre of mass and inertia follow from the volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Density)))]
     pub density: Option<f64>,
     /// Mass, positive, instead of `density`. In dynamic scenes with `euler` or `inertia`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Mass)))]
     pub mass: Option<f64>,
     /// Principal values `E_i = int rho x_i^2 dV` of the Euler tensor about the centre of mass (mass times length^2), positive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::MomentOfInertia)))]
     pub euler: Option<[f64; 3]>,
     /// Principal moments of inertia `I_i = E_j + E_k` about the centre of mass (mass times length^2), positive, each less than the sum of the other two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::MomentOfInertia)))]
     pub inertia: Option<[f64; 3]>,
     /// Centre of mass in space, the body being placed. With `mass` only; if left out the middle of the box around the
     /// surface, or `position` if there is no surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub centre: Option<[f64; 3]>,
     /// Principal axes in space, after placement: three unit vectors, perpendicular and right-handed to 1e-6. With `mass` only; if left out
     /// the axes x, y, z rotated by `rotation`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub axes: Option<[[f64; 3]; 3]>,
     /// Initial velocity of the centre of mass (length per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
     pub velocity: [f64; 3],
     /// Initial angular velocity about the centre of mass (radians per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::AngularVelocity)))]
     pub angular_velocity: [f64; 3],
     /// `true`: the body does not move, and needs no mass. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -132,6 +143,7 @@ impl Shape {
 #[serde(deny_unknown_fields)]
 pub struct SphereShape {
     /// Radius.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub radius: f64,
     /// Number of facets along an edge of the cubed sphere, which has `6 n^2` facets.
     pub divisions: u32,
@@ -143,6 +155,7 @@ pub struct SphereShape {
 #[serde(deny_unknown_fields)]
 pub struct BoxShape {
     /// Edge lengths along x, y, z.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub size: [f64; 3],
     /// Numbers of facets along x, y, z.
     #[serde(default = "BoxShape::default_divisions")]
@@ -161,8 +174,10 @@ impl BoxShape {
 #[serde(deny_unknown_fields)]
 pub struct CylinderShape {
     /// Radius.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub radius: f64,
     /// Length along z.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub length: f64,
     /// Numbers of facets around the axis (at least 3), along the length, and from the axis to the rim of the ends.
     pub divisions: [u32; 3],
@@ -174,11 +189,14 @@ pub struct CylinderShape {
 #[serde(deny_unknown_fields)]
 pub struct ConeShape {
     /// Radius of the base.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub radius: f64,
     /// Distance between base and tip.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub height: f64,
     /// Radius of the flat end of a truncated cone, less than `radius`; 0 (a sharp tip) if left out.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub tip_radius: f64,
     /// Numbers of facets around the axis (at least 3), from the tip to the base along the side, and from the axis to the rim of the ends.
     pub divisions: [u32; 3],
@@ -190,6 +208,7 @@ pub struct ConeShape {
 #[serde(deny_unknown_fields)]
 pub struct PlaneShape {
     /// Edge lengths along x and y.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub size: [f64; 2],
     /// Numbers of facets along x and y.
     #[serde(default = "PlaneShape::default_divisions")]
@@ -211,6 +230,7 @@ pub struct SurfaceFile {
     pub file: String,
     /// Factor on the coordinates before placement, positive; 1 if left out.
     #[serde(default = "SurfaceFile::default_scale")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub scale: f64,
 }
 

@@ -1,5 +1,7 @@
 //! `[[string]]` and `[[mass]]`.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::body::is_default;
 use crate::vector::{norm, sub};
 #[cfg(feature = "schema")]
@@ -28,12 +30,15 @@ pub struct ElasticString {
     pub name: String,
     /// Vertices of the initial polygon, two or more. Either these, or `from` and `to`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub points: Vec<[f64; 3]>,
     /// Start of a straight string.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub from: Option<[f64; 3]>,
     /// End of a straight string.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub to: Option<[f64; 3]>,
     /// Number of elements over the whole length, distributed over the straight pieces by their lengths; at least one for each piece.
     pub elements: u32,
@@ -42,27 +47,34 @@ pub struct ElasticString {
     pub order: u32,
     /// Axial stiffness `E A` (force), positive. Either this, or `young` and `area`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Force)))]
     pub axial: Option<f64>,
     /// Young's modulus (stress), positive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub young: Option<f64>,
     /// Area of the cross-section (length^2), positive; for `young` and `density`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Area)))]
     pub area: Option<f64>,
     /// Mass per unstretched length. Either this, or `density` and `area`; one of them is positive and required in dynamic scenes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::LineDensity)))]
     pub mass: Option<f64>,
     /// Density: mass per unstretched volume.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Density)))]
     pub density: Option<f64>,
     /// Unstretched length of the whole string, positive; the length of the polygon if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub natural_length: Option<f64>,
     /// `true`: the string goes slack, without force in compression. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub tension_only: bool,
     /// Initial velocity of the whole string (length per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
     pub velocity: [f64; 3],
 }
 
@@ -115,10 +127,13 @@ pub struct PointMass {
     /// Name, unique among all parts: letters, digits, `-` and `_`. It has the set `name.all`.
     pub name: String,
     /// Initial position.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub at: [f64; 3],
     /// Mass, positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Mass)))]
     pub mass: f64,
     /// Initial velocity (length per time); zero if left out. Dynamic scenes only.
     #[serde(default, skip_serializing_if = "is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
     pub velocity: [f64; 3],
 }

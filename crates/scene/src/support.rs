@@ -1,5 +1,7 @@
 //! `[[support]]`: elastic foundation, springs and dashpots to the ground.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -31,12 +33,15 @@ pub struct Support {
     /// Axes of the springs, by two directions of any length that are not parallel: the first axis, and a direction in the plane of the first and second axis; the third axis is normal to both.
     /// The coordinate axes if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub frame: Option<[[f64; 3]; 2]>,
     /// Stiffness along the three axes, not negative: force per length, and per area or node. Zero if left out.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::ForcePerVolume, Dimension::ForcePerLength])))]
     pub stiffness: [f64; 3],
     /// Damping along the three axes, not negative: force per velocity, and per area or node. Zero if left out. It does not act in statics; a quasi-static scene needs stiffness.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::ForcePerAreaVelocity, Dimension::ForcePerVelocity])))]
     pub damping: [f64; 3],
 }
 

@@ -13,9 +13,11 @@ pub struct Sweep {
     /// Values of parameters: each combination is a case. Parameters are in alphabetical order; the last one varies
     /// fastest.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the parameter")))]
     pub grid: BTreeMap<String, SweepValues>,
     /// List of cases, each with values of parameters; other parameters keep their value.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the parameter")))]
     pub cases: Vec<BTreeMap<String, f64>>,
     /// Columns of result tables whose smallest and largest values are written to `sweep.csv`, as `TABLE.COLUMN`, for instance
     /// `contact.max_pressure`.
@@ -40,8 +42,10 @@ pub enum SweepValues {
 #[serde(deny_unknown_fields)]
 pub struct SweepRange {
     /// The first value.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the parameter")))]
     pub from: f64,
     /// The last value.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the parameter")))]
     pub to: f64,
     /// Number of values, both ends included, at least 2.
     pub count: u32,

@@ -1,5 +1,7 @@
 //! Mesh ties.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -62,6 +64,7 @@ pub struct Tie {
     pub multipliers: Multipliers,
     /// Largest distance (length) at which facets are tied, positive; the larger of the mean edge lengths of the two surfaces if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub reach: Option<f64>,
 }
 

@@ -29,7 +29,7 @@ named! {
 }
 
 named! {
-    /// Physical dimension of a number.
+    /// Physical dimension of a number: of a key of the scene (`x-dimension` in its schema) or of a result.
     Dimension {
         /// Position, displacement, gap.
         Length = "length",
@@ -63,6 +63,64 @@ named! {
         Angle = "angle",
         /// A dimensionless number, for instance a strain.
         Number = "number",
+        /// Reciprocal of a time: a rate of deformation.
+        Rate = "1/time",
+        /// Second moment of area.
+        SecondMoment = "length⁴",
+        /// Mass of a line.
+        LineDensity = "mass/length",
+        /// Moment of inertia of a line, per length.
+        RotaryInertia = "mass length",
+        /// Moment of inertia.
+        MomentOfInertia = "mass length²",
+        /// Stiffness of a spring.
+        ForcePerLength = "force/length",
+        /// Force per volume, or stiffness per area.
+        ForcePerVolume = "force/length³",
+        /// Stiffness of a contact: pressure or traction per gap or slip.
+        StressPerLength = "stress/length",
+        /// Stiffness of a cross-section in bending and torsion.
+        BendingStiffness = "force length²",
+        /// Coefficient of a dashpot.
+        ForcePerVelocity = "force time/length",
+        /// Coefficient of dashpots on an area.
+        ForcePerAreaVelocity = "force time/length³",
+        /// Coefficient of dashpots in a volume.
+        ForcePerVolumeVelocity = "force time/length⁴",
+        /// Coefficient of a rotational dashpot.
+        MomentPerAngularVelocity = "moment time",
+    }
+}
+
+impl Dimension {
+    /// Its exponents of length, mass and time.
+    pub fn exponents(self) -> [i32; 3] {
+        match self {
+            Self::Angle | Self::Number => [0, 0, 0],
+            Self::Length => [1, 0, 0],
+            Self::Area => [2, 0, 0],
+            Self::SecondMoment => [4, 0, 0],
+            Self::Mass => [0, 1, 0],
+            Self::LineDensity => [-1, 1, 0],
+            Self::Density => [-3, 1, 0],
+            Self::RotaryInertia => [1, 1, 0],
+            Self::MomentOfInertia => [2, 1, 0],
+            Self::Time => [0, 0, 1],
+            Self::AngularVelocity | Self::Rate => [0, 0, -1],
+            Self::Velocity => [1, 0, -1],
+            Self::Acceleration => [1, 0, -2],
+            Self::Momentum => [1, 1, -1],
+            Self::AngularMomentum | Self::MomentPerAngularVelocity => [2, 1, -1],
+            Self::Force => [1, 1, -2],
+            Self::ForcePerLength => [0, 1, -2],
+            Self::Stress => [-1, 1, -2],
+            Self::ForcePerVolume | Self::StressPerLength => [-2, 1, -2],
+            Self::Energy | Self::Moment => [2, 1, -2],
+            Self::BendingStiffness => [3, 1, -2],
+            Self::ForcePerVelocity => [0, 1, -1],
+            Self::ForcePerAreaVelocity => [-2, 1, -1],
+            Self::ForcePerVolumeVelocity => [-3, 1, -1],
+        }
     }
 }
 
@@ -127,7 +185,18 @@ impl Units {
             Dimension::Area => format!("{length}²"),
             Dimension::Momentum => format!("{force} {time}"),
             Dimension::AngularMomentum => format!("{force} {length} {time}"),
-            Dimension::AngularVelocity => format!("1/{time}"),
+            Dimension::AngularVelocity | Dimension::Rate => format!("1/{time}"),
+            Dimension::SecondMoment => format!("{length}⁴"),
+            Dimension::LineDensity => format!("{mass_over}/{length}"),
+            Dimension::RotaryInertia => format!("{mass_over} {length}"),
+            Dimension::MomentOfInertia => format!("{mass_over} {length}²"),
+            Dimension::ForcePerLength => format!("{force}/{length}"),
+            Dimension::ForcePerVolume | Dimension::StressPerLength => format!("{force}/{length}³"),
+            Dimension::BendingStiffness => format!("{force} {length}²"),
+            Dimension::ForcePerVelocity => format!("{force} {time}/{length}"),
+            Dimension::ForcePerAreaVelocity => format!("{force} {time}/{length}³"),
+            Dimension::ForcePerVolumeVelocity => format!("{force} {time}/{length}⁴"),
+            Dimension::MomentPerAngularVelocity => format!("{force} {length} {time}"),
             Dimension::Angle => "°".to_owned(),
             Dimension::Number => String::new(),
         }
@@ -135,23 +204,8 @@ impl Units {
 
     /// What one unit of a dimension is in SI.
     pub fn in_si(self, dimension: Dimension) -> f64 {
-        let [l, m, t] = self.system().si;
-        match dimension {
-            Dimension::Length => l,
-            Dimension::Time => t,
-            Dimension::Mass => m,
-            Dimension::Force => m * l / (t * t),
-            Dimension::Stress => m / (l * t * t),
-            Dimension::Energy | Dimension::Moment => m * l * l / (t * t),
-            Dimension::Velocity => l / t,
-            Dimension::Acceleration => l / (t * t),
-            Dimension::Density => m / (l * l * l),
-            Dimension::Area => l * l,
-            Dimension::Momentum => m * l / t,
-            Dimension::AngularMomentum => m * l * l / t,
-            Dimension::AngularVelocity => 1.0 / t,
-            Dimension::Angle | Dimension::Number => 1.0,
-        }
+        let powers = self.system().si.into_iter().zip(dimension.exponents());
+        powers.map(|(unit, exponent)| unit.powi(exponent)).product()
     }
 
     /// All systems.
@@ -222,5 +276,47 @@ mod tests {
         assert!((steel - 7850.0).abs() < 10.0, "{steel}");
         assert_eq!(Units::InLbfS.label(Dimension::Density), "(lbf s²/in)/in³");
         assert_eq!(Units::MmTS.label(Dimension::AngularMomentum), "N mm s");
+        assert_eq!(Units::MmTS.label(Dimension::ForcePerAreaVelocity), "N s/mm³");
+    }
+
+    /// Exponents of a product of words with raised digits, as names of dimensions and labels of the system `m-kg-s` are.
+    fn exponents_of(product: &str) -> [i32; 3] {
+        let mut sum = [0; 3];
+        for (place, part) in product.split('/').enumerate() {
+            for factor in part.split(' ') {
+                let word = factor.trim_end_matches(['²', '³', '⁴']);
+                let exponent = match &factor[word.len()..] {
+                    "²" => 2,
+                    "³" => 3,
+                    "⁴" => 4,
+                    _ => 1,
+                };
+                let of_word = match word {
+                    "1" | "°" | "" => [0, 0, 0],
+                    "m" => [1, 0, 0],
+                    "kg" => [0, 1, 0],
+                    "s" => [0, 0, 1],
+                    "N" => [1, 1, -2],
+                    "Pa" => [-1, 1, -2],
+                    "J" => [2, 1, -2],
+                    name => Dimension::from_name(name).unwrap_or_else(|| panic!("{name} in {product}")).exponents(),
+                };
+                for (sum, one) in sum.iter_mut().zip(of_word) {
+                    *sum += if place == 0 { exponent * one } else { -exponent * one };
+                }
+            }
+        }
+        sum
+    }
+
+    /// A dimension says the same in its exponents, in the unit of SI, and, where it is a product, in its name.
+    #[test]
+    fn names_and_labels_of_dimensions_say_their_exponents() {
+        for name in Dimension::NAMES {
+            let dimension = Dimension::from_name(name).unwrap();
+            assert_eq!(exponents_of(name), dimension.exponents(), "{name}");
+            let label = Units::MKgS.label(dimension);
+            assert_eq!(exponents_of(&label), dimension.exponents(), "{name}: {label}");
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! The table `[watch]`.
 
+#[cfg(feature = "schema")]
+use crate::Dimension;
 use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -43,6 +45,7 @@ pub struct Watch {
     /// Depth of a node inside another body from which on a run is `wrong`, in edge lengths of the facet there; positive. From a
     /// sixth of it on a run is `doubtful`.
     #[serde(default = "Watch::default_limit")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub limit: f64,
     /// Consequence of the verdict `wrong`: `finish` if left out.
     #[serde(default)]

@@ -3,7 +3,7 @@
 use crate::support::schema;
 use std::path::PathBuf;
 use stoss_scene::{
-    BoxShape, Component, Coupling, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter,
+    BoxShape, Component, Coupling, Dimension, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter,
     PartKind, ProbeComponent, Problem, Scene, Section, Series, Shape, json_schema, parse, parse_with,
 };
 
@@ -104,6 +104,7 @@ fn the_schema_documents_every_key() {
     let schema: serde_json::Value = serde_json::from_str(&json_schema()).unwrap();
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     assert_eq!(schema::undocumented(&schema), Vec::<String>::new());
+    assert_eq!(schema::without_dimension(&schema, Dimension::NAMES), Vec::<String>::new());
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The verification suites: they measure runs of the program and the crates themselves, and hold the result against what was promised.
+//! The verification suites: they measure runs of the program and the crates themselves, and compare the results with bounds.
 //!
 //! A case is data: what is measured, its bound, and where the bound comes from. `cargo xtask verify` runs the suites and `cargo xtask gallery`
 //! draws the pictures of `docs/gallery`.

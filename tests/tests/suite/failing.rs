@@ -1,4 +1,4 @@
-//! Ten scenes that cannot come out well are diagnosed rightly: cause, place, and a remedy, which is applied where it is a change of the scene. Scenes that
+//! Scenes that stop or come out wrong are diagnosed rightly: cause, place, and a remedy, which is applied where it is a change of the scene. Scenes that
 //! come out well give no alarm.
 
 use std::path::Path;

@@ -146,19 +146,6 @@ pub fn laws() -> Vec<Arc<dyn HyperelasticLaw>> {
     ]
 }
 
-/// Every cell with each of its rules.
-pub const CASES: [(CellKind, Integration); 9] = [
-    (CellKind::Hex8, Integration::Full),
-    (CellKind::Hex20, Integration::Full),
-    (CellKind::Hex20, Integration::Reduced),
-    (CellKind::Hex27, Integration::Full),
-    (CellKind::Tet4, Integration::Full),
-    (CellKind::Tet10, Integration::Full),
-    (CellKind::Tet10, Integration::Reduced),
-    (CellKind::Wedge6, Integration::Full),
-    (CellKind::Wedge15, Integration::Full),
-];
-
 /// How the cells of a family fill a cube: corners as numbers whose bits are the coordinates.
 fn in_a_cube(family: Family) -> &'static [&'static [usize]] {
     match family {

@@ -482,8 +482,8 @@ mod tests {
         let svg = draw(&shots, CAMERA, &STYLE);
         let places = |wanted: &str| svg.matches(wanted).count();
         // Three columns: 14, 228 and 442 pixels from the left, the first two twice.
-        assert_eq!(["translate(14.0 ", "translate(228.0 ", "translate(442.0 "].map(places), [2, 2, 1]);
-        assert_eq!(places(" 38.0)"), 3);
+        assert_eq!(["translate(14 ", "translate(228 ", "translate(442 "].map(places), [2, 2, 1]);
+        assert_eq!(places(" 38)"), 3);
     }
 
     #[test]

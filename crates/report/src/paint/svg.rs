@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::canvas::{Anchor, Canvas, Colour, DOT, EDGE, EDGE_OPACITY, EDGE_WIDTH, INK, LINE, RIM};
 use super::colour::hex;
+use crate::svg_path::{path, pixels, tenths};
 
 /// The text of an SVG file that grows. Writing to a String does not fail.
 pub struct Svg(String);
@@ -39,19 +40,27 @@ impl Canvas for Svg {
             Anchor::Middle => " text-anchor=\"middle\"",
         };
         let text = text.replace('&', "&amp;").replace('<', "&lt;");
-        let _ = writeln!(self.0, "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\"{anchor}>{text}</text>");
+        let _ = writeln!(
+            self.0,
+            "<text x=\"{}\" y=\"{}\" font-size=\"{size}\"{anchor}>{text}</text>",
+            pixels(x),
+            pixels(y)
+        );
     }
 
     fn rectangle(&mut self, colour: Colour, [x, y]: [f64; 2], [width, height]: [f64; 2]) {
-        let fill = hex(colour);
-        let _ = writeln!(self.0, "<path fill=\"{fill}\" d=\"M{x:.1} {y:.1}h{width:.1}v{height:.1}h-{width:.1}z\"/>");
+        let _ = write!(self.0, "<path fill=\"{}\" d=\"", hex(colour));
+        path(&mut self.0, &[[x, y], [x + width, y], [x + width, y + height], [x, y + height]]);
+        self.0.push_str("z\"/>\n");
     }
 
     fn enter(&mut self, [x, y]: [f64; 2]) {
         let _ = writeln!(
             self.0,
-            "<g transform=\"translate({x:.1} {y:.1})\" fill=\"none\" stroke=\"{}\" stroke-opacity=\"{}\" \
+            "<g transform=\"translate({} {})\" fill=\"none\" stroke=\"{}\" stroke-opacity=\"{}\" \
              stroke-width=\"{}\" stroke-linejoin=\"round\">",
+            pixels(x),
+            pixels(y),
             hex(EDGE),
             tenths(EDGE_OPACITY * 10.0),
             tenths(EDGE_WIDTH * 10.0)
@@ -101,43 +110,16 @@ impl Canvas for Svg {
         let (fill, radius) = (hex(colour), 0.5 * DOT);
         let _ = writeln!(
             self.0,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{fill}\" stroke-opacity=\"1\" stroke-width=\"{RIM}\"/>"
+            "<circle cx=\"{}\" cy=\"{}\" r=\"{radius}\" fill=\"{fill}\" stroke-opacity=\"1\" stroke-width=\"{RIM}\"/>",
+            pixels(x),
+            pixels(y)
         );
-    }
-}
-
-/// Absolute start, then relative lines, in tenths of a pixel.
-fn path(out: &mut String, points: &[[f64; 2]]) {
-    let mut last = [0.0; 2];
-    for (number, point) in points.iter().enumerate() {
-        let rounded = point.map(|x| (x * 10.0).round());
-        let _ = write!(out, "{}", if number == 0 { 'M' } else { 'l' });
-        let [x, y] = [tenths(rounded[0] - last[0]), tenths(rounded[1] - last[1])];
-        let _ = write!(out, "{x}{}{y}", if y.starts_with('-') { "" } else { " " });
-        last = rounded;
-    }
-}
-
-/// A number of tenths without needless digits.
-fn tenths(value: f64) -> String {
-    let text = format!("{}", value / 10.0);
-    match (text.strip_prefix("0."), text.strip_prefix("-0.")) {
-        (Some(digits), _) => format!(".{digits}"),
-        (_, Some(digits)) => format!("-.{digits}"),
-        _ => text,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_in_paths_are_short_and_exact() {
-        let mut out = String::new();
-        path(&mut out, &[[1.26, 0.5], [1.26, 0.5], [0.0, 10.0]]);
-        assert_eq!(out, "M1.3 .5l0 0l-1.3 9.5");
-    }
 
     #[test]
     fn texts_are_escaped() {

@@ -1,5 +1,6 @@
-//! Writing SVG elements. Pixels from the upper left corner; numbers with one digit, so that files stay small.
+//! Writing SVG elements. Pixels from the upper left corner, rounded to tenths; attributes that have their default are left out, so that files stay small.
 
+use crate::svg_path::{path, pixels};
 use std::fmt::Write;
 
 /// A line's look.
@@ -24,6 +25,9 @@ pub enum Anchor {
 /// Grey of numbers and labels.
 pub const INK: &str = "#222";
 
+/// Size of most texts.
+pub const SMALL: f64 = 12.0;
+
 /// A picture that is being written.
 pub struct Canvas {
     body: String,
@@ -44,7 +48,8 @@ impl Canvas {
         let Self { body, width, height } = self;
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
-             viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"DejaVu Sans, Verdana, sans-serif\">\n{body}</svg>\n"
+             viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"DejaVu Sans, Verdana, sans-serif\" font-size=\"{SMALL}\" \
+             fill=\"{INK}\">\n{body}</svg>\n"
         )
     }
 
@@ -56,9 +61,8 @@ impl Canvas {
 
     /// A filled rectangle from its upper left corner.
     pub fn rectangle(&mut self, (x, y): (f64, f64), (width, height): (f64, f64), fill: &str) {
-        self.push(format_args!(
-            r#"<rect x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}" fill="{fill}"/>"#
-        ));
+        let [x, y, width, height] = [x, y, width, height].map(pixels);
+        self.push(format_args!(r#"<rect x="{x}" y="{y}" width="{width}" height="{height}" fill="{fill}"/>"#));
     }
 
     /// A straight line.
@@ -69,20 +73,22 @@ impl Canvas {
     /// Straight lines through all points.
     pub fn polyline(&mut self, points: &[(f64, f64)], Stroke { colour, width, dash }: Stroke) {
         let dash = if dash.is_empty() { String::new() } else { format!(r#" stroke-dasharray="{dash}""#) };
-        let points = coordinates(points);
-        let look = format!(r#"stroke="{colour}" stroke-width="{width}"{dash} stroke-linejoin="round""#);
-        self.push(format_args!(r#"<polyline points="{points}" fill="none" {look}/>"#));
+        let width = if width == 1.0 { String::new() } else { format!(r#" stroke-width="{width}""#) };
+        let join = if points.len() > 2 { r#" stroke-linejoin="round""# } else { "" };
+        let line = commands(points);
+        self.push(format_args!(r#"<path d="{line}" fill="none" stroke="{colour}"{width}{dash}{join}/>"#));
     }
 
     /// A filled polygon.
     pub fn polygon(&mut self, points: &[(f64, f64)], fill: &str) {
-        let points = coordinates(points);
-        self.push(format_args!(r#"<polygon points="{points}" fill="{fill}"/>"#));
+        let line = commands(points);
+        self.push(format_args!(r#"<path d="{line}z" fill="{fill}"/>"#));
     }
 
     /// A filled circle.
     pub fn disc(&mut self, (x, y): (f64, f64), radius: f64, fill: &str) {
-        self.push(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius}" fill="{fill}"/>"#));
+        let [x, y] = [x, y].map(pixels);
+        self.push(format_args!(r#"<circle cx="{x}" cy="{y}" r="{radius}" fill="{fill}"/>"#));
     }
 
     /// A line of text; `y` is its baseline.
@@ -96,19 +102,24 @@ impl Canvas {
             return;
         }
         let anchor = match anchor {
-            Anchor::Start => "start",
-            Anchor::Middle => "middle",
-            Anchor::End => "end",
+            Anchor::Start => "",
+            Anchor::Middle => r#" text-anchor="middle""#,
+            Anchor::End => r#" text-anchor="end""#,
         };
-        let turn = if angle == 0.0 { String::new() } else { format!(r#" transform="rotate({angle} {x:.1} {y:.1})""#) };
-        let look = format!(r#"text-anchor="{anchor}" font-size="{size}" fill="{colour}"{turn}"#);
+        let [x, y] = [x, y].map(pixels);
+        let turn = if angle == 0.0 { String::new() } else { format!(r#" transform="rotate({angle} {x} {y})""#) };
+        let size = if size == SMALL { String::new() } else { format!(r#" font-size="{size}""#) };
+        let fill = if colour == INK { String::new() } else { format!(r#" fill="{colour}""#) };
         let text = escape(text);
-        self.push(format_args!(r#"<text x="{x:.1}" y="{y:.1}" {look}>{text}</text>"#));
+        self.push(format_args!(r#"<text x="{x}" y="{y}"{anchor}{size}{fill}{turn}>{text}</text>"#));
     }
 }
 
-fn coordinates(points: &[(f64, f64)]) -> String {
-    points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ")
+/// Commands of a path through points.
+fn commands(points: &[(f64, f64)]) -> String {
+    let mut line = String::new();
+    path(&mut line, &points.iter().map(|&(x, y)| [x, y]).collect::<Vec<_>>());
+    line
 }
 
 fn escape(text: &str) -> String {

@@ -1,12 +1,12 @@
 //! Layout of a chart: axes, grid, lines, slopes, legend beside.
 
 use super::axis::{Axis, Tick};
-use super::canvas::{Anchor, Canvas, INK, Stroke, cut, text_width};
+use super::canvas::{Anchor, Canvas, INK, SMALL, Stroke, cut, text_width};
 use super::style::Style;
 use super::{Drawn, Labels, Series};
+use crate::svg_path::simplified;
 
 const TITLE: f64 = 15.0;
-const SMALL: f64 = 12.0;
 const GRID: Stroke = Stroke { colour: "#e2e2e2", width: 1.0, dash: "" };
 const FRAME: Stroke = Stroke { colour: "#888", width: 1.0, dash: "" };
 const SLOPE: Stroke = Stroke { colour: "#999", width: 1.0, dash: "" };
@@ -16,6 +16,8 @@ const LINE: f64 = 20.0;
 const WIDEST_LEGEND: f64 = 230.0;
 /// Distance below which the next point of a line is not marked.
 const MARKER_DISTANCE: f64 = 13.0;
+/// Distance in pixels by which a line may miss a point: a fraction of its width, which nobody sees.
+const UNSEEN: f64 = 0.2;
 /// Width and height of the corner with the slopes.
 const SLOPES: (f64, f64) = (86.0, 84.0);
 
@@ -161,7 +163,7 @@ impl Chart<'_> {
         for piece in pieces {
             let lonely = piece.len() == 1;
             if self.drawn != Drawn::Points && !lonely {
-                canvas.polyline(&thinned(piece), style.stroke());
+                canvas.polyline(&simplified(&thinned(piece), UNSEEN), style.stroke());
             }
             if self.drawn != Drawn::Lines || lonely {
                 let mut last = None;

@@ -1,7 +1,7 @@
 //! A grid of coloured cells with a legend of categories, e.g. verdicts over step size and stiffness.
 
 use super::Labels;
-use super::canvas::{Anchor, Canvas, INK, Stroke, cut, text_width};
+use super::canvas::{Anchor, Canvas, INK, SMALL, Stroke, cut, text_width};
 
 /// Fills for the categories from best to worst, told apart by lightness too.
 const FILLS: [&str; 8] = ["#2f9e78", "#8fc8ee", "#f2e35b", "#e69f00", "#c8470a", "#4d4d4d", "#cc79a7", "#0072b2"];
@@ -13,7 +13,6 @@ const WORDS: [&str; 8] = ["#fff", "#222", "#222", "#222", "#fff", "#fff", "#222"
 const NOTHING: &str = "#eeeeee";
 
 const CELL: (f64, f64) = (40.0, 24.0);
-const SMALL: f64 = 12.0;
 
 /// One cell of a map.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -103,7 +102,7 @@ mod tests {
         let cell = |category| Cell { category: Some(category), text: String::new() };
         let svg = map(LABELS, &words(1), &words(2), &["good", "bad"], &[vec![cell(0)], vec![cell(1)]]);
         let height_of = |fill: &str| {
-            let line = svg.lines().find(|line| line.contains(fill) && line.contains("39.0")).unwrap();
+            let line = svg.lines().find(|line| line.contains(fill) && line.contains("\"39\"")).unwrap();
             line.split("y=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap().parse::<f64>().unwrap()
         };
         assert_eq!(height_of(FILLS[0]) - height_of(FILLS[1]), CELL.1);

@@ -21,7 +21,7 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Ve
     };
     for (keyword, argument) in schema {
         match keyword.as_str() {
-            "$schema" | "$defs" | "title" | "description" | "default" | "format" => {}
+            "$schema" | "$defs" | "title" | "description" | "default" | "format" | "x-dimension" => {}
             "$ref" => check(root, resolve(root, argument.as_str().unwrap()), value, path, found),
             "type" => check_type(argument, value, path, found),
             "const" => {
@@ -146,4 +146,51 @@ fn collect(value: &Value, path: &str, found: &mut Vec<String>) {
         Value::Array(values) => values.iter().for_each(|inner| collect(inner, path, found)),
         _ => {}
     }
+}
+
+/// Paths of properties with numbers, or lists of numbers, that do not say which dimension they have; and of those that say one that there is not.
+pub fn without_dimension(schema: &Value, names: &[&str]) -> Vec<String> {
+    let mut found = Vec::new();
+    collect_without_dimension(schema, schema, names, "", &mut found);
+    found
+}
+
+fn collect_without_dimension(root: &Value, value: &Value, names: &[&str], path: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Object(object) => {
+            let properties = object.get("properties").and_then(Value::as_object);
+            for (name, property) in properties.into_iter().flatten() {
+                let is_name =
+                    |value: &Value| value.as_str().is_some_and(|text| names.contains(&text) || text.contains("as "));
+                let is_dimension = match property.get("x-dimension") {
+                    None => !is_numeric(root, property),
+                    Some(Value::Array(choices)) => choices.iter().all(is_name),
+                    Some(dimension) => is_name(dimension),
+                };
+                if !is_dimension {
+                    found.push(format!("{path}.{name}"));
+                }
+            }
+            for (key, inner) in object {
+                collect_without_dimension(root, inner, names, &format!("{path}/{key}"), found);
+            }
+        }
+        Value::Array(values) => {
+            values.iter().for_each(|inner| collect_without_dimension(root, inner, names, path, found));
+        }
+        _ => {}
+    }
+}
+
+/// Whether a value may be a number that is not whole, or hold some outside of the properties of a table.
+fn is_numeric(root: &Value, schema: &Value) -> bool {
+    let is_number = match &schema["type"] {
+        Value::String(name) => name == "number",
+        Value::Array(names) => names.iter().any(|name| name == "number"),
+        _ => false,
+    };
+    let referred = schema.get("$ref").and_then(Value::as_str).map(|reference| resolve(root, reference));
+    let choices = ["anyOf", "oneOf"].iter().filter_map(|key| schema.get(key)?.as_array()).flatten();
+    let inner = ["items", "additionalProperties"].iter().filter_map(|key| schema.get(key));
+    is_number || referred.into_iter().chain(choices).chain(inner).any(|schema| is_numeric(root, schema))
 }

@@ -1,5 +1,6 @@
 //! Drifts of conserved quantities over a run.
 
+use super::numbers::{self, distance, larger, norm};
 use crate::table::Table;
 
 /// The columns of `balance.csv` that the drifts are made of. One row a completed step and one for the start.
@@ -61,7 +62,7 @@ impl Balance {
     /// [`Self::energy_changes`]. `marked[i]` belongs to row `i`, the end of a step.
     pub fn largest_change(&self, marked: &[bool], wanted: bool, scale: Option<f64>) -> f64 {
         let changes = self.energy_changes(scale).into_iter().zip(marked.iter().skip(1));
-        changes.filter(|(_, marked)| **marked == wanted).fold(0.0, |worst, (change, _)| maximum(worst, change.abs()))
+        changes.filter(|(_, marked)| **marked == wanted).fold(0.0, |worst, (change, _)| larger(worst, change.abs()))
     }
 
     /// Largest drift of the energy within stretches of steps that are not marked, over the largest `|H|` of the run.
@@ -76,7 +77,7 @@ impl Balance {
             if *marked {
                 reference = *energy;
             }
-            worst = maximum(worst, (energy - reference).abs());
+            worst = larger(worst, (energy - reference).abs());
         }
         worst / scale
     }
@@ -86,17 +87,8 @@ fn scalars(values: &[f64]) -> Vec<[f64; 1]> {
     values.iter().map(|value| [*value]).collect()
 }
 
-fn norm<const N: usize>(vector: &[f64; N]) -> f64 {
-    vector.iter().map(|entry| entry * entry).sum::<f64>().sqrt()
-}
-
-/// Like `f64::max`, but NaN wins: a run with a NaN must not pass.
-fn maximum(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
-}
-
 fn largest<const N: usize>(values: &[[f64; N]]) -> f64 {
-    values.iter().map(norm).fold(0.0, maximum)
+    numbers::largest(values.iter().copied().map(norm))
 }
 
 /// The largest value; one if everything is zero, so that nothing is divided by zero.
@@ -109,8 +101,7 @@ fn unit<const N: usize>(values: &[[f64; N]]) -> f64 {
 
 fn history<const N: usize>(values: &[[f64; N]], scale: Option<f64>) -> Vec<[f64; 1]> {
     let scale = scale.unwrap_or_else(|| unit(values));
-    let distance = |value: &[f64; N]| norm(&std::array::from_fn::<f64, N, _>(|i| value[i] - values[0][i])) / scale;
-    values.iter().map(|value| [distance(value)]).collect()
+    values.iter().map(|value| [distance(*value, values[0]) / scale]).collect()
 }
 
 #[cfg(test)]

@@ -77,7 +77,7 @@ pub struct Check {
     pub measured: f64,
     /// What it must satisfy.
     pub bound: Bound,
-    /// Anything that the reader must know, e.g. that the run was shortened.
+    /// A note for the reader, e.g. that the run was shortened.
     pub note: String,
 }
 

@@ -112,12 +112,7 @@ fn general(bench: &Bench, findings: &mut Findings, bounds: Bounds) -> Outcome<()
 }
 
 fn momenta(findings: &mut Findings, run: &Run, bound: f64) -> Outcome<()> {
-    let balance = run.balance()?;
-    for (quantity, drift) in
-        [("linear momentum drift", balance.linear_drift(None)), ("angular momentum drift", balance.angular_drift(None))]
-    {
-        findings.checks.push(Check::new(&run.name, quantity, drift, Bound::AtMost(bound)).noted(run.note()));
-    }
+    findings.checks.extend(run.momentum_drifts(&run.balance()?, bound));
     Ok(())
 }
 

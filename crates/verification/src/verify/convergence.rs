@@ -4,6 +4,7 @@ use toml::{Table, Value};
 
 use super::check::{Bound, Check};
 use super::{Bench, Findings, Suite};
+use crate::verify::numbers::larger;
 use crate::vtu::Grid;
 use crate::workspace::Outcome;
 
@@ -83,7 +84,7 @@ fn distance(a: &Grid, b: &Grid) -> Result<f64, String> {
     }
     let differences = a.values.chunks(3).zip(b.values.chunks(3));
     let lengths = differences.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt());
-    Ok(lengths.fold(0.0, f64::max))
+    Ok(lengths.fold(0.0, larger))
 }
 
 #[cfg(test)]

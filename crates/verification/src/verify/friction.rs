@@ -13,6 +13,7 @@ use toml::{Table, Value};
 use super::check::{Bound, Check};
 use super::states::Random;
 use super::{Bench, Findings, Run, Suite, quadratic};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Laws, contact elements, incline, stopping block, two blocks, extremes.
@@ -79,8 +80,8 @@ fn laws(findings: &mut Findings) -> Outcome<()> {
                     let before = rough.stored(history);
                     let scale = (before + step.stored + step.work.abs()).max(f64::MIN_POSITIVE);
                     least = least.min(step.dissipated / scale);
-                    rest = rest.max((step.work + before - step.stored - step.dissipated).abs());
-                    worst = worst.max(slope_error(&rough, &point));
+                    rest = larger(rest, (step.work + before - step.stored - step.dissipated).abs());
+                    worst = larger(worst, slope_error(&rough, &point));
                     history = step.end;
                 }
             }
@@ -114,7 +115,7 @@ fn slope_error(rough: &Rough, point: &FrictionPoint) -> f64 {
             // Of fourth order: a slip that has just begun turns its direction quickly.
             let difference = |pair: &[stoss_contact::friction::FrictionStep; 2]| pair[1].force[i] - pair[0].force[i];
             let slope = (8.0 * difference(&near) - difference(&far)) / (12.0 * H);
-            worst = worst.max((slope - exact.d_slip[i][j]).abs() / rough.penalty());
+            worst = larger(worst, (slope - exact.d_slip[i][j]).abs() / rough.penalty());
         }
     }
     worst
@@ -155,7 +156,7 @@ fn incline(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         .checks
         .push(row("acceleration above the friction angle, relative error", error, ACCELERATION).noted(run.note()));
     let (_, place) = probe(&run, "sticker.x", SETTLED)?;
-    let creep = place.iter().map(|x| (x - place[0]).abs()).fold(0.0, f64::max);
+    let creep = place.iter().map(|x| (x - place[0]).abs()).fold(0.0, larger);
     findings.checks.push(row("creep below the friction angle, by the length", creep, CREEP));
     quadratic::rows(&run, findings)
 }
@@ -241,7 +242,7 @@ fn stopping(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             continue;
         }
         findings.checks.push(row("stopping distance, relative error", error, DISTANCE));
-        let moved = place.iter().map(|x| (x - end).abs()).fold(0.0, f64::max) / expected;
+        let moved = place.iter().map(|x| (x - end).abs()).fold(0.0, larger) / expected;
         findings.checks.push(row("motion after the stop, by the distance", moved, 1e-3));
         dissipation(&run, findings)?;
         quadratic::rows(&run, findings)?;
@@ -271,7 +272,7 @@ fn dissipation(run: &Run, findings: &mut Findings) -> Outcome<()> {
     let sums = table.column("friction_stored")?.iter().zip(column).map(|(stored, dissipated)| stored + dissipated);
     let rest = table.column("friction_work")?.iter().zip(sums).map(|(work, sum)| (work - sum).abs() / scale);
     let quantity = "work of friction less stored and dissipated energy, relative";
-    findings.checks.push(Check::new(&run.name, quantity, rest.fold(0.0, f64::max), Bound::AtMost(1e-10)));
+    findings.checks.push(Check::new(&run.name, quantity, rest.fold(0.0, larger), Bound::AtMost(1e-10)));
     Ok(())
 }
 
@@ -285,10 +286,8 @@ fn impact(run: &Run, findings: &mut Findings, conserves: bool) -> Outcome<()> {
     let row =
         |quantity: &str, value: f64, bound: Bound| Check::new(&run.name, quantity, value, bound).noted(run.note());
     if conserves {
-        let (linear, angular) = (balance.linear_drift(None), balance.angular_drift(None));
-        findings.checks.push(row("linear momentum drift", linear, Bound::AtMost(MOMENTUM)));
-        findings.checks.push(row("angular momentum drift", angular, Bound::AtMost(MOMENTUM)));
-        let gain = balance.energy_changes(None).into_iter().fold(0.0, f64::max);
+        findings.checks.extend(run.momentum_drifts(&balance, MOMENTUM));
+        let gain = balance.energy_changes(None).into_iter().fold(0.0, larger);
         findings.checks.push(row("energy gain of a step", gain, Bound::AtMost(ENERGY)));
     }
     findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::Unbounded));
@@ -337,7 +336,7 @@ fn reductions(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     for (other, name) in found.iter().zip(["none", "first"]) {
         // Another number of frames is no agreement.
         let same = other.len() == found[2].len();
-        let difference = other.iter().zip(&found[2]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / travelled;
+        let difference = other.iter().zip(&found[2]).map(|(a, b)| (a - b).abs()).fold(0.0, larger) / travelled;
         let quantity = format!("reduction {name} against second, all displacements, by the largest");
         let measured = if same { difference } else { f64::NAN };
         findings.checks.push(Check::new("two-blocks-cat", quantity, measured, Bound::AtMost(1e-9)));

@@ -1,5 +1,5 @@
-//! `cargo xtask verify`: measures, on runs of the program and on the crates themselves, and holds the result against what was
-//! promised.
+//! `cargo xtask verify`: measures, on runs of the program and on the crates themselves, and compares the results with
+//! bounds.
 //!
 //! A suite is a [`Suite`] in its own file and a row in [`SUITES`]; `docs/how-to-add/verify-suite.md` has the recipe.
 
@@ -22,6 +22,7 @@ mod models;
 mod mortar;
 mod multibody;
 mod newton;
+mod numbers;
 mod origin;
 mod patch;
 mod quadratic;

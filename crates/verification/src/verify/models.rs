@@ -4,6 +4,7 @@ use super::Findings;
 use super::check::{Bound, Check};
 use super::report::Section;
 use crate::plot::{self, Drawn, Labels, Series};
+use crate::verify::numbers::largest;
 use crate::workspace::Outcome;
 use stoss_integrators::scheme;
 use stoss_model_problems::{BouncingBar, ConstraintForm, MassPoint, ModelProblem, Pendulum, ReducedPendulum, simulate};
@@ -28,10 +29,6 @@ fn run(problem: &dyn ModelProblem, name: &str, dt: f64, steps: u64) -> Outcome<H
         h.violation.push(s.violation);
     })?;
     Ok(h)
-}
-
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, f64::max)
 }
 
 /// Checks and figures of all three problems.

@@ -147,7 +147,7 @@ fn round_off(findings: &mut Findings) -> Outcome<()> {
     Ok(())
 }
 
-/// Nodes against surfaces fail; told, not judged.
+/// Node-to-surface contact fails: reported without a bound.
 fn nodes(findings: &mut Findings, table: &mut Vec<Vec<String>>) -> Outcome<()> {
     let (law, material, pressure) = LAWS[1];
     for (interface, lower, divisions, slope) in INTERFACES {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::balance::Balance;
 use super::check::{Bound, Check};
 use super::newton::{self, Step};
+use super::numbers::largest;
 use crate::program::Ending;
 use crate::table::Table;
 use crate::vtu::{self, Grid};
@@ -25,7 +26,7 @@ pub struct Run {
     pub folder: PathBuf,
     /// How the program ended.
     pub ending: Ending,
-    /// The time at which the run was told to stop; `None` if it went to the scene's end.
+    /// The time at which the run was stopped; `None` if it went to the end of the scene.
     pub until: Option<f64>,
 }
 
@@ -62,7 +63,7 @@ impl Run {
         Ok(summary["verdict"]["level"].as_str().ok_or("summary.json has no verdict")?.to_owned())
     }
 
-    /// The worst that the watch found, as it says it.
+    /// The first reason of the verdict, in the words of the watch.
     pub fn reasons(&self) -> String {
         let summary = self.summary().unwrap_or_default();
         summary["verdict"]["reasons"][0]["sentence"].as_str().unwrap_or_default().to_owned()
@@ -71,6 +72,14 @@ impl Run {
     /// `balance.csv`.
     pub fn balance(&self) -> Outcome<Balance> {
         Balance::new(&self.table("balance.csv")?).map_err(|error| self.complaint("balance.csv", &error))
+    }
+
+    /// Rows of the drift of both momenta, over their largest size in the run.
+    pub fn momentum_drifts(&self, balance: &Balance, bound: f64) -> [Check; 2] {
+        let drifts = [("linear", balance.linear_drift(None)), ("angular", balance.angular_drift(None))];
+        drifts.map(|(momentum, drift)| {
+            Check::new(&self.name, format!("{momentum} momentum drift"), drift, Bound::AtMost(bound)).noted(self.note())
+        })
     }
 
     /// `newton.csv`, step by step.
@@ -89,7 +98,7 @@ impl Run {
     pub fn coverage(&self) -> Outcome<Check> {
         let contact = self.table("contact.csv")?;
         let defects = contact.column("coverage_defect")?;
-        let worst = defects.iter().copied().reduce(|a, b| if a > b || a.is_nan() { a } else { b }).unwrap_or(0.0);
+        let worst = largest(defects.iter().copied());
         let quantity = "part of a slave facet without segment or with two";
         Ok(Check::new(&self.name, quantity, worst, Bound::AtMost(COVERAGE))
             .noted(format!("worst of {} steps", defects.len())))

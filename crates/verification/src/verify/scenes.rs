@@ -8,6 +8,7 @@ use super::check::{Bound, Check};
 use super::conserved;
 use super::run::WRONG;
 use super::{Bench, Findings, Run, Suite, quadratic};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Every scene.
@@ -188,7 +189,7 @@ fn measure(run: &Run, expect: &Table, item: &Item) -> Outcome<Option<(f64, Bound
         }
         "energy_gain" => {
             let changes = run.balance()?.energy_changes(energy_scale);
-            (changes.into_iter().fold(0.0, f64::max), at_most()?)
+            (changes.into_iter().fold(0.0, larger), at_most()?)
         }
         "linear_momentum_drift" => (run.balance()?.linear_drift(scale("linear_momentum_scale")), at_most()?),
         "angular_momentum_drift" => (run.balance()?.angular_drift(scale("angular_momentum_scale")), at_most()?),

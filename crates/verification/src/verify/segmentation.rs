@@ -14,6 +14,7 @@ use super::report::Section;
 use super::states::Random;
 use super::{Bench, Findings, Suite};
 use crate::gallery::{self, Interface};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Pairs, degenerate pairs, surfaces, derivatives.
@@ -117,8 +118,8 @@ fn degenerate(findings: &mut Findings, count: u32) -> Outcome<()> {
         let slave = quad(random, 0.3, false);
         let frame = SlaveFrame::new(slave)?;
         let whole = frame.image_area();
-        identical = identical.max((area(&segments(&frame, &reversed(slave))?) / whole - 1.0).abs());
-        behind = behind.max(area(&segments(&frame, &slave)?) / whole);
+        identical = larger(identical, (area(&segments(&frame, &reversed(slave))?) / whole - 1.0).abs());
+        behind = larger(behind, area(&segments(&frame, &slave)?) / whole);
         // The neighbours over an edge, in the plane of the facet, and over a corner: whatever they are, they have the edge or
         // the corner in common, exactly, and lie beyond.
         let flat_slave = slave.map(|x| x - frame.normal() * frame.normal().dot(&(x - slave[0])));
@@ -132,7 +133,7 @@ fn degenerate(findings: &mut Findings, count: u32) -> Outcome<()> {
             for master in [over_edge, over_corner].map(reversed) {
                 if let Some((expected, _)) = common_area(&flat_slave, &master) {
                     let found = area(&segments(&frame, &master)?);
-                    shared = shared.max((found - expected).abs() / whole);
+                    shared = larger(shared, (found - expected).abs() / whole);
                 }
             }
         }
@@ -145,7 +146,7 @@ fn degenerate(findings: &mut Findings, count: u32) -> Outcome<()> {
     for power in 1..=12 {
         let y = -1.0 + 10.0_f64.powi(-power);
         let master = reversed(flat([[-1.0, -1.0], [1.0, -1.0], [1.0, y], [-1.0, y]], 0.0));
-        sliver = sliver.max((area(&segments(&frame, &master)?) - 2.0 * (y + 1.0)).abs());
+        sliver = larger(sliver, (area(&segments(&frame, &master)?) - 2.0 * (y + 1.0)).abs());
     }
     let note = "widths 1e-1 to 1e-12 of a facet of side 2";
     findings.checks.push(row("slivers", "error of the common area", sliver, 1e-14).noted(note));
@@ -212,8 +213,8 @@ fn coverage(findings: &mut Findings, count: u32) -> Outcome<()> {
             continue;
         }
         let report = check_coverage(&found, &facets, GapRange::ALL)?;
-        uncovered = uncovered.max(report.uncovered.abs()).max(report.uncovered_opposite());
-        double = double.max(report.double);
+        uncovered = larger(uncovered, larger(report.uncovered.abs(), report.uncovered_opposite()));
+        double = larger(double, report.double);
         open += report.open_edges.len();
         kept += 1;
     }
@@ -232,7 +233,7 @@ fn derivatives(findings: &mut Findings, count: u32) -> Outcome<()> {
     for _ in 0..count {
         let (slave, master) = (quad(random, 0.25, false), reversed(quad(random, 0.25, false)));
         let (error, number) = derivative_error(&slave, &master)?;
-        worst = worst.max(error);
+        worst = larger(worst, error);
         compared += number;
     }
     let note = format!("{compared} derivatives; over the third power of the vertex's largest");
@@ -279,7 +280,7 @@ fn derivative_error(slave: &Quad, master: &Quad) -> Outcome<(f64, usize)> {
                 }
                 for (i, exact) in rows().enumerate() {
                     let slope = (8.0 * (c[v][i] - b[v][i]) - (d[v][i] - a[v][i])) / (12.0 * H);
-                    worst = worst.max((exact[k] - slope).abs() / size.powi(3));
+                    worst = larger(worst, (exact[k] - slope).abs() / size.powi(3));
                     compared += 1;
                 }
             }

@@ -11,6 +11,7 @@ use stoss_mesh::Mesh;
 use stoss_reference_element::FaceNodes;
 use stoss_tensor::nalgebra::DMatrix;
 
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Newton's iterations of one increment.
@@ -76,7 +77,7 @@ impl Equilibrium {
         let elements = ScatterMap::new(&pattern, elements.iter().map(Vec::as_slice))?;
         let facets = ScatterMap::new(&pattern, facets.iter().map(Vec::as_slice))?;
         let (low, high) = mesh.bounding_box();
-        let size = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+        let size = (0..3).map(|i| high[i] - low[i]).fold(0.0, larger);
         Ok(Self { size, body, mesh, equations, pressed, pattern: Arc::new(pattern), elements, facets })
     }
 

@@ -12,6 +12,7 @@ use stoss_fe_solid::{SolidStep, StressRule, Workspace};
 use super::{facade, table};
 use crate::verify::Findings;
 use crate::verify::check::{Bound, Check, number};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 const CELLS: [&str; 2] = ["hex20", "tet10"];
@@ -72,7 +73,7 @@ pub fn measure(findings: &mut Findings) -> Outcome<()> {
         let (a, p0) = analytic(force);
         let piece = 0.5 * ZONE / f64::from(ELEMENTS) / a;
         let pressures = simulation.pressures().first().ok_or("no contact")?;
-        let ratios = [(2.5 * moment / force).sqrt() / a, pressures.iter().copied().fold(0.0, f64::max) / p0];
+        let ratios = [(2.5 * moment / force).sqrt() / a, pressures.iter().copied().fold(0.0, larger) / p0];
         let note = format!("a = {}, p0 = {}; a piece of a face is {} of a", number(a), number(p0), number(piece));
         let names = ["radius over the analytic one", "largest pressure over the analytic one"];
         for ((quantity, ratio), width) in names.into_iter().zip(ratios).zip([piece, 2.0 * piece]) {

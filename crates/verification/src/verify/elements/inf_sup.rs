@@ -55,15 +55,8 @@ fn constant(kind: CellKind, n: usize) -> Outcome<(f64, usize)> {
 pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
     let mut rows = Vec::new();
     let meshes: &[usize] = if quick { &[2, 3] } else { &[2, 3, 4] };
-    for (kind, stable) in [
-        (CellKind::Hex8, false),
-        (CellKind::Hex20, false),
-        (CellKind::Hex27, true),
-        (CellKind::Tet4, false),
-        (CellKind::Tet10, false),
-        (CellKind::Wedge6, false),
-        (CellKind::Wedge15, false),
-    ] {
+    for kind in CellKind::ALL {
+        let stable = kind == CellKind::Hex27;
         let mut found = Vec::new();
         for n in meshes {
             found.push(constant(kind, *n)?);

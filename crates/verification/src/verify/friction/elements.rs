@@ -15,6 +15,7 @@ use stoss_tensor::{Tensor2, Vector3};
 use super::super::check::{Bound, Check};
 use super::super::derivatives::{self, Worst};
 use super::super::states::Random;
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 const FACETS: u32 = 6;
@@ -184,7 +185,7 @@ fn objectivity(path: &Path, m: &NodeToSurface, mu: f64, random: &mut Random) -> 
     let (other, rotation) = path.carried(random);
     let expected = moved(&path.forces(m), &rotation, Vector3::zeros());
     let found = other.forces(&other.direct(mu)?);
-    let difference = expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let difference = expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, larger);
     Ok(difference / largest(&expected))
 }
 
@@ -215,7 +216,7 @@ fn multipliers(checks: &mut Vec<Check>) -> Outcome<()> {
                 let x: Vec<f64> = other.unknowns().into_iter().chain(multiplier).collect();
                 let found = assembled_with(&other.exact(mu)?, &other.q[1], rule, &x, &values, false).0;
                 let expected = moved(forces, &rotation, Vector3::zeros());
-                let off = expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                let off = expected.iter().zip(&found).map(|(a, b)| (a - b).abs()).fold(0.0, larger);
                 turned_forces.see(off / largest(&expected), at);
                 if kind == "stick" {
                     // A second step that turns the whole: no slip.
@@ -225,7 +226,7 @@ fn multipliers(checks: &mut Vec<Check>) -> Outcome<()> {
                     let done = rigid.work(&m, &ACTIVE)?;
                     let traction = multiplier[0].hypot(multiplier[1]);
                     work.see(done.friction_work.abs() / traction, at);
-                    dissipated = dissipated.max(done.dissipated.abs()).max(done.stored);
+                    dissipated = larger(dissipated, larger(done.dissipated.abs(), done.stored));
                     if rule == ContactRule::EnergyMomentum {
                         let x: Vec<f64> = rigid.unknowns().into_iter().chain(multiplier).collect();
                         let with = assembled_with(&m, &rigid.q[1], rule, &x, &values, false).0;
@@ -286,7 +287,7 @@ fn augmented(checks: &mut Vec<Check>) -> Outcome<()> {
                     });
                     if condensed && rule == ContactRule::EndPoint {
                         let expected = path.forces(&path.direct(mu)?);
-                        let difference = expected.iter().zip(forces).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                        let difference = expected.iter().zip(forces).map(|(a, b)| (a - b).abs()).fold(0.0, larger);
                         same.see(difference / largest(&expected), || (*place).to_owned());
                     }
                 }

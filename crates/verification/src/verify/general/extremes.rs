@@ -5,6 +5,7 @@ use super::judge::{judge, run};
 use super::mesh::{Hexahedra, slab_with_slivers};
 use super::scene::{Body, Scene};
 use crate::verify::check::{Bound, Check};
+use crate::verify::numbers::larger;
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
 
@@ -145,7 +146,7 @@ fn rest(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let settled = time.iter().zip(total).filter(|(time, _)| **time > 1.0 - 1e-9).map(|(_, total)| *total);
     let totals: Vec<f64> = settled.collect();
     let start = totals.first().copied().unwrap_or(f64::NAN);
-    let change = totals.iter().map(|total| (total - start).abs()).fold(0.0, f64::max);
+    let change = totals.iter().map(|total| (total - start).abs()).fold(0.0, larger);
     let scale = GRAVITY * 0.02;
     let row = Check::new(&name, "change of energy over weight times thickness", change / scale, Bound::AtMost(1e-9));
     findings.checks.push(row.noted(format!("{} states from the end of the statics on", totals.len())));
@@ -157,7 +158,7 @@ fn rest(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let all = time.iter().zip(probes.column(column)?).filter(|(time, _)| **time > 1.0 - 1e-9);
         let values: Vec<f64> = all.map(|(_, x)| *x).collect();
         let first = values.first().copied().unwrap_or(f64::NAN);
-        let drift = values.iter().map(|x| (x - first).abs()).fold(0.0, f64::max) / 0.02;
+        let drift = values.iter().map(|x| (x - first).abs()).fold(0.0, larger) / 0.02;
         // Friction creeps, more slowly than the speed of slip below which it falls.
         let bound = if column == "place.x" { SLIP * STEP * f64::from(steps) / 0.02 } else { 0.05 };
         findings.checks.push(Check::new(&name, quantity, drift, Bound::AtMost(bound)));
@@ -167,7 +168,7 @@ fn rest(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let forces: Vec<f64> =
         time.iter().zip(force).filter(|(t, _)| **t > 1.0 + 1e-9).map(|(_, f)| f.abs() / GRAVITY).collect();
     let mean = forces.iter().sum::<f64>() / forces.len() as f64;
-    let worst = forces.iter().map(|f| (f - 1.0).abs()).fold(0.0, f64::max);
+    let worst = forces.iter().map(|f| (f - 1.0).abs()).fold(0.0, larger);
     findings.checks.push(Check::new(
         &name,
         "mean force over the weight, less one",

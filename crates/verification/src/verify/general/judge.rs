@@ -5,6 +5,7 @@ use std::time::Duration;
 use super::scene::Scene;
 use crate::verify::check::{Bound, Check};
 use crate::verify::launch::{Launched, launch_within};
+use crate::verify::numbers::larger;
 use crate::verify::{Bench, Findings, Run};
 use crate::workspace::Outcome;
 
@@ -65,14 +66,14 @@ pub fn figures(run: &Run, scene: &Scene) -> Outcome<Figures> {
     }
     let balance = run.balance()?;
     let table = run.table("balance.csv")?;
-    let kinetic = table.column("kinetic")?.iter().copied().fold(0.0, f64::max);
+    let kinetic = table.column("kinetic")?.iter().copied().fold(0.0, larger);
     let momentum = (2.0 * kinetic * scene.mass).sqrt();
     let momenta = [balance.linear_drift(Some(momentum)), balance.angular_drift(Some(momentum))];
     let gaps = run.table("contact.csv")?;
     Ok(Figures {
         intersections,
         ledger: balance.energy_drift(Some(kinetic)),
-        momenta: momenta.into_iter().fold(0.0, |a, b| if a > b || a.is_nan() { a } else { b }),
+        momenta: momenta.into_iter().fold(0.0, larger),
         cuts: run.summary_number("cuts")?,
         steps: run.summary_number("steps")?,
         iterations: run.summary_number("mean_iterations")?,
@@ -115,7 +116,7 @@ pub fn judge_closely(
         None => row("intersections by the watch", found.intersections, Bound::AtMost(0.0), launched.run.reasons()),
         Some(thickness) => {
             let depths = launched.run.table("watch.csv")?;
-            let depth = depths.column("depth")?.iter().copied().fold(0.0, f64::max) / thickness;
+            let depth = depths.column("depth")?.iter().copied().fold(0.0, larger) / thickness;
             row("deepest node inside a body, thicknesses", depth, Bound::AtMost(SKINS), launched.run.reasons());
         }
     }

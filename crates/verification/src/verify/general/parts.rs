@@ -4,6 +4,7 @@ use super::judge::judge;
 use super::mesh::{band, gear, groove, torus, trefoil, tube, wedge};
 use super::scene::{Body, Scene};
 use crate::verify::check::{Bound, Check};
+use crate::verify::numbers::larger;
 use crate::verify::{Bench, Findings, Run};
 use crate::workspace::Outcome;
 
@@ -145,8 +146,8 @@ fn pressed_wedge(bench: &Bench, findings: &mut Findings, friction: f64) -> Outco
     let load = |time: f64| 0.5 * (1.0 - (2.0 * time - 1.0).abs());
     let (mut balance, mut bound, mut sliding) = (0.0_f64, 0.0_f64, f64::NAN);
     for &[time, normal, tangential] in states.iter().filter(|[time, ..]| (0.2..0.9).contains(time)) {
-        balance = balance.max(((normal * sine + tangential * cosine) / load(time) - 1.0).abs());
-        bound = bound.max((tangential / normal).abs());
+        balance = larger(balance, ((normal * sine + tangential * cosine) / load(time) - 1.0).abs());
+        bound = larger(bound, (tangential / normal).abs());
         if time < 0.5 {
             sliding = tangential / normal;
         }

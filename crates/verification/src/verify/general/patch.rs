@@ -8,6 +8,7 @@ use stoss_reference_element::FacetNodes;
 use super::judge::run;
 use super::scene::{Body, Scene};
 use crate::verify::check::{Bound, Check};
+use crate::verify::numbers::larger;
 use crate::verify::report::{Grid, Section};
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
@@ -243,7 +244,7 @@ fn pressed(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             let stresses: Vec<f64> =
                 cells.iter().map(|[i, j]| last(&format!("s{i}-{j}.zz"))).collect::<Outcome<_>>()?;
             let mean = stresses.iter().sum::<f64>() / stresses.len() as f64;
-            let spread = stresses.iter().map(|s| (s / mean - 1.0).abs()).fold(0.0, f64::max);
+            let spread = stresses.iter().map(|s| (s / mean - 1.0).abs()).fold(0.0, larger);
             let quantity = "stress in the elements below the surface: deviation from its mean";
             findings.checks.push(Check::new(&name, quantity, spread, Bound::AtMost(SPREAD)));
         }

@@ -7,7 +7,7 @@ use crate::workspace::{Outcome, Workspace, capture};
 /// Dependency trees are taken for one platform, so that they are the same on every machine.
 const PLATFORM: &str = "x86_64-unknown-linux-gnu";
 
-/// What somebody may ask the facade for.
+/// What a scene may need of the facade.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ability {
     /// A model with a law of the user's own is simulated. The solver's model names the traits of contact methods and of parts, so

@@ -3,6 +3,7 @@
 use super::Bench;
 use crate::workspace::Outcome;
 use stoss_integrators::SCHEMES;
+use stoss_reference_cases::blocks::falling;
 
 /// A scene and how many of its steps show everything that it uses.
 #[derive(Clone, Debug)]
@@ -47,25 +48,6 @@ set = "bar.top"
 follower_pressure = 1.0
 "#;
 
-/// Two blocks, the upper one reaches the lower one after 5 ms.
-const IMPACT: &str = r#"
-[[body]]
-name = "lower"
-mesh = { generator = "block", min = [0, 0, 0], max = [2, 2, 1], divisions = [2, 2, 1] }
-material = { law = "neo-hooke", young = 1.0e6, poisson = 0.3 }
-density = 1000.0
-[[body]]
-name = "upper"
-mesh = { generator = "block", min = [0.3, 0.4, 1.02], max = [1.3, 1.4, 2.02], divisions = [1, 1, 1] }
-material = { law = "neo-hooke", young = 1.0e6, poisson = 0.3 }
-density = 1000.0
-velocity = [0.0, 0.0, -4.0]
-[[contact]]
-method = "nts"
-slave = "upper.bottom"
-master = "lower.top"
-"#;
-
 const STEP: f64 = 0.002;
 
 /// Steps of 2 ms.
@@ -90,10 +72,11 @@ pub fn samples(bench: &Bench) -> Outcome<Vec<Sample>> {
     samples.push(with("bar on a fixed support", SUPPORT));
     samples.push(with("bar under a dead load", DEAD_LOAD));
     samples.push(with("bar under a follower pressure", FOLLOWER_PRESSURE));
+    let impact = falling([0.0, 0.0, -4.0]);
     for entry in SCHEMES {
         samples.push(generated(format!("free bar, {}", entry.name), entry.name, &[BAR], 2));
         if entry.with([])?.claims().constraints {
-            samples.push(generated(format!("impact, {}", entry.name), entry.name, &[IMPACT], 4));
+            samples.push(generated(format!("impact, {}", entry.name), entry.name, &[&impact], 4));
         }
     }
     Ok(samples)

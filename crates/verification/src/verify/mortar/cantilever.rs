@@ -6,6 +6,7 @@ use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, facade};
 use crate::plot::{self, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Least order that counts as two.
@@ -28,7 +29,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     // A reference that is twelve times as fine as the coarsest mesh would spoil the order of a third level.
     let (finest, levels): (usize, &[usize]) = if bench.quick { (24, &[1, 2]) } else { (48, &[1, 2, 4]) };
     let reference = solve(&cantilever(&[finest], ""))?.remove(0);
-    let size = reference.values().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max);
+    let size = reference.values().map(|u| u[0].hypot(u[1])).fold(0.0, larger);
     let forms = [
         ("matching mesh", ""),
         ("finer half slave, standard", "slave = \"b1.left\"\nmaster = \"b0.right\""),

@@ -7,6 +7,7 @@ use super::super::check::{Bound, Check, number};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, Run};
 use super::{entry, resistance};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Meshes of the slab.
@@ -130,7 +131,7 @@ fn judge(
     ];
     let ratio = resistance(run, STEADY)?;
     let average = ratio.iter().sum::<f64>() / ratio.len() as f64;
-    let apart = ratio.iter().map(|r| (r - average).abs()).fold(0.0, f64::max);
+    let apart = ratio.iter().map(|r| (r - average).abs()).fold(0.0, larger);
     let row =
         |quantity: &str, value: f64, bound: Bound| Check::new(&run.name, quantity, value, bound).noted(run.note());
     findings.checks.push(row("step cuts", cut, cuts));

@@ -9,6 +9,7 @@ use stoss_tensor::nalgebra::{DMatrix, DVector};
 use super::super::Findings;
 use super::super::check::{Bound, Check};
 use super::super::states::Random;
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Error of a constant, and of the sums of the rows.
@@ -85,7 +86,7 @@ impl Pair {
         }
         let found = d.lu().solve(&f).ok_or("D is singular")?;
         let largest = expected.iter().fold(f64::MIN_POSITIVE, |m: f64, x| m.max(x.abs()));
-        Ok(found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest)
+        Ok(found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, larger) / largest)
     }
 }
 
@@ -97,11 +98,11 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
         let (mut sums, mut constant, mut linear) = (0.0_f64, 0.0_f64, 0.0_f64);
         for _ in 0..count {
             let half_side = random.between(0.7, 1.3);
-            sums = sums.max(pair(&mut random, half_side, 0.2)?.matrices(space)?.imbalance());
+            sums = larger(sums, pair(&mut random, half_side, 0.2)?.matrices(space)?.imbalance());
             let curved = pair(&mut random, 1.3, 0.2)?;
-            constant = constant.max(curved.error(&curved.matrices(space)?, |_| 1.0)?);
+            constant = larger(constant, curved.error(&curved.matrices(space)?, |_| 1.0)?);
             let plane = pair(&mut random, 1.3, 0.0)?;
-            linear = linear.max(plane.error(&plane.matrices(space)?, |x| 0.7 + 1.3 * x[0] - 2.1 * x[1])?);
+            linear = larger(linear, plane.error(&plane.matrices(space)?, |x| 0.7 + 1.3 * x[0] - 2.1 * x[1])?);
         }
         let scene = format!("transfer, {name} multipliers");
         let row = |quantity: &str, value: f64, bound: f64| {

@@ -15,6 +15,7 @@ use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings, Run, newton};
 use crate::hexahedra;
 use crate::plot::{self, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::vtu::Grid as Frame;
 use crate::workspace::Outcome;
 
@@ -41,7 +42,7 @@ enum Shape {
 }
 
 impl Shape {
-    /// Radius of the contact and largest pressure under the force that the probe tells, which is that on the modelled part.
+    /// Radius of the contact and largest pressure under the force of the probe, which is that on the modelled part.
     fn analytic(self, force: f64) -> (f64, f64) {
         let plane_strain = MODULUS / (1.0 - POISSON * POISSON);
         match self {
@@ -213,7 +214,7 @@ impl Shown {
         let facets = surface(&run.last_frame()?, shape)?;
         let (resultant, moment) = moments(&facets, shape);
         let points = profile(&facets, shape);
-        let largest = points.iter().map(|p| p.1).fold(0.0, f64::max);
+        let largest = points.iter().map(|p| p.1).fold(0.0, larger);
         let edge = points.last().map_or(f64::NAN, |p| p.0);
         let ratios = [(moment / resultant / shape.share()).sqrt() / a, largest / p0, edge / a];
         let errors = [(ratios[0] - 1.0).abs(), (ratios[1] - 1.0).abs()];

@@ -10,6 +10,7 @@ use super::super::{Bench, Findings, Run, newton};
 use super::{ITERATIONS, entry, resistance};
 use crate::gallery::{Interface, Sides};
 use crate::plot::{self, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::vtu::{self, Grid as Frame};
 use crate::workspace::Outcome;
 
@@ -195,7 +196,7 @@ fn quadratic(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         }
         let steps = run.newton()?;
         let found = squares(&steps);
-        let worst = found.iter().copied().reduce(f64::max).unwrap_or(f64::NAN);
+        let worst = found.iter().copied().reduce(larger).unwrap_or(f64::NAN);
         let note = format!("largest of {} pairs below {ASYMPTOTIC}, relative tolerance 1e-13", found.len());
         let quantity = "quasi-static: residual over the square of the one before";
         findings.checks.push(Check::new(&run.name, quantity, worst, Bound::AtMost(QUADRATIC)).noted(note));
@@ -318,7 +319,7 @@ fn ironing(run: &Run, findings: &mut Findings, facet: f64, smooth: Bound) -> Out
     for file in &frames {
         let (count, part) = coverage(&vtu::load(file)?)?;
         faults += count;
-        uncovered = uncovered.max(part);
+        uncovered = larger(uncovered, part);
     }
     let note = format!("{} frames, whole master searched", frames.len());
     findings
@@ -374,7 +375,7 @@ fn oscillation(time: &[f64], force: &[f64], period: f64, from: f64) -> Option<(f
         // Trapezoids: the ends count half.
         let sum = window.iter().sum::<f64>() - 0.5 * (window[0] + window[SAMPLES]);
         let mean = sum / SAMPLES as f64;
-        worst = worst.max((window[SAMPLES / 2] / mean - 1.0).abs());
+        worst = larger(worst, (window[SAMPLES / 2] / mean - 1.0).abs());
     }
     Some((sampled.iter().sum::<f64>() / sampled.len() as f64, worst))
 }

@@ -15,6 +15,7 @@ use toml::{Table, Value};
 
 use super::check::{Bound, Check};
 use super::{Bench, Findings, Run, Suite};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Fields, momenta, impact, oblique impact, ironing, deep ironing in few steps, rotating indenter, Hertz, tied cantilever.
@@ -58,9 +59,7 @@ fn impact(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let balance = run.balance()?;
     let row =
         |quantity: &str, value: f64, bound: Bound| Check::new(&run.name, quantity, value, bound).noted(run.note());
-    let momentum = Bound::AtMost(MOMENTUM);
-    findings.checks.push(row("linear momentum drift", balance.linear_drift(None), momentum));
-    findings.checks.push(row("angular momentum drift", balance.angular_drift(None), momentum));
+    findings.checks.extend(run.momentum_drifts(&balance, MOMENTUM));
     let contact = run.table("contact.csv")?;
     let active: Vec<f64> = contact
         .column("step")?
@@ -92,7 +91,7 @@ fn impact(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
 /// Largest distance from the first value, relative.
 fn spread(values: &[f64]) -> f64 {
     let Some(first) = values.first() else { return f64::NAN };
-    values.iter().map(|value| (value / first - 1.0).abs()).fold(0.0, f64::max)
+    values.iter().map(|value| (value / first - 1.0).abs()).fold(0.0, larger)
 }
 
 /// An entry of a list of the scene, as `body` and `contact` are.

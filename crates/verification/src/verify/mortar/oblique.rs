@@ -5,6 +5,7 @@ use toml::{Table, Value};
 use super::super::check::{Bound, Check};
 use super::super::{Bench, Findings};
 use super::{ITERATIONS, entry};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Coefficients of friction.
@@ -38,10 +39,9 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::AtMost(0.0)));
             let iterations = run.summary_number("mean_iterations")?;
             findings.checks.push(row("iterations a step", iterations, Bound::AtMost(ITERATIONS)));
-            findings.checks.push(row("linear momentum drift", balance.linear_drift(None), Bound::AtMost(MOMENTUM)));
-            findings.checks.push(row("angular momentum drift", balance.angular_drift(None), Bound::AtMost(MOMENTUM)));
+            findings.checks.extend(run.momentum_drifts(&balance, MOMENTUM));
             let changes = balance.energy_changes(None);
-            let rise = changes.iter().copied().fold(0.0, f64::max);
+            let rise = changes.iter().copied().fold(0.0, larger);
             let lost = -changes.iter().sum::<f64>();
             findings.checks.push(row("largest rise of the energy in a step", rise, Bound::AtMost(ENERGY)));
             findings.checks.push(row("energy taken by friction and by closings", lost, Bound::AtLeast(0.0)));

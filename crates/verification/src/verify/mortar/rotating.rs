@@ -9,6 +9,7 @@ use super::super::report::Section;
 use super::super::{Bench, Findings, newton};
 use super::ITERATIONS;
 use crate::plot::{self, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Largest force along x and y over that along z: there is none in the continuum, by symmetry.
@@ -43,7 +44,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let (Some(last), Some(turn)) = (force.last(), moment.last()) else {
         return Err("no row in probes.csv".into());
     };
-    let aside = force.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max) / last[2].abs();
+    let aside = force.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, larger) / last[2].abs();
     findings.checks.push(row("force along x and y over that along z", aside, Bound::AtMost(ASIDE)));
     findings.checks.push(row("vertical force at the end", last[2], Bound::AtMost(0.0)));
     findings.checks.push(row("torque at the end", turn[2], Bound::AtLeast(0.0)));

@@ -1,12 +1,12 @@
 //! Beams at rest and in motion.
 
 use super::build::{
-    ABOUT_Z, Couple, add_beam, add_constraint, add_force, apart, beam_frame, dynamic, follow, larger, order, place,
-    quasi_static,
+    ABOUT_Z, Couple, add_beam, add_constraint, add_force, beam_frame, dynamic, follow, order, place, quasi_static,
 };
-use super::{ENERGY, MOMENTUM, ORDER, check, noted};
+use super::{ENERGY, MOMENTUM, ORDER, check, noted, order_in_mesh};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger, norm};
 use crate::workspace::Outcome;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -58,19 +58,8 @@ fn roll_up(findings: &mut Findings) -> Outcome<()> {
     for (of, [coarse, fine], least) in
         [(1, [40, 80], MESH_ORDER[0]), (2, [10, 20], MESH_ORDER[1]), (3, [8, 16], MESH_ORDER[1])]
     {
-        let errors = [gap(coarse, of)?, gap(fine, of)?];
-        let note = format!(
-            "gap of the ends over the length {:.2e} with {coarse} elements, {:.2e} with {fine}",
-            errors[0], errors[1]
-        );
-        noted(
-            findings,
-            case,
-            &format!("order in the mesh, elements of order {of}"),
-            order(errors),
-            Bound::AtLeast(least),
-            note,
-        );
+        let off = ("gap of the ends over the length", [gap(coarse, of)?, gap(fine, of)?]);
+        order_in_mesh(findings, case, of, off, [coarse, fine], least);
     }
     Ok(())
 }
@@ -315,7 +304,6 @@ fn spaghetti(quick: bool, findings: &mut Findings) -> Outcome<()> {
         "50",
     );
     let kept = follow(&mut run, |_, _| {})?;
-    let norm = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let [linear, angular] = [kept.linear, kept.angular].map(|k| k.iter().copied().fold(0.0, larger));
     let note = format!(
         "{} steps of free flight, {} iterations at most, strain energy at its begin {:.1} of {:.1}",

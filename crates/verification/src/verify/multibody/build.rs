@@ -1,5 +1,6 @@
 //! Models of rigid bodies, joints, beams and strings in memory, and what a run of them keeps.
 
+use crate::verify::numbers::{apart, larger};
 use crate::workspace::Outcome;
 use std::ops::Range;
 use std::sync::Arc;
@@ -26,16 +27,6 @@ const TOLERANCE: f64 = 1e-9;
 /// `a x b`.
 pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// Largest component of `a - b`, without its sign.
-pub fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, larger)
-}
-
-/// Like `f64::max`, but NaN wins.
-pub fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
 /// Three numbers of a vector.
@@ -301,14 +292,6 @@ impl Part for Couple {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn orders_and_distances() {
-        assert_eq!(order([4.0, 1.0]), 2.0);
-        assert_eq!(cross([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), [0.0, 0.0, 1.0]);
-        assert_eq!(apart([1.0, 2.0, 3.0], [1.0, 4.0, 2.0]), 2.0);
-        assert!(larger(1.0, f64::NAN).is_nan() && larger(f64::NAN, 1.0).is_nan());
-    }
 
     /// Jumps in a step and distances from the start are two things.
     #[test]

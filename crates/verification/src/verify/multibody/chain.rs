@@ -1,10 +1,11 @@
 //! Chains of bodies on ball joints: cost against length, energy.
 
-use super::build::{AXES, add_body, add_gravity, add_joint, dynamic_cutting, follow, larger};
+use super::build::{AXES, add_body, add_gravity, add_joint, dynamic_cutting, follow};
 use super::{ENERGY, noted};
 use crate::plot::{self, Labels, Series};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::larger;
 use crate::verify::report::{Grid, Section};
 use crate::workspace::Outcome;
 use cpu_time::ProcessTime;

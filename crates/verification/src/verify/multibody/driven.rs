@@ -1,9 +1,10 @@
 //! A bolt, moments as loads, and blocks that are driven by a reference point; through scenes.
 
-use super::build::{apart, larger, order};
+use super::build::order;
 use super::scene::{probe, run};
 use super::{check, noted};
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger};
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
 use std::f64::consts::{PI, TAU};

@@ -1,12 +1,12 @@
 //! Mechanisms, bearings, redundant joints.
 
 use super::build::{
-    ABOUT_Z, AXES, add_body, add_constraint, add_gravity, add_joint, apart, dynamic, dynamic_cutting, follow, larger,
-    order, place,
+    ABOUT_Z, AXES, add_body, add_constraint, add_gravity, add_joint, dynamic, dynamic_cutting, follow, order, place,
 };
 use super::{ENERGY, MOMENTUM, ORDER, check, noted};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger, norm};
 use crate::workspace::Outcome;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -264,7 +264,7 @@ fn limits(findings: &mut Findings) -> Outcome<()> {
     let (mut beyond, mut kinetic, mut before) = (f64::NEG_INFINITY, energy, energy);
     let mut gained = 0.0;
     let kept = follow(&mut simulation, |s, record| {
-        beyond = beyond.max(angle(s) - 0.7).max(-1.0 - angle(s));
+        beyond = larger(beyond, larger(angle(s) - 0.7, -1.0 - angle(s)));
         kinetic = record.balance.kinetic;
         gained = larger(gained, kinetic - before);
         before = kinetic;
@@ -396,10 +396,9 @@ fn loop_of_hinges(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let mut simulation = dynamic(model, 0.01, if quick { 2.0 } else { 10.0 })?;
     let first = *simulation.balance();
     let kept = follow(&mut simulation, |_, _| {})?;
-    let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     let [linear, angular] = [kept.linear, kept.angular].map(|k| k.iter().copied().fold(0.0, larger));
-    check(findings, case, "drift of linear momentum", linear / size(first.linear_momentum), Bound::AtMost(MOMENTUM));
-    check(findings, case, "drift of angular momentum", angular / size(first.angular_momentum), Bound::AtMost(MOMENTUM));
+    check(findings, case, "drift of linear momentum", linear / norm(first.linear_momentum), Bound::AtMost(MOMENTUM));
+    check(findings, case, "drift of angular momentum", angular / norm(first.angular_momentum), Bound::AtMost(MOMENTUM));
     check(findings, case, "drift of the energy", kept.energy / first.kinetic, Bound::AtMost(ENERGY));
     Ok(())
 }

@@ -76,6 +76,20 @@ fn check(findings: &mut Findings, case: &str, quantity: impl Into<String>, measu
     findings.checks.push(Check::new(case, quantity, measured, bound));
 }
 
+/// Adds a row for the observed order in the mesh of elements of a polynomial degree, from what is off (`what`) with two numbers of elements.
+fn order_in_mesh(
+    findings: &mut Findings,
+    case: &str,
+    degree: usize,
+    (what, off): (&str, [f64; 2]),
+    [coarse, fine]: [usize; 2],
+    least: f64,
+) {
+    let note = format!("{what} {:.2e} with {coarse} elements, {:.2e} with {fine}", off[0], off[1]);
+    let quantity = format!("order in the mesh, elements of order {degree}");
+    noted(findings, case, &quantity, build::order(off), Bound::AtLeast(least), note);
+}
+
 /// Adds a row with a note.
 fn noted(findings: &mut Findings, case: &str, quantity: &str, measured: f64, bound: Bound, note: impl Into<String>) {
     findings.checks.push(Check::new(case, quantity, measured, bound).noted(note));

@@ -1,8 +1,8 @@
 //! An elastic blunt tip that is pressed on a rigid wavy obstacle of up to 10^5 facets and drawn over it.
 
-use super::build::larger;
 use super::noted;
 use crate::verify::check::Bound;
+use crate::verify::numbers::larger;
 use crate::verify::run::Run;
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;

@@ -5,11 +5,11 @@
 //! `mu (alpha + beta) + (1 + mu^2) (beta^2 - alpha^2) / 2` and, of `alpha = beta = a / 2`, `mu (1 + mu^2) a^3 / 12`, up to terms of higher order. So the polygon of a string with nodes
 //! `a` apart on a pulley with `N` facets, whose normals are off by `pi / N` at most, is as near to Euler's `exp(mu theta)` as [`polygon`] says.
 
-use super::build::larger;
 use super::scene::{probe, run};
 use super::{ENERGY, MOMENTUM, noted};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger};
 use crate::workspace::Outcome;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -219,8 +219,8 @@ fn free_pulley(quick: bool, findings: &mut Findings) -> Outcome<()> {
             // What closing gaps cost is reported, and no dissipation.
             let now = (b.linear_momentum, b.angular_momentum, b.total() + b.closing_loss);
             let start = first.get_or_insert(now);
-            drift[0] = larger(drift[0], super::build::apart(now.0, start.0));
-            drift[1] = larger(drift[1], super::build::apart(now.1, start.1));
+            drift[0] = larger(drift[0], apart(now.0, start.0));
+            drift[1] = larger(drift[1], apart(now.1, start.1));
             drift[2] = larger(drift[2], (now.2 - start.2).abs() / start.2);
             touching = touching.max(record.contact.as_ref().map_or(0, |contact| contact.active));
             lost = b.dissipation;

@@ -1,11 +1,10 @@
 //! Tops and pendulums.
 
-use super::build::{
-    ABOUT_Z, AXES, Kept, add_body, add_gravity, add_joint, apart, cross, dynamic, follow, larger, order, place,
-};
+use super::build::{ABOUT_Z, AXES, Kept, add_body, add_gravity, add_joint, cross, dynamic, follow, order, place};
 use super::{ENERGY, MOMENTUM, ORDER, check, noted};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger, norm};
 use crate::workspace::Outcome;
 use stoss_multibody::{CoordinateOptions, Frame, JointKind, RigidBody, RigidMass, axes_along};
 use stoss_reference_cases::multibody::pendulums::{DoublePendulum, spherical_pendulum};
@@ -73,8 +72,7 @@ fn free_top(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let mut simulation = dynamic(model, 0.05, 0.05 * steps)?;
     let first = *simulation.balance();
     let kept = follow(&mut simulation, |_, _| {})?;
-    let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let sizes = [size(first.linear_momentum), size(first.angular_momentum), first.kinetic];
+    let sizes = [norm(first.linear_momentum), norm(first.angular_momentum), first.kinetic];
     let names = ["linear momentum", "angular momentum", "energy"];
     let drift =
         [kept.linear.iter().copied().fold(0.0, larger), kept.angular.iter().copied().fold(0.0, larger), kept.energy];

@@ -1,9 +1,10 @@
 //! Extremes: masses, stiffnesses and step sizes over many decades.
 
-use super::build::{AXES, add_body, add_constraint, add_joint, add_vectors, dynamic, fix, larger};
+use super::build::{AXES, add_body, add_constraint, add_joint, add_vectors, dynamic, fix};
 use super::{ENERGY, MOMENTUM, noted};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::larger;
 use crate::verify::report::{Grid, Section};
 use crate::workspace::Outcome;
 use stoss_multibody::{

@@ -1,11 +1,10 @@
 //! Strings.
 
-use super::build::{
-    add_constraint, add_gravity, add_vectors, dynamic, fix, follow, larger, order, place, quasi_static_searching,
-};
-use super::{ENERGY, noted};
+use super::build::{add_constraint, add_gravity, add_vectors, dynamic, fix, follow, place, quasi_static_searching};
+use super::{ENERGY, noted, order_in_mesh};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 use stoss_multibody::{ConstraintSet, ElasticString, Embedded, Equation, PointMass, QuadraticsBuilder, StringMaterial};
 use stoss_reference_cases::multibody::elliptic::quarter_period;
@@ -48,21 +47,10 @@ fn hanging(findings: &mut Findings) -> Outcome<()> {
         Ok((place(&run.state().q, middle)[2] / -sag - 1.0).abs())
     };
     for (of, [coarse, fine]) in [(1, [16, 32]), (2, [8, 16]), (3, [4, 8])] {
-        let errors = [error(of, coarse)?, error(of, fine)?];
-        let note = format!(
-            "relative errors of the sag {:.2e}, {:.2e} with {coarse} and {fine} elements",
-            errors[0], errors[1]
-        );
+        let off = ("relative error of the sag", [error(of, coarse)?, error(of, fine)?]);
         // As of beams: order 2 of elements of order 1, 4 of those above.
         let least = if of == 1 { 1.9 } else { 3.8 };
-        noted(
-            findings,
-            case,
-            &format!("order in the mesh, elements of order {of}"),
-            order(errors),
-            Bound::AtLeast(least),
-            note,
-        );
+        order_in_mesh(findings, case, of, off, [coarse, fine], least);
     }
     Ok(())
 }

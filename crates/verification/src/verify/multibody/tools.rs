@@ -4,6 +4,7 @@ use super::build::place;
 use super::noted;
 use super::scene::{probe, run, value};
 use crate::verify::check::Bound;
+use crate::verify::numbers::larger;
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
 use std::f64::consts::PI;
@@ -194,7 +195,7 @@ fn incline(findings: &mut Findings) -> Outcome<()> {
                     early = v;
                 }
                 if record.time > 2.0 - 1e-6 {
-                    creep = creep.max(v.abs());
+                    creep = larger(creep, v.abs());
                 }
                 late = v;
             })?;

@@ -4,6 +4,7 @@ use super::scene::{named, probe, run, value};
 use super::{check, noted};
 use crate::plot::{self, Drawn, Labels, Series};
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger};
 use crate::verify::report::{Grid, Section};
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
@@ -108,8 +109,7 @@ fn loaded(rows: &[Instant], findings: &mut Findings) -> Outcome<()> {
 /// Energy of the throw, and the parabola after the release.
 fn thrown(rows: &[Instant], findings: &mut Findings) -> Outcome<()> {
     let first = rows.iter().find(|row| row.stage == 3).ok_or("no throw")?;
-    let drift =
-        rows.iter().filter(|row| row.stage == 3).map(|row| (row.energy - first.energy).abs()).fold(0.0, f64::max);
+    let drift = rows.iter().filter(|row| row.stage == 3).map(|row| (row.energy - first.energy).abs()).fold(0.0, larger);
     check(findings, SCENE, "energy and dissipation, drift over 240.76 J", drift / 240.76, Bound::AtMost(1e-12));
     let free: Vec<&Instant> = rows.iter().filter(|row| row.time > RELEASE + 1e-9).collect();
     let start = free.first().ok_or("no flight")?;
@@ -118,7 +118,7 @@ fn thrown(rows: &[Instant], findings: &mut Findings) -> Outcome<()> {
         let t = row.time - start.time;
         let expected = [0, 1, 2]
             .map(|i| start.projectile[i] + t * start.speed[i] - if i == 2 { 0.5 * GRAVITY * t * t } else { 0.0 });
-        away = away.max(super::build::apart(row.projectile, expected));
+        away = larger(away, apart(row.projectile, expected));
     }
     noted(
         findings,

@@ -1,8 +1,8 @@
 //! A rigid wheel on a deformable track, pressed by its weight: it skids and then rolls, or rolls from the start.
 
-use super::build::larger;
 use super::noted;
 use crate::verify::check::Bound;
+use crate::verify::numbers::larger;
 use crate::verify::run::Run;
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;

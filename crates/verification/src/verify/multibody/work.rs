@@ -1,11 +1,12 @@
 //! Work and precision of the schemes that carry constraints.
 
-use super::build::{ABOUT_Z, add_beam, add_gravity, add_joint, apart, beam_frame, follow, place, with_scheme};
+use super::build::{ABOUT_Z, add_beam, add_gravity, add_joint, beam_frame, follow, place, with_scheme};
 use super::rigid::{SPHERICAL, double, double_error, double_model, spherical_error, spherical_model, spherical_square};
 use super::{check, noted};
 use crate::plot::{self, Labels, Series};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
+use crate::verify::numbers::{apart, larger};
 use crate::verify::report::{Grid, Section};
 use crate::verify::work_precision::curve::timed;
 use crate::workspace::Outcome;
@@ -42,9 +43,9 @@ fn problems(quick: bool) -> Outcome<Vec<Problem>> {
     let start = [1.2, 2.0, 0.0, 0.0];
     // With half of the steps, for their own errors.
     let [coarse, angles] = [2_000, 4_000].map(|steps| data.state(start, 1.0, steps));
-    let of_angles = (0..2).map(|i| (coarse[i] - angles[i]).abs()).fold(0.0, f64::max);
+    let of_angles = (0..2).map(|i| (coarse[i] - angles[i]).abs()).fold(0.0, larger);
     let [coarse, bob] = [2_000, 4_000].map(|steps| spherical_pendulum(SPHERICAL, spherical_square(), 1.0, steps));
-    let of_bob = (0..3).map(|i| (coarse[i] - bob[i]).abs()).fold(0.0, f64::max);
+    let of_bob = (0..3).map(|i| (coarse[i] - bob[i]).abs()).fold(0.0, larger);
     let (beam, own) = beam_reference(quick)?;
     let equations = "Runge and Kutta in minimal coordinates";
     Ok(vec![

@@ -13,6 +13,7 @@ use super::check::{Bound, Check, number};
 use super::launch::{Launched, launch};
 use super::report::{Grid, Section};
 use super::{Bench, Findings, Suite};
+use crate::verify::numbers::larger;
 use crate::workspace::{Outcome, write};
 use scene::Case;
 
@@ -98,7 +99,7 @@ impl Suite for Random {
                 }
                 Fate::Judged { verdict, depth } => (verdict, *depth),
             };
-            row.deepest = row.deepest.max(depth);
+            row.deepest = larger(row.deepest, depth);
             row.doubtful += usize::from(verdict == "doubtful");
             row.wrong += usize::from(verdict == "wrong");
             if depth > 0.3 && verdict != "wrong" {
@@ -152,7 +153,7 @@ fn fate(case: &Case, launched: &Launched) -> Outcome<Fate> {
         return Ok(Fate::Failed(broken));
     }
     let verdict = launched.run.verdict()?;
-    let depth = launched.run.table("watch.csv")?.column("relative_depth")?.iter().copied().fold(0.0, f64::max);
+    let depth = launched.run.table("watch.csv")?.column("relative_depth")?.iter().copied().fold(0.0, larger);
     Ok(if stopped { Fate::Stopped { verdict, depth } } else { Fate::Judged { verdict, depth } })
 }
 
@@ -163,7 +164,7 @@ fn broken(case: &Case, launched: &Launched) -> Outcome<Option<String>> {
     let balance = launched.run.balance()?;
     // Coordinate augmentation is the midpoint rule for the contact (guide, [[contact]]).
     let energy = claims.energy && case.method != "cat";
-    let rise = balance.energy_changes(None).into_iter().fold(0.0, f64::max);
+    let rise = balance.energy_changes(None).into_iter().fold(0.0, larger);
     let rows = [
         ("linear momentum", claims.linear_momentum, balance.linear_drift(momentum(case))),
         ("angular momentum", claims.angular_momentum, balance.angular_drift(momentum(case))),

@@ -4,6 +4,7 @@ use super::super::check::{Bound, Check};
 use super::super::report::{Grid, Section};
 use super::super::{Bench, Findings};
 use crate::plot::{self, Cell, Labels, Series};
+use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 use stoss_integrators::{SCHEMES, Scheme, scheme};
 use stoss_model_problems::{ModelError, SpringPendulum, simulate};
@@ -101,7 +102,7 @@ fn verdict(course: &Course) -> Verdict {
         // It went up before there was no solution any more.
         Some(_) if course.largest > BLOW_UP => Verdict::BlowsUp(course.largest),
         Some(_) => Verdict::NewtonFails,
-        None if course.largest.is_nan() || course.largest > BLOW_UP => Verdict::BlowsUp(course.largest),
+        None if course.last.is_nan() || course.largest > BLOW_UP => Verdict::BlowsUp(course.largest),
         None if course.largest > 1.0 + WANDER => Verdict::Drifts(course.largest),
         None if course.last < 1.0 - WANDER => Verdict::Dissipates(course.last),
         None => Verdict::Bounded,
@@ -216,7 +217,7 @@ fn long_runs(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             if s.step == 0 {
                 first = s.energy();
             }
-            worst = worst.max((s.energy() / first - 1.0).abs());
+            worst = larger(worst, (s.energy() / first - 1.0).abs());
         })?;
         let quantity = format!("{name}: energy drift over {steps} steps of 1e-2");
         findings.checks.push(Check::new("stiff spring", quantity, worst, Bound::AtMost(1e-10)));

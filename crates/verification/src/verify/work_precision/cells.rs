@@ -15,21 +15,11 @@ use crate::verify::Findings;
 use crate::verify::check::{Bound, Check, number};
 use crate::verify::elements::equilibrium::{Equilibrium, Load};
 use crate::verify::elements::manufactured::{RATES, at_points};
+use crate::verify::elements::{keys, name};
 use crate::verify::facade;
 use crate::verify::report::{Grid, Section};
 use crate::workspace::Outcome;
 
-/// What is compared.
-const CELLS: [(CellKind, Integration); 8] = [
-    (CellKind::Hex8, Integration::Full),
-    (CellKind::Hex20, Integration::Full),
-    (CellKind::Hex20, Integration::Reduced),
-    (CellKind::Hex27, Integration::Full),
-    (CellKind::Tet4, Integration::Full),
-    (CellKind::Tet10, Integration::Full),
-    (CellKind::Wedge6, Integration::Full),
-    (CellKind::Wedge15, Integration::Full),
-];
 /// Errors at which costs are reported.
 const TARGETS: [f64; 3] = [3e-2, 1e-2, 1e-3];
 /// Force per volume of the bending bar; it bends by a third of its height.
@@ -37,11 +27,6 @@ const FORCE: f64 = 0.01;
 
 /// A run: what is compared, CPU seconds, unknowns.
 type Run = (Vec<f64>, f64, usize);
-
-fn name((kind, integration): (CellKind, Integration)) -> String {
-    let reduced = if integration == Integration::Reduced { ", reduced" } else { "" };
-    format!("{}{reduced}", kind.name())
-}
 
 /// A bar of 4 x 1 x 1, half of its width modelled, between planes of symmetry at its ends, under the forces `FORCE cos(pi x / 4)` across it, whose sum is zero:
 /// displacements at 30 points that are nodes of every mesh. `n` elements a unit of length, twice as many across. The solution is smooth.
@@ -78,18 +63,17 @@ fn bending((kind, integration): (CellKind, Integration), n: usize) -> Outcome<Ru
 /// A bar of 1 x 1 x 2, a quarter of which is modelled, hits a rigid wall with a thirtieth of its wave speed and leaves it: the way of its centre of mass after every step. `n`
 /// elements across the quarter.
 fn impact((kind, integration): (CellKind, Integration), n: usize) -> Outcome<Run> {
-    let reduced = if integration == Integration::Reduced { "integration = \"reduced\"\n" } else { "" };
     let support = |set: &str, components: &str| {
         format!("[[prescribe]]\nset = \"{set}\"\ncomponents = [{components}]\nfixed = true\n")
     };
     let text = format!(
         "[scene]\ntitle = \"bar against a wall\"\nkind = \"dynamic\"\n[time]\nend = 0.2\nstep = 0.004\nintegrator = {{ scheme = \"energy-momentum\" }}\n\
-         [[body]]\nname = \"bar\"\ncell = \"{}\"\n{reduced}material = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\ndensity = 1.0\nvelocity = [0, 0, -1]\n\
+         [[body]]\nname = \"bar\"\n{}material = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\ndensity = 1.0\nvelocity = [0, 0, -1]\n\
          mesh = {{ generator = \"block\", min = [0, 0, 0.01], max = [0.5, 0.5, 2.01], divisions = [{n}, {n}, {}] }}\n\
          [[body]]\nname = \"wall\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\ndensity = 1.0\n\
          mesh = {{ generator = \"block\", min = [-1, -1, -1], max = [2, 2, 0], divisions = [1, 1, 1] }}\n\
          [[contact]]\nmethod = \"mortar\"\nslave = \"bar.bottom\"\nmaster = \"wall.top\"\n{}{}{}",
-        kind.name(),
+        keys(kind, integration),
         4 * n,
         support("wall.all", "\"x\", \"y\", \"z\""),
         support("bar.left", "\"x\""),
@@ -164,8 +148,8 @@ fn compare(problem: &Problem, findings: &mut Findings) -> Outcome<()> {
     let bound = Bound::AtMost(REFERENCE_SHARE * problem.least_target);
     findings.checks.push(Check::new(problem.name, "error of the reference", own, bound).noted(note.clone()));
     let (mut curves, mut rows) = (Vec::new(), Vec::new());
-    for cell in CELLS {
-        let mut curve = Curve { scheme: name(cell), ..Curve::default() };
+    for cell in CellKind::with_rules() {
+        let mut curve = Curve { scheme: name(cell.0, cell.1), ..Curve::default() };
         for &n in problem.levels[usize::from(cell.0.is_quadratic())] {
             let (found, seconds, unknowns) = match (problem.run)(cell, n) {
                 Ok(run) => run,

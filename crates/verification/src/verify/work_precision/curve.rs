@@ -35,7 +35,7 @@ pub struct Curve {
     pub points: Vec<Point>,
     /// Steps at which the scheme failed, and why.
     pub failures: Vec<String>,
-    /// The order that the two finest runs must show; `None`: only told.
+    /// The order that the two finest runs must show; `None`: reported without a bound.
     pub checked_order: Option<f64>,
 }
 

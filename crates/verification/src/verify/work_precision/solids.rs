@@ -4,6 +4,7 @@ use super::curve::{Case, Curve, Point, relative_distance, timed};
 use crate::workspace::Outcome;
 use std::path::Path;
 use stoss_integrators::SCHEMES;
+use stoss_reference_cases::blocks::falling;
 
 /// A bar that spins and stretches.
 const FLIGHT: &str = r#"
@@ -28,26 +29,6 @@ velocity_gradient = [[0.0, 0.0, 15.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
 set = "bar.bottom"
 components = ["x", "y", "z"]
 displacement = [0.0, 0.0, 0.0]
-"#;
-
-/// A block that hits a larger one.
-const IMPACT: &str = r#"
-[[body]]
-name = "lower"
-mesh = { generator = "block", min = [0, 0, 0], max = [2, 2, 1], divisions = [2, 2, 1] }
-material = { law = "neo-hooke", young = 1.0e6, poisson = 0.3 }
-density = 1000.0
-[[body]]
-name = "upper"
-mesh = { generator = "block", min = [0.3, 0.4, 1.02], max = [1.3, 1.4, 2.02], divisions = [1, 1, 1] }
-material = { law = "neo-hooke", young = 1.0e6, poisson = 0.3 }
-density = 1000.0
-velocity = [1.0, 1.0, -4.0]
-[[contact]]
-method = "nts"
-slave = "upper.bottom"
-master = "lower.top"
-constraint = "standard"
 "#;
 
 /// The two blocks of theory/examples#two-elements, which slide on each other.
@@ -101,7 +82,7 @@ enum Touch {
 struct Setup {
     name: &'static str,
     about: &'static str,
-    bodies: &'static str,
+    bodies: String,
     /// Contact of the bodies, if they do not bring it.
     contact: &'static str,
     end: f64,
@@ -160,39 +141,27 @@ const EXACT: [Combination; 6] = [
 /// The five cases.
 pub fn cases(quick: bool) -> Outcome<Vec<Case>> {
     let fewer = u32::from(quick);
+    let smooth = |name: &'static str, about: &'static str, bodies: &str| Setup {
+        name,
+        about,
+        bodies: bodies.into(),
+        contact: "",
+        end: 0.016,
+        coarsest: 4,
+        levels: 8,
+        finer: if quick { 4 } else { 8 },
+        touch: Touch::Nothing,
+        reference: "energy-momentum",
+        rough: &[],
+        least_target: 1e-4,
+    };
     let setups = [
-        Setup {
-            name: "free flight",
-            about: "Spinning and stretching neo-Hooke bar of 4 hex8",
-            bodies: FLIGHT,
-            contact: "",
-            end: 0.016,
-            coarsest: 4,
-            levels: 8,
-            finer: if quick { 4 } else { 8 },
-            touch: Touch::Nothing,
-            reference: "energy-momentum",
-            rough: &[],
-            least_target: 1e-4,
-        },
-        Setup {
-            name: "cantilever",
-            about: "Clamped Mooney-Rivlin bar of 4 hex8, swung to one side",
-            bodies: CANTILEVER,
-            contact: "",
-            end: 0.016,
-            coarsest: 4,
-            levels: 8,
-            finer: if quick { 4 } else { 8 },
-            touch: Touch::Nothing,
-            reference: "energy-momentum",
-            rough: &[],
-            least_target: 1e-4,
-        },
+        smooth("free flight", "Spinning and stretching neo-Hooke bar of 4 hex8", FLIGHT),
+        smooth("cantilever", "Clamped Mooney-Rivlin bar of 4 hex8, swung to one side", CANTILEVER),
         Setup {
             name: "impact",
             about: "Block on a larger block, frictionless; an impact is not smooth, so that no scheme keeps its order",
-            bodies: IMPACT,
+            bodies: falling([1.0, 1.0, -4.0]),
             contact: "",
             end: 0.02,
             coarsest: 10,
@@ -206,7 +175,7 @@ pub fn cases(quick: bool) -> Outcome<Vec<Case>> {
         Setup {
             name: "frictional impact",
             about: "The two blocks of the thesis slide on each other with mu = 0.5; normal springs, so that there is one limit",
-            bodies: FRICTION,
+            bodies: FRICTION.into(),
             contact: SPRINGS,
             end: 4.0,
             coarsest: 20,
@@ -221,7 +190,7 @@ pub fn cases(quick: bool) -> Outcome<Vec<Case>> {
             name: "frictional impact, multipliers",
             about: "The same without penetration, direct and by coordinate augmentation (cat); nodes that hit come to rest with \
                     backward Euler and bounce with the others, also in the limit of small steps, so that their errors level off",
-            bodies: FRICTION,
+            bodies: FRICTION.into(),
             contact: MULTIPLIERS,
             end: 4.0,
             coarsest: 20,
@@ -251,7 +220,7 @@ struct Ended {
 fn run(setup: &Setup, Combination { scheme, method }: Combination, steps: u64) -> Result<Ended, String> {
     let dt = setup.end / steps as f64;
     let contact = setup.contact.replace("method = \"nts\"", &format!("method = \"{method}\""));
-    let bodies = setup.bodies;
+    let bodies = &setup.bodies;
     let text = format!(
         "[scene]\ntitle = \"{}\"\nkind = \"dynamic\"\n[time]\nend = {:?}\nstep = {dt:?}\nmax_cuts = 0\nintegrator = {{ scheme = \"{scheme}\" }}\n{bodies}{contact}",
         setup.name, setup.end

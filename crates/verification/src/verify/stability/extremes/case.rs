@@ -120,7 +120,7 @@ impl Touch {
     pub const LOWER: Self = Self { slave: LOWER, side: Side::Top };
 }
 
-/// What stands for the constraint of mortar contact, which has one only.
+/// In place of a constraint for mortar contact, which has one only.
 pub const TRUE_GAP: &str = "true gap";
 
 /// One combination.

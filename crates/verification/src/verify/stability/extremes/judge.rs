@@ -4,6 +4,7 @@
 //! through each other, friction dissipates; also for the steps before a named error. What a scheme claims must hold to round-off. What it does not claim may be off by
 //! [`UNCLAIMED`] and is named otherwise.
 
+use crate::verify::numbers::larger;
 use std::collections::BTreeMap;
 
 use super::super::super::balance::Balance;
@@ -112,7 +113,7 @@ fn same(evidence: &Evidence, base: Option<&Vec<f64>>, length: f64, bound: f64) -
     }
     let largest = base.iter().fold(0.0_f64, |largest, u| largest.max(u.abs()));
     let pairs = base.iter().zip(&evidence.displacement);
-    let difference = pairs.map(|(a, b)| (a - b / length).abs()).fold(0.0, f64::max) / largest;
+    let difference = pairs.map(|(a, b)| (a - b / length).abs()).fold(0.0, larger) / largest;
     let about = "largest difference of a displacement, over the largest displacement";
     if difference <= bound {
         return Ok(Verdict::right(difference, bound, about));
@@ -186,7 +187,7 @@ impl Drifts {
             angular: balance.angular_drift(Some(momentum * scene.extent)),
             gain: (largest - start) / scale,
             loss: (start - least) / scale,
-            rise: balance.total.windows(2).map(|pair| (pair[1] - pair[0]) / scale).fold(0.0, f64::max),
+            rise: balance.total.windows(2).map(|pair| (pair[1] - pair[0]) / scale).fold(0.0, larger),
             between,
             // Velocities are differences of positions over the step.
             round_off: if scene.speed > 0.0 {
