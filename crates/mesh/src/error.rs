@@ -93,7 +93,7 @@ pub enum MeshError {
     },
     /// Nothing of the mesh lies in the region of the set.
     #[error(
-        "set \"{name}\" is empty: no {kind} lie in {region}; the mesh is in {min:?} to {max:?}: move the region or enlarge it"
+        "set \"{name}\" is empty: no {kind} lie in {region}; the mesh is in {:?} to {:?}: move the region or enlarge it", bounds[0], bounds[1]
     )]
     EmptySet {
         /// The name.
@@ -102,10 +102,8 @@ pub enum MeshError {
         kind: SetKind,
         /// The region in words.
         region: String,
-        /// Smallest coordinates of the mesh.
-        min: [f64; 3],
-        /// Largest coordinates of the mesh.
-        max: [f64; 3],
+        /// Smallest and largest coordinates of the mesh.
+        bounds: Box<[[f64; 3]; 2]>,
     },
     /// The mesh has no element.
     #[error("the mesh has no element")]

@@ -35,7 +35,7 @@ fn join(a: &Mesh, b: &Mesh, merges: impl Fn([f64; 3]) -> bool) -> Mesh {
 }
 
 fn non_conforming(mesh: &Mesh) -> Option<([u32; 2], [f64; 3], usize)> {
-    match mesh.check_but_coincident() {
+    match mesh.check_allowing_coincident() {
         Ok(()) => None,
         Err(MeshError::NonConformingFacet { elements, centre, count, .. }) => Some((elements, centre, count)),
         Err(other) => panic!("{other}"),
