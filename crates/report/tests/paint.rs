@@ -83,6 +83,6 @@ fn a_trebuchet_is_seen_from_the_side() {
     // From below the open ground is seen, too, and hides what stands on it.
     let below = Camera { azimuth: -90.0, elevation: -80.0 };
     let svg = draw(&[Shot { caption: String::new(), surface }], below, &style);
-    let (disc, last_face) = (svg.find("<circle").unwrap(), svg.rfind("<path d=").unwrap());
+    let (disc, last_face) = (svg.find("<circle").unwrap(), svg.rfind("<path stroke=\"#222222\" d=").unwrap());
     assert!(disc < last_face);
 }

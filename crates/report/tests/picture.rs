@@ -74,7 +74,7 @@ fn only_the_chosen_bodies_are_drawn() {
     let counts = |bodies: &[&str]| {
         let svg = picture(folder.path(), &of(bodies)).unwrap();
         // Outlines that are closed in one go are faces; a facet of the plate is divided, its edges are drawn piece by piece.
-        let edges = svg.matches("<path d=").count();
+        let edges = svg.matches("<path stroke=\"#222222\" d=").count();
         (edges, svg.contains("stroke-linecap=\"round\""))
     };
     // Three sides of a cube are seen from a corner.

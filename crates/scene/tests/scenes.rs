@@ -3,8 +3,8 @@
 use crate::support::schema;
 use std::path::PathBuf;
 use stoss_scene::{
-    BoxShape, Component, Coupling, Dimension, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames, Parameter,
-    PartKind, ProbeComponent, Problem, Scene, Section, Series, Shape, json_schema, parse, parse_with,
+    BoxShape, Component, Coupling, Dimension, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames,
+    Parameter, PartKind, ProbeComponent, Problem, Scene, Section, Series, Shape, json_schema, parse, parse_with,
 };
 
 const DYNAMIC: &str = include_str!("data/dynamic.toml");

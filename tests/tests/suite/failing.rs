@@ -475,6 +475,26 @@ fn an_incompressible_body() {
     assert!(diagnose_scene(&scene, &RunOptions::default()).unwrap().findings.is_empty());
 }
 
+/// It stops, and runs with averages of the change of volume as well as with a smaller bulk modulus.
+#[test]
+fn a_nearly_incompressible_body() {
+    let (finding, _) = diagnosed("nearly-incompressible");
+    assert_eq!((finding.cause, finding.confidence), (Cause::Incompressible, Confidence::Medium), "{finding:#?}");
+    assert_eq!(finding.place.body.as_deref(), Some("rubber"));
+    is_mended("nearly-incompressible", &finding, 0);
+    is_mended("nearly-incompressible", &finding, 1);
+}
+
+/// A node of the slave at the rim of the master that opens and closes.
+#[test]
+fn contact_points_that_open_and_close() {
+    let (finding, _) = diagnosed("contact-cycles");
+    assert_eq!((finding.cause, finding.confidence), (Cause::ContactCycles, Confidence::Medium), "{finding:#?}");
+    assert_eq!((finding.place.pair.as_deref(), finding.place.body.as_deref()), (Some("press"), Some("slab")));
+    assert!(finding.evidence[0].contains("changed its status"), "{finding:#?}");
+    is_mended("contact-cycles", &finding, 0);
+}
+
 #[test]
 fn friction_on_a_wedge() {
     let (finding, _) = diagnosed("wedge-friction");

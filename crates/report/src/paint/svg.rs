@@ -57,11 +57,10 @@ impl Canvas for Svg {
     fn enter(&mut self, [x, y]: [f64; 2]) {
         let _ = writeln!(
             self.0,
-            "<g transform=\"translate({} {})\" fill=\"none\" stroke=\"{}\" stroke-opacity=\"{}\" \
+            "<g transform=\"translate({} {})\" fill=\"none\" stroke-opacity=\"{}\" \
              stroke-width=\"{}\" stroke-linejoin=\"round\">",
             pixels(x),
             pixels(y),
-            hex(EDGE),
             tenths(EDGE_OPACITY * 10.0),
             tenths(EDGE_WIDTH * 10.0)
         );
@@ -72,7 +71,7 @@ impl Canvas for Svg {
     }
 
     fn piece(&mut self, colour: Colour, corners: &[[f64; 2]; 4]) {
-        let _ = write!(self.0, "<path stroke=\"none\" fill=\"{}\" d=\"", hex(colour));
+        let _ = write!(self.0, "<path fill=\"{}\" d=\"", hex(colour));
         path(&mut self.0, corners);
         self.0.push_str("z\"/>\n");
     }
@@ -81,7 +80,8 @@ impl Canvas for Svg {
         if !chosen.contains(&true) {
             return;
         }
-        self.0.push_str("<path d=\"");
+        // Most paths are pieces, which have no stroke: only edges name theirs.
+        let _ = write!(self.0, "<path stroke=\"{}\" d=\"", hex(EDGE));
         if chosen == [true; 4] {
             path(&mut self.0, corners);
             self.0.push('z');
@@ -110,9 +110,10 @@ impl Canvas for Svg {
         let (fill, radius) = (hex(colour), 0.5 * DOT);
         let _ = writeln!(
             self.0,
-            "<circle cx=\"{}\" cy=\"{}\" r=\"{radius}\" fill=\"{fill}\" stroke-opacity=\"1\" stroke-width=\"{RIM}\"/>",
+            "<circle cx=\"{}\" cy=\"{}\" r=\"{radius}\" fill=\"{fill}\" stroke=\"{}\" stroke-opacity=\"1\" stroke-width=\"{RIM}\"/>",
             pixels(x),
-            pixels(y)
+            pixels(y),
+            hex(EDGE)
         );
     }
 }
