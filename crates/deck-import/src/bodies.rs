@@ -188,7 +188,7 @@ fn pressure(kind: CellKind) -> (&'static str, &'static str) {
         }
         CellKind::Hex20 => (
             "one value an element, where Abaqus has a linear pressure: coarser pressures, and too soft in bending in a single row of elements",
-            "add `cell = \"hex27\"` for linear pressures if the mesh is linear, or take two elements across",
+            "add `cell = \"hex27\"` for linear pressures if the mesh is linear, or take two elements through the thickness",
         ),
         _ => (
             "one value an element, where Abaqus has a linear pressure: coarser pressures",
@@ -356,7 +356,7 @@ fn join(all: Vec<Body>, solids: &Solids, list: &mut List) -> Bodies {
     if !interfaces.is_empty() {
         list.add_general(
             "bodies of different materials that share nodes",
-            "they are joined by ties: forces pass by multipliers, and displacements agree in the mean of each facet",
+            "they are joined by ties: multipliers transmit the forces, and displacements agree in the mean of each facet",
             "",
         );
     }

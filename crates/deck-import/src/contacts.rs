@@ -36,7 +36,7 @@ fn surfaces(
             list.add(
                 place,
                 what,
-                format!("{name}: {why}: the two do not act on each other"),
+                format!("{name}: {why}: there is no contact between the two"),
                 "give it a surface of element faces",
             );
             return None;
@@ -232,7 +232,7 @@ fn keys(pair: &ContactPair, interaction: Option<&Interaction>, timeline: &Timeli
             list.add(
                 interaction.place,
                 "*FRICTION",
-                "the stick slope is not used: what sticks does not move at all",
+                "the stick slope is not used: sticking nodes do not slip at all",
                 "see `stick` of friction",
             );
         }
