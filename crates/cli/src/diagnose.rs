@@ -1,4 +1,4 @@
-//! `stoss diagnose`, and the page that a run leaves which stopped or came out wrong.
+//! `stoss diagnose`, and the page that a run leaves which stopped or whose result is wrong.
 
 use crate::terminal::{say, tell};
 use std::path::Path;
@@ -10,7 +10,7 @@ pub fn page(out: &Path) -> Option<String> {
     match stoss_report::diagnosis::write(out) {
         Ok(page) => page.map(|page| page.display().to_string()),
         Err(error) => {
-            say!("warning: no page of the diagnosis: {error}");
+            say!("warning: diagnosis.html could not be written: {error}");
             None
         }
     }
@@ -24,7 +24,7 @@ pub fn diagnose(out: &Path) -> ExitCode {
             tell(&format!("{diagnosis}{details}"))
         }
         Ok(None) if out.join("summary.json").is_file() => tell(
-            "nothing to diagnose: the run did not stop with an error, and no cause is known of anything that the watch found",
+            "nothing to diagnose: the run did not stop with an error, and the watch found nothing whose cause is known",
         ),
         Ok(None) => {
             say!("error: {}: no results of a run (no summary.json)", out.display());

@@ -44,7 +44,7 @@ fn title(text: &str) -> &str {
 
 fn unknown(name: &str) -> ExitCode {
     let names: Vec<&str> = SCENES.iter().map(|(name, _)| *name).collect();
-    say!("error: `{name}` is no example; there are {}", names.join(", "));
+    say!("error: there is no example `{name}`; choose one of {}", names.join(", "));
     ExitCode::from(2)
 }
 
@@ -75,7 +75,7 @@ pub fn init(name: &Path, from: Option<&str>) -> ExitCode {
         return ExitCode::from(1);
     }
     let word = quoted(&path.display().to_string());
-    tell(&format!("{word} is written, from the example {from}.\nnext: stoss check {word}\n      stoss run {word}"))
+    tell(&format!("written: {word}, from the example {from}\nnext: stoss check {word}\n      stoss run {word}"))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `stoss follow`: writes the page of a run again and again while the run goes on.
+//! `stoss follow`: keeps the page of a run up to date while it runs.
 
 use crate::interrupt;
 use crate::terminal::{say, tell_line};
@@ -22,7 +22,7 @@ const PAUSE: u32 = 5;
 /// What `stoss follow` is asked for.
 #[derive(clap::Args)]
 pub struct Follow {
-    /// The folder of results of a run that goes on.
+    /// The folder of results of a run that is still running.
     out: PathBuf,
     /// Seconds from one page to the next.
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
@@ -31,14 +31,14 @@ pub struct Follow {
 
 fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.5..=3600.0).contains(seconds));
-    seconds.ok_or_else(|| "give seconds, 0.5 to 3600".to_owned())
+    seconds.ok_or_else(|| "give a number of seconds from 0.5 to 3600".to_owned())
 }
 
 /// Carries out `stoss follow`.
 pub fn follow(asked: &Follow) -> ExitCode {
     let stop = Arc::new(AtomicBool::new(false));
     if let Err(error) = interrupt::watch(&stop, || {}) {
-        say!("warning: after Ctrl-C the page will continue to reload: {error}");
+        say!("warning: Ctrl-C cannot be handled, so that the page will go on reloading after it: {error}");
     }
     match write(&asked.out, Duration::from_secs_f64(asked.interval), &stop) {
         Ok(()) => ExitCode::SUCCESS,

@@ -12,12 +12,12 @@ use stoss::run::{RunError, RunOptions, check_scene_for};
 
 #[derive(Args)]
 pub(crate) struct Import {
-    /// The deck (.inp). What it includes is read, too.
+    /// The deck (.inp). Files that it includes are read too.
     deck: PathBuf,
-    /// The scene that is written [default: the deck's name with .toml]. A mesh is written beside it where the deck has no names for the sets that are needed.
+    /// The scene to write [default: the deck's name with .toml]. Where the deck has no names for sets that the scene needs, a mesh with them is written next to it.
     #[arg(short, long, value_name = "SCENE")]
     out: Option<PathBuf>,
-    /// Replaces files that there are.
+    /// Replace existing files.
     #[arg(long)]
     force: bool,
 }

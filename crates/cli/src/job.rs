@@ -12,6 +12,8 @@ use std::time::Instant;
 use stoss::events::EventRecord;
 use stoss::output::{Outcome, Overwrite};
 use stoss::run::{Event, RunError, RunOptions, Summary};
+use stoss::solver::digits;
+use stoss::watch::Level;
 
 /// Exit code of a run that Ctrl-C or SIGTERM has ended after a step.
 pub const INTERRUPTED: u8 = 5;
@@ -21,34 +23,34 @@ pub const INTERRUPTED: u8 = 5;
 pub struct Job {
     /// The scene (TOML).
     scene: PathBuf,
-    /// Folder for the results [default: the scene's name with `.out`, in the present folder].
+    /// Folder for the results [default: the scene's name with `.out`, in the current directory].
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Gives a parameter of the scene another value; may be given several times.
+    /// Set a parameter of the scene to another value; may be given several times.
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     set: Vec<(String, String)>,
     /// Threads for element loops; the results do not depend on it [default: all cores].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Stop with the first step that reaches this time, before the scene's end.
+    /// Stop after the first step that reaches this time, before the scene's end.
     #[arg(long)]
     until: Option<f64>,
     /// Continue from the checkpoint in the folder.
     #[arg(long)]
     resume: bool,
-    /// Start again even if files in the folder that were not written by Stoss are replaced by this.
+    /// Start a new run even if it replaces files in the folder that Stoss did not write.
     #[arg(long, conflicts_with = "resume")]
     force: bool,
-    /// Write the first N linear systems that are factorised into the folder `systems` of the results, as Matrix Market files.
+    /// Write the first N linear systems that are factorised as Matrix Market files, into the folder `systems` of the results.
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     systems: u32,
-    /// Write no page for a browser at the end (`report.html` in the folder).
+    /// Do not write the report for a browser (`report.html` in the folder) at the end.
     #[arg(long)]
     no_report: bool,
-    /// Print the events of the run as JSON, one a line, on standard output, and nothing but errors beside (see `stoss schema --events`).
+    /// Print the events of the run on standard output as JSON, one object a line, and only errors on standard error (see `stoss schema --events`).
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors.
+    /// Print errors only.
     #[arg(long)]
     quiet: bool,
 }
@@ -73,7 +75,7 @@ fn default_folder(scene: &Path) -> PathBuf {
 struct Listener {
     progress: Progress,
     json: bool,
-    /// Why the run stopped or came out wrong, shown at the end.
+    /// Why the run stopped or its result is wrong, shown at the end.
     diagnosis: Option<String>,
 }
 
@@ -120,7 +122,9 @@ pub fn run(job: Job) -> ExitCode {
         move || {
             if let Ok(listener) = listener.lock() {
                 listener.tell(Some(EventRecord::Interrupting));
-                listener.progress.note("interrupted: ending after the present step; once more ends at once");
+                listener
+                    .progress
+                    .note("interrupted: the run ends after the current step; press Ctrl-C again to end it at once");
             }
         }
     };
@@ -154,7 +158,7 @@ pub fn run(job: Job) -> ExitCode {
         match page {
             Ok(page) if !quiet => say!("page: {}", page.display()),
             Ok(_) => {}
-            Err(error) => say!("warning: no page: {error}"),
+            Err(error) => say!("warning: report.html could not be written: {error}"),
         }
     }
     let diagnosis = listener.diagnosis.take();
@@ -174,8 +178,9 @@ pub fn run(job: Job) -> ExitCode {
             }
             tell_diagnosis();
             if let Outcome::Interrupted { last_step, last_time } = summary.outcome {
-                say!("interrupted after step {last_step} at t = {last_time}; the checkpoint is in {}", out.display());
-                say!("to go on: {}", resume_command(&job, &out));
+                let time = digits(last_time);
+                say!("interrupted after step {last_step} at t = {time}; the checkpoint is in {}", out.display());
+                say!("continue with: {}", resume_command(&job, &out));
             }
             ExitCode::from(code)
         }
@@ -189,6 +194,11 @@ pub fn run(job: Job) -> ExitCode {
             match &error {
                 RunError::Scene(problems) => diagnostics::print(&job.scene, problems),
                 error => say!("error: {error}"),
+            }
+            if let RunError::Simulation { last_step, verdict, .. } = &error
+                && (!quiet || verdict.level == Level::Wrong)
+            {
+                say!("verdict up to step {last_step}: {verdict}");
             }
             tell_diagnosis();
             ExitCode::from(code)

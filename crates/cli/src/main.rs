@@ -1,7 +1,7 @@
 //! The program `stoss`: runs scenes, checks them, prints the scene format's schema.
 //!
 //! Exit codes: 0 done; 1 files could not be read or written; 2 the scene, a mesh file or the command line is wrong; 3 the
-//! simulation stopped early (all completed steps are kept); 4 the run went on, but the watch found its result wrong;
+//! simulation stopped early (all completed steps are kept); 4 the run reached its end, but the watch found its result wrong;
 //! 5 Ctrl-C or SIGTERM ended the run after a step.
 
 mod diagnose;
@@ -17,6 +17,7 @@ mod picture;
 mod progress;
 mod shell;
 mod sweep;
+mod table;
 mod terminal;
 mod values;
 
@@ -36,75 +37,77 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Runs a scene and writes a folder of results.
+    /// Run a scene and write a folder of results.
     Run(job::Job),
-    /// Writes a page for a browser, `report.html`, into the first of these folders: the run as an animation, its charts and its verdict. Several
+    /// Write a page for a browser, `report.html`, into the first of these folders: the run as an animation, its charts and its verdict. Several
     /// runs are compared, and so are the cases of a sweep.
     Report {
         /// Folders of results, or the folder of a sweep.
         #[arg(required = true)]
         out: Vec<PathBuf>,
     },
-    /// Writes the page of a run again and again while the run goes on; a browser that shows it loads it again. Ends with the run, or by Ctrl-C.
+    /// Keep the page of a run up to date while it runs; a browser that shows the page reloads it. Ends with the run, or with Ctrl-C.
     Follow(follow::Follow),
-    /// Draws a frame of a run as an SVG or PNG file, or all frames as a GIF file; needs no display.
+    /// Draw a frame of a run as an SVG or PNG file, or all frames as a GIF file; needs no display.
     Picture(picture::Picture),
-    /// Writes values of a frame along a line or on a plane section as a table (CSV).
+    /// Write values of a frame along a line or on a plane section as a table (CSV).
     Values(values::Values),
-    /// Runs a scene for all the values of its parameters that its table `[sweep]` gives.
+    /// Print columns of a table of a run: by default its probes, with first, last, smallest and largest value.
+    Table(table::Table),
+    /// Run a scene for all values of its parameters that its table `[sweep]` gives.
     Sweep(sweep::SweepOptions),
-    /// Reports all problems of a scene, or the plan of its run.
+    /// Report all problems of a scene, or the plan of its run.
     Check {
         /// The scene (TOML).
         scene: PathBuf,
-        /// Gives a parameter of the scene another value; may be given several times.
+        /// Set a parameter of the scene to another value; may be given several times.
         #[arg(long, value_name = "NAME=VALUE", value_parser = job::assignment)]
         set: Vec<(String, String)>,
     },
-    /// Judges the stored frames of a run: bodies inside each other, bad elements, anything that passed through a body.
+    /// Judge the stored frames and balances of a run: penetration, inverted elements, nodes that passed through a body, drift of momenta and energy.
     Judge {
         /// A folder of results.
         out: PathBuf,
     },
-    /// Says why a run stopped or came out wrong, where, and what to try; writes a page with pictures of the place, `diagnosis.html`, into its folder.
+    /// Print why a run stopped, or why its result is wrong, where, and what to try; write a page with pictures of the place, `diagnosis.html`, into its folder.
     Diagnose {
         /// A folder of results.
         out: PathBuf,
     },
-    /// Looks at mesh files.
+    /// Check mesh files, and convert them.
     Mesh {
         #[command(subcommand)]
         command: mesh::MeshCommand,
     },
-    /// Writes a scene from an Abaqus or CalculiX deck (.inp), as far as it maps, with a list of what is left out.
+    /// Write a scene from an Abaqus or CalculiX deck (.inp), with a list of what is left out or changed.
     Import(import::Import),
-    /// Writes a new scene, taken from an example.
+    /// Write a new scene, taken from an example.
     Init {
-        /// Name of the scene: NAME.toml is written, unless there is such a file.
+        /// Name of the scene: NAME.toml is written, unless such a file exists.
         name: PathBuf,
-        /// The example, see `stoss examples` [default: two-blocks].
+        /// Name of the example; `stoss examples` lists them [default: two-blocks].
         #[arg(long, value_name = "EXAMPLE")]
         from: Option<String>,
     },
-    /// Lists the scenes that come with the program, or prints one.
+    /// List the scenes that come with the program, or print one.
     Examples {
         /// Name of an example.
         name: Option<String>,
     },
-    /// Prints completions for a shell.
+    /// Print completions for a shell.
     Completions {
         /// The shell.
         shell: clap_complete::Shell,
     },
-    /// Prints the manual page.
+    /// Print the manual page.
     Man {
         /// Write the pages of the program and of all its commands into this folder instead.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
-    /// Prints the JSON schema of the scene format, or of the events of a run.
+    /// Print the JSON schema of the scene format, or of the events of a run.
     Schema {
-        /// Of the events that `stoss run --json` prints.
+        /// That of the events that `stoss run --json` prints.
         #[arg(long)]
         events: bool,
     },
@@ -118,6 +121,7 @@ fn main() -> ExitCode {
         Command::Follow(asked) => follow::follow(&asked),
         Command::Picture(asked) => picture::write(asked),
         Command::Values(asked) => values::write(asked),
+        Command::Table(asked) => table::print(&asked),
         Command::Check { scene, set } => check(&scene, set),
         Command::Judge { out } => judge(&out),
         Command::Diagnose { out } => diagnose::diagnose(&out),

@@ -8,21 +8,21 @@ use stoss::mesh_io::{self, MeshIoError};
 
 #[derive(Subcommand)]
 pub(crate) enum MeshCommand {
-    /// Tells what is in a mesh file, and whether Stoss can use it (exit code 0) or not (2, with reasons).
+    /// Print the contents of a mesh file, and whether Stoss can use it (exit code 0) or not (exit code 2, with reasons).
     Info {
         /// The file (.msh, .inp, .vtu).
         file: PathBuf,
-        /// Look at this group of elements only.
+        /// Only this group of elements.
         #[arg(long, value_name = "NAME")]
         group: Option<String>,
     },
-    /// Writes a mesh with its sets in another format; the extensions say which (.msh: Gmsh 4.1, .inp: Abaqus, .vtu: VTK).
+    /// Write a mesh with its sets in another format, which follows from the extension (.msh: Gmsh 4.1, .inp: Abaqus, .vtu: VTK).
     Convert {
         /// The file that is read.
         from: PathBuf,
         /// The file that is written.
         to: PathBuf,
-        /// Take this group of elements only.
+        /// Only this group of elements.
         #[arg(long, value_name = "NAME")]
         group: Option<String>,
         /// Factor on the coordinates, for another unit of length.
@@ -50,7 +50,7 @@ fn info(file: &Path, group: Option<&str>) -> ExitCode {
 
 fn convert(from: &Path, to: &Path, group: Option<&str>, scale: f64) -> ExitCode {
     if !(scale > 0.0 && scale.is_finite()) {
-        say!("error: --scale {scale}: a factor is positive and finite");
+        say!("error: --scale {scale}: give a positive, finite factor");
         return ExitCode::from(2);
     }
     let converted = mesh_io::read_contents(from).and_then(|contents| {
@@ -66,7 +66,7 @@ fn convert(from: &Path, to: &Path, group: Option<&str>, scale: f64) -> ExitCode 
     }
 }
 
-/// A file that cannot be opened is another matter than one that is wrong.
+/// Exit code 1 for a file that cannot be read or written, 2 for one whose content is wrong.
 fn refuse(error: &MeshIoError) -> ExitCode {
     say!("error: {error}");
     ExitCode::from(if matches!(error, MeshIoError::Io { .. } | MeshIoError::Output { .. }) { 1 } else { 2 })

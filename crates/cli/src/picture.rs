@@ -19,13 +19,13 @@ pub struct Picture {
     /// The frame nearest to this time.
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     time: Option<f64>,
-    /// Colours by this field [default: von_mises if the frame has it, else displacement]; an unknown name lists the fields.
+    /// The field to colour by [default: von_mises if the frame has it, else displacement]; an unknown name lists the fields.
     #[arg(long, value_name = "F")]
     field: Option<String>,
     /// Direction from the bodies to the eye; z is up [default: that of the page of `stoss report`].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = numbers::<3>)]
     view: Option<[f64; 3]>,
-    /// Draws this body only; may be given several times [default: all].
+    /// Draw this body only; may be given several times [default: all].
     #[arg(long, value_name = "B")]
     body: Vec<String>,
     /// Values at the ends of the colour bar [default: the smallest and the largest visible value].
@@ -34,13 +34,13 @@ pub struct Picture {
     /// Width and height in pixels [default: SVG and GIF 748 pixels wide, PNG twice as many; the height follows from what is drawn].
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
-    /// Of an animation: frames a second.
+    /// Animation: frames per second.
     #[arg(long, value_name = "N", default_value_t = Pace::default().fps)]
     fps: f64,
-    /// Of an animation: every Nth frame only, and the last.
+    /// Animation: every Nth frame only, and the last.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
-    /// Of an animation: it ends with its last frame, instead of beginning again.
+    /// Animation: stop at the last frame instead of starting again.
     #[arg(long)]
     once: bool,
 }
@@ -58,7 +58,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
-    numbers.ok_or_else(|| format!("give {N} numbers with commas and without blanks between them"))
+    numbers.ok_or_else(|| format!("give {N} numbers with commas between them and without blanks"))
 }
 
 /// Carries out `stoss picture`.

@@ -5,7 +5,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use stoss::output::Watched;
 use stoss::run::{Event, Summary};
-use stoss::solver::{DecisionKind, short};
+use stoss::solver::{DecisionKind, digits, short};
 
 /// Shows the events of a run.
 pub struct Progress {
@@ -48,6 +48,7 @@ impl Progress {
         match event {
             Event::Start { title, out, end, step, resumed } => {
                 let verb = if *resumed { "resuming" } else { "running" };
+                let (end, step) = (digits(*end), digits(*step));
                 say!("{verb} \"{title}\" to t = {end} in steps of {step}, results in {}", out.display());
                 if self.terminal {
                     let bar = ProgressBar::new(1000);

@@ -22,16 +22,16 @@ const LOOK: Duration = Duration::from_millis(20);
 pub struct SweepOptions {
     /// The scene (TOML), with a table `[sweep]`.
     scene: PathBuf,
-    /// Folder for the cases and `sweep.csv` [default: the scene's name with `.sweep`, in the present folder].
+    /// Folder for the cases and `sweep.csv` [default: the scene's name with `.sweep`, in the current directory].
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Cases at once.
+    /// Number of cases that run at the same time.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: u16,
-    /// Threads of each case [default: all cores, shared by the cases that run at once].
+    /// Threads of each case [default: all cores, shared by the cases that run at the same time].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Gives a parameter that the sweep does not give another value; may be given several times.
+    /// Set a parameter that the sweep does not vary to another value; may be given several times.
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     set: Vec<(String, String)>,
     /// Also run the cases again that failed.
@@ -136,7 +136,7 @@ impl Running<'_> {
             let (all, left) = (self.plan.cases().len(), pending.len());
             say!("{left} of {all} cases to run, {jobs} at once, results in {}", self.out.display());
         }
-        let raised = || say!("interrupted: the cases that are running end after their present step, no other is begun");
+        let raised = || say!("interrupted: the running cases end after their current step, and no other case begins");
         if let Err(error) = interrupt::watch(&self.stop, raised) {
             say!("warning: Ctrl-C will end the sweep at once: {error}");
         }
@@ -215,7 +215,7 @@ impl Running<'_> {
                 true
             }
             Err(error) => {
-                say!("warning: no page: {error}");
+                say!("warning: report.html could not be written: {error}");
                 false
             }
         }

@@ -13,16 +13,16 @@ use stoss_report::values::{Configuration, Options, Place, has_contact, values};
 pub struct Values {
     /// A folder of results.
     out: PathBuf,
-    /// From one point to another, both included.
+    /// A line from one point to another, both included.
     #[arg(long, value_name = "X,Y,Z", num_args = 2, allow_hyphen_values = true, value_parser = numbers::<3>)]
     line: Option<Vec<[f64; 3]>>,
     /// Number of points on the line.
     #[arg(long, value_name = "N", default_value_t = 101, conflicts_with = "plane", value_parser = clap::value_parser!(u32).range(2..))]
     points: u32,
-    /// On a plane through a point with a normal: a square grid of points, as far as they are in a body.
+    /// A plane through a point with a normal: a square grid of points, as far as they are in a body.
     #[arg(long, value_name = "X,Y,Z", num_args = 2, allow_hyphen_values = true, value_parser = numbers::<3>)]
     plane: Option<Vec<[f64; 3]>>,
-    /// Distance of the points on the plane [default: a fiftieth of the longer side of what it cuts].
+    /// Distance of the points on the plane [default: a fiftieth of the longer side of the section].
     #[arg(long, value_name = "D", conflicts_with = "line")]
     spacing: Option<f64>,
     /// Number of the frame, counted from 0 [default: the last].
@@ -31,13 +31,13 @@ pub struct Values {
     /// The frame nearest to this time.
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     time: Option<f64>,
-    /// This array of the frames; may be given several times [default: all]; an unknown name lists them.
+    /// A field of the frames; may be given several times [default: all]; an unknown name lists them.
     #[arg(long, value_name = "F")]
     field: Vec<String>,
-    /// In which configuration the points are meant and positions told.
+    /// Whether given points and written positions are current or reference ones.
     #[arg(long, value_name = "C", default_value = "current", value_parser = configuration)]
     configuration: Configuration,
-    /// The table goes into this file instead of standard output.
+    /// Write the table into this file instead of standard output.
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
 }
@@ -66,7 +66,7 @@ pub fn write(asked: Values) -> ExitCode {
     };
     let written = values(&out, &Options { frame, place, fields: field, configuration });
     if written.as_ref().is_ok_and(|text| has_contact(text)) {
-        say!("note: contact fields have values at points on the surface of a body; inside they are empty");
+        say!("note: contact fields have values on the surface of a body only; inside they are empty");
     }
     match written.and_then(|text| store(&text, output.as_deref())) {
         Ok(text) => tell(&text),

@@ -9,5 +9,6 @@ mod mesh;
 mod report;
 mod results;
 mod robustness;
+mod table;
 mod tutorials;
 mod watch;

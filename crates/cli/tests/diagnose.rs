@@ -75,6 +75,7 @@ fn a_run_that_stops_has_the_diagnosis_among_its_events() {
         text(&run.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let kinds: Vec<&str> = events.iter().map(|event| event["event"].as_str().unwrap()).collect();
     assert_eq!(kinds[kinds.len() - 2..], ["diagnosis", "error"], "{kinds:?}");
+    assert_eq!(events[events.len() - 1]["verdict"], "sound");
     let diagnosis = &events[events.len() - 2];
     assert_eq!(
         (&diagnosis["cause"], &diagnosis["confidence"]),
@@ -85,4 +86,24 @@ fn a_run_that_stops_has_the_diagnosis_among_its_events() {
     assert!(folder.path().join("out/diagnosis.html").is_file());
     let report = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(report.contains("href=\"diagnosis.html\""));
+}
+
+/// An impact with Newmark's method stops the run: message, verdict and cause are on the terminal, and the verdict also with `--quiet`.
+#[test]
+fn a_run_that_stops_has_its_verdict() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), failing("scheme-gains-energy.toml")).unwrap();
+    let run = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--no-report"]);
+    assert_eq!(run.status.code(), Some(3), "{}", text(&run.stderr));
+    let told = text(&run.stderr);
+    let places = [
+        "error: step ",
+        "verdict up to step ",
+        "diagnosis: the scheme adds energy (almost certain)",
+        "energy-momentum",
+    ]
+    .map(|part| told.find(part).unwrap_or_else(|| panic!("{part}: {told}")));
+    assert!(places.is_sorted() && told.contains(": wrong: at t = "), "{told}");
+    let quiet = text(&stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--no-report", "--quiet"]).stderr);
+    assert!(quiet.contains("verdict up to step ") && !quiet.contains("diagnosis:"), "{quiet}");
 }

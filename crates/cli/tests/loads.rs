@@ -111,7 +111,7 @@ checkpoint_every = 3
     assert!(*column(&columns, "stabilisation").last().unwrap() > 0.0);
     let steps = column(&columns, "dt");
     assert!(steps[1] <= 0.02 && steps.iter().any(|dt| *dt > 0.1), "{steps:?}");
-    assert!(summary.to_string().contains("stabilisation has taken"), "{summary}");
+    assert!(summary.to_string().contains("stabilisation has dissipated"), "{summary}");
 }
 
 /// A block slides on an inclined plane that moves and lets go of it: resumed with the same bits, and the work of the plane is in the ledger.

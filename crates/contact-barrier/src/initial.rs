@@ -9,7 +9,7 @@ use stoss_geometry::{Aabb, BoundingVolumeTree, closest};
 /// Points are known up to this part of their coordinates: placement of bodies and combinations of nodes leave round-off, so points of two bodies at the same place differ by it.
 const ROUND_OFF: f64 = 1e-12;
 
-/// The smallest distance of two bodies, or of two parts of a body that are no neighbours.
+/// The smallest distance of two bodies, or of two parts of a body that are not adjacent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
     /// Distance, a length.

@@ -78,7 +78,7 @@ pub enum ContactError {
     },
     /// Motions of a step past so many facets that it cannot come to an end soon.
     #[error(
-        "in {iterations} iterations bodies moved past so many facets at once that contact {contact} has too many pairs to check: the step is much too long; use smaller steps"
+        "in {iterations} iterations bodies moved past so many facets in one step that contact {contact} has too many pairs to check: the step is much too large; try smaller steps"
     )]
     TooFar {
         /// Name of the contact.
@@ -149,8 +149,8 @@ pub enum ContactError {
     },
     /// Segments do not tile the overlap of the surfaces.
     #[error(
-        "the segments of {faults} slave facets do not cover the overlap with the master exactly once; the first is facet {facet} (uncovered {uncovered:e}, \
-         covered twice {double:e}, {open_edges} edges that do not match)"
+        "the segments of {faults} slave facets do not exactly cover the part of the master that is opposite; the first is facet {facet} (uncovered {uncovered:e}, \
+         covered twice {double:e}, {open_edges} edges that do not fit)"
     )]
     Coverage {
         /// Number of slave facets.

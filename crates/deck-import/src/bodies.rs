@@ -167,7 +167,7 @@ fn pressure(kind: CellKind) -> (&'static str, &'static str) {
         CellKind::Wedge6 => ("one value an element, and wedge6 still locks", "add `cell = \"quadratic\"` to the body"),
         CellKind::Hex20 => (
             "one value an element, where Abaqus has a linear pressure: coarser pressures, and too soft in bending in a single row of elements",
-            "add `cell = \"hex27\"` for linear pressures if the mesh is linear, or take two elements across",
+            "add `cell = \"hex27\"` for linear pressures if the mesh is linear, or take two elements through the thickness",
         ),
         _ => (
             "one value an element, where Abaqus has a linear pressure: coarser pressures",

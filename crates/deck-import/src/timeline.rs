@@ -223,7 +223,8 @@ fn integrator(alpha: Option<f64>, is_explicit: bool, has_contact: bool) -> (Stri
         return (
             em,
             Some(
-                "the scheme is energy-momentum: alpha schemes gain energy in impacts, and carry no friction".to_owned(),
+                "the scheme is energy-momentum: alpha schemes gain energy in impacts and do not support friction"
+                    .to_owned(),
             ),
         );
     }

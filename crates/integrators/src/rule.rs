@@ -149,6 +149,12 @@ impl StepRule {
             && self.acceleration.is_none()
     }
 
+    /// True for a rule whose state has accelerations (generalised-alpha and its relatives): the acceleration of a node that has just closed holds the force of the impact, and the next
+    /// step takes it for one that goes on. The gain of energy does not fall with the step.
+    pub fn gains_energy_in_impacts(&self) -> bool {
+        self.acceleration.is_some()
+    }
+
     /// True if the step has a mass term.
     pub fn has_inertia(&self) -> bool {
         self.inertia != Combination::default()

@@ -146,7 +146,7 @@ fn errors_name_the_line() {
         (add("*ELEMENT, TYPE=S4\n30,1,2,3,4\n*SURFACE, NAME=top\nshell, S1"), 16, "1 elements S4"),
         (add("*INCLUDE, INPUT=more.inp"), 16, "a text in memory includes no files"),
         (add("*INCLUDE"), 16, "needs the parameter INPUT"),
-        (add("*NODE, INPUT=part.inp"), 16, "in a circle"),
+        (add("*NODE, INPUT=part.inp"), 16, "in a cycle"),
         (add("*NGEN\n1,3"), 16, "*NGEN"),
         (add("*PART, NAME=a\n*END PART\n*PART, NAME=A"), 18, "there is a part of this name"),
         (

@@ -119,7 +119,7 @@ fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
         let _ = writeln!(out, "<dt>What happened</dt><dd>{}</dd>", marked(what));
     }
     let _ =
-        writeln!(out, "<dt>Last converged step</dt><dd>step {step}, t = {}</dd>\n</dl>", at(folder.as_ref(), *time));
+        writeln!(out, "<dt>Last completed step</dt><dd>step {step}, t = {}</dd>\n</dl>", at(folder.as_ref(), *time));
     let position = shown.position.or(place.position);
     if let Some(pictures) = folder.zip(position).and_then(|(folder, x)| pictures(&folder, x, &shown.text)) {
         out += &pictures;
@@ -128,7 +128,7 @@ fn text(diagnosis: &Diagnosis, folder: &Path) -> String {
         out += &of_finding(k, finding);
     }
     out += &of_attempts(attempts);
-    out += "<p>All results are in this folder. <a href=\"report.html\">report.html</a> shows the whole run, if it was written.</p>\n</body></html>\n";
+    out += "<p>All results are in this folder. <a href=\"report.html\">report.html</a> shows the whole run, if that page was written.</p>\n</body></html>\n";
     out
 }
 
@@ -224,7 +224,7 @@ fn pictures(folder: &Folder, place: [f64; 3], text: &str) -> Option<String> {
     let far = svg(folder, &grid, place, camera, "whole model", SMALL)?;
     let time = at(Some(folder), folder.frames[number].time);
     Some(format!(
-        "<figure>{near}</figure><figure>{far}</figure>\n<p>The last frame, t = {time}. The circle shows where it happened: {}. Left: the elements nearby; right: the whole model.</p>\n",
+        "<figure>{near}</figure><figure>{far}</figure>\n<p>The last frame, t = {time}. The circle marks the place: {}. Left: the elements nearby; right: the whole model.</p>\n",
         marked(text)
     ))
 }

@@ -51,7 +51,9 @@ impl Folder {
     pub fn open(path: &Path) -> Outcome<Self> {
         let known = ["summary.json", "frames.pvd", ALL, "balance.csv"];
         if !known.iter().any(|name| path.join(name).is_file()) {
-            return Err(format!("{}: no results of a run (none of {})", path.display(), known.join(", ")).into());
+            return Err(
+                format!("{}: no results of a run: none of {} is there", path.display(), known.join(", ")).into()
+            );
         }
         let mut notes = Vec::new();
         let mut json = |name: &str| -> Option<Value> {

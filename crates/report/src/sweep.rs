@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::table::cells;
 use crate::{Outcome, read};
 
 /// Name of the table.
@@ -90,23 +91,6 @@ impl Sweep {
         let cases = lines.enumerate().map(row).collect::<Result<_, String>>()?;
         Ok(Self { parameters: head[parameters.clone()].to_vec(), results: head[results.clone()].to_vec(), cases })
     }
-}
-
-/// Entries of a line of comma-separated text, some in quotes (RFC 4180).
-fn cells(line: &str) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let (mut is_quoted, mut letters) = (false, line.chars().peekable());
-    while let Some(letter) = letters.next() {
-        match letter {
-            '"' if is_quoted && letters.next_if_eq(&'"').is_some() => {
-                cells.iter_mut().last().into_iter().for_each(|cell| cell.push('"'))
-            }
-            '"' => is_quoted = !is_quoted,
-            ',' if !is_quoted => cells.push(String::new()),
-            _ => cells.iter_mut().last().into_iter().for_each(|cell| cell.push(letter)),
-        }
-    }
-    cells
 }
 
 /// Values of the parameters of a run, if it is a case of a sweep: they stand in a file beside its folder.

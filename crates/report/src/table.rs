@@ -61,6 +61,62 @@ impl Table {
     }
 }
 
+/// A table with its entries as they are written, some of which may be words.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TextTable {
+    /// Names of the columns.
+    pub names: Vec<String>,
+    /// Entries of each row, as many as there are names.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl TextTable {
+    /// Reads a file of comma-separated values; a last row without a line feed is left out: it is being written.
+    ///
+    /// # Errors
+    /// What is wrong with it, with its name.
+    pub fn read(path: &Path) -> Outcome<Self> {
+        let text = read(path)?;
+        let whole = text.rfind('\n').map_or(text.as_str(), |end| &text[..=end]);
+        Self::parse(whole).map_err(|error| format!("{}: {error}", path.display()).into())
+    }
+
+    /// Reads a text of comma-separated values: one line of names, then one line a row.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut lines = text.lines();
+        let names = cells(lines.next().filter(|line| !line.is_empty()).ok_or("the file is empty")?);
+        let mut rows = Vec::new();
+        for (row, line) in lines.enumerate().filter(|(_, line)| !line.is_empty()) {
+            let entries = cells(line);
+            if entries.len() != names.len() {
+                return Err(format!("line {} has {} entries, not {}", row + 2, entries.len(), names.len()));
+            }
+            rows.push(entries);
+        }
+        Ok(Self { names, rows })
+    }
+}
+
+/// Entries of a line of comma-separated text, some in quotes (RFC 4180).
+pub(crate) fn cells(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let (mut is_quoted, mut letters) = (false, line.chars().peekable());
+    while let Some(letter) = letters.next() {
+        match letter {
+            '"' if is_quoted && letters.next_if_eq(&'"').is_some() => {
+                cells.iter_mut().last().into_iter().for_each(|cell| cell.push('"'))
+            }
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => cells.push(String::new()),
+            _ => cells.iter_mut().last().into_iter().for_each(|cell| cell.push(letter)),
+        }
+    }
+    cells
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,6 +128,16 @@ mod tests {
         assert_eq!(table.column("time").unwrap(), [0.0, 0.01]);
         assert!(table.column("word").unwrap().iter().all(|value| value.is_nan()));
         assert!(table.column("energy").is_err());
+    }
+
+    #[test]
+    fn words_stay_as_they_are_written() {
+        let table = TextTable::parse("case,reason,x\n1,\"a, \"\"b\"\"\",2.50e0\n").unwrap();
+        assert_eq!(table.names, ["case", "reason", "x"]);
+        assert_eq!(table.rows, [["1", "a, \"b\"", "2.50e0"]]);
+        for broken in ["", "a,b\n1\n"] {
+            assert!(TextTable::parse(broken).is_err(), "{broken}");
+        }
     }
 
     #[test]

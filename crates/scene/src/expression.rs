@@ -14,7 +14,7 @@
 /// Deepest nesting of brackets, signs and powers.
 const DEPTH: usize = 64;
 
-/// Most operations of a formula in which coordinates appear.
+/// Most operations of a formula in which variables appear.
 const SIZE: usize = 1000;
 
 /// Functions of one argument.
@@ -55,8 +55,8 @@ pub(crate) enum ExpressionError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Name {
     Value(f64),
-    /// A coordinate: 0, 1 or 2.
-    Coordinate(usize),
+    /// A variable by its number; in expressions over sets 0, 1 and 2 are the coordinates.
+    Variable(usize),
     /// It is known, but its value is wrong, which is reported elsewhere.
     Wrong,
     Unknown,
@@ -77,25 +77,39 @@ fn is_reserved(name: &str) -> bool {
         || BINARY.iter().any(|(known, _)| *known == name)
 }
 
-/// A scalar function of the position, without coordinates a number.
+/// A scalar function of variables, without variables a number. In an expression over sets they are the three coordinates.
 #[derive(Clone, Debug)]
 pub struct Formula(Term);
 
 #[derive(Clone, Debug)]
 enum Term {
     Number(f64),
-    Coordinate(usize),
+    Variable(usize),
     Unary(fn(f64) -> f64, Box<Term>),
     Binary(fn(f64, f64) -> f64, Box<[Term; 2]>),
 }
 
 impl Formula {
-    /// Its value at a position; it may be infinite or no number, as in `1/x` at zero.
-    pub fn value(&self, position: [f64; 3]) -> f64 {
-        self.0.value(position)
+    /// Reads a formula in which these names are the variables, in their order.
+    ///
+    /// # Errors
+    /// What is wrong with it, as the end of a sentence.
+    pub fn parse(text: &str, variables: &[&str]) -> Result<Self, String> {
+        let lookup =
+            |name: &str| variables.iter().position(|known| *known == name).map_or(Name::Unknown, Name::Variable);
+        whole(text, &lookup).map(Self).map_err(|error| match error {
+            ExpressionError::Wrong { message, .. } => message,
+            ExpressionError::UnknownName(name) => format!("the name `{name}` is not known"),
+            ExpressionError::Reported => "a value is missing".to_owned(),
+        })
     }
 
-    /// Its value if no coordinate appears in it.
+    /// Its value for values of the variables; it may be infinite or no number, as in `1/x` at zero, and is NaN if one of its variables has no value.
+    pub fn value(&self, variables: &[f64]) -> f64 {
+        self.0.value(variables)
+    }
+
+    /// Its value if no variable appears in it.
     pub fn constant(&self) -> Option<f64> {
         match self.0 {
             Term::Number(value) => Some(value),
@@ -105,29 +119,34 @@ impl Formula {
 }
 
 impl Term {
-    fn value(&self, position: [f64; 3]) -> f64 {
+    fn value(&self, variables: &[f64]) -> f64 {
         match self {
             Self::Number(value) => *value,
-            Self::Coordinate(i) => position[*i],
-            Self::Unary(function, argument) => function(argument.value(position)),
-            Self::Binary(function, arguments) => function(arguments[0].value(position), arguments[1].value(position)),
+            Self::Variable(i) => variables.get(*i).copied().unwrap_or(f64::NAN),
+            Self::Unary(function, argument) => function(argument.value(variables)),
+            Self::Binary(function, arguments) => function(arguments[0].value(variables), arguments[1].value(variables)),
         }
     }
 }
 
 /// The value of an expression, which is finite.
 pub(crate) fn evaluate(text: &str, lookup: &dyn Fn(&str) -> Name) -> Result<f64, ExpressionError> {
+    let value = whole(text, lookup)?.value(&[0.0; 3]);
+    if !value.is_finite() {
+        return Err(ExpressionError::Wrong { message: format!("gives {value}, which is not a finite number"), at: 1 });
+    }
+    Ok(value)
+}
+
+/// The term that a whole text is.
+fn whole(text: &str, lookup: &dyn Fn(&str) -> Name) -> Result<Term, ExpressionError> {
     let mut parser = Parser { text, at: 0, depth: 0, size: 0, lookup };
     let term = parser.sum()?;
     parser.skip_space();
     if parser.at < text.len() {
         return Err(parser.wrong("an operator is missing here, or a bracket is superfluous"));
     }
-    let value = term.value([0.0; 3]);
-    if !value.is_finite() {
-        return Err(ExpressionError::Wrong { message: format!("gives {value}, which is not a finite number"), at: 1 });
-    }
-    Ok(value)
+    Ok(term)
 }
 
 /// The longest formula that starts at a byte of a text, and the byte at which it ends.
@@ -146,7 +165,7 @@ struct Parser<'a> {
     /// Byte at which the rest begins.
     at: usize,
     depth: usize,
-    /// Operations that depend on coordinates so far.
+    /// Operations that depend on variables so far.
     size: usize,
     lookup: &'a dyn Fn(&str) -> Name,
 }
@@ -342,9 +361,9 @@ impl Parser<'_> {
                 self.at += length;
                 Ok(Term::Number(value))
             }
-            Name::Coordinate(i) => {
+            Name::Variable(i) => {
                 self.at += length;
-                Ok(Term::Coordinate(i))
+                Ok(Term::Variable(i))
             }
             Name::Wrong => Err(ExpressionError::Reported),
             Name::Unknown => Err(ExpressionError::UnknownName(name)),
@@ -424,6 +443,17 @@ mod tests {
         assert_eq!(value("2*bad"), Err(ExpressionError::Reported));
         for text in ["(".repeat(100_000), "-".repeat(100_000), "2^".repeat(100_000)] {
             assert!(matches!(value(&text), Err(ExpressionError::Wrong { .. })));
+        }
+    }
+
+    #[test]
+    fn formulas_have_the_values_of_their_variables() {
+        let formula = Formula::parse("2*kinetic + abs(loss)", &["loss", "kinetic"]).unwrap();
+        assert_eq!((formula.value(&[-1.0, 3.0]), formula.constant()), (7.0, None));
+        assert!(formula.value(&[-1.0]).is_nan());
+        assert_eq!(Formula::parse("2*3", &[]).unwrap().constant(), Some(6.0));
+        for (text, says) in [("2*a", "`a`"), ("2*", "ends too early"), ("2 3", "operator")] {
+            assert!(Formula::parse(text, &["b"]).unwrap_err().contains(says), "{text}");
         }
     }
 

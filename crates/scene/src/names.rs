@@ -51,7 +51,7 @@ pub fn known<'n>(word: &str, names: impl IntoIterator<Item = &'n str> + Clone) -
 }
 
 /// The candidate nearest to `word` by edit distance, if it is near enough to be meant.
-fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (word.chars().count() / 3).max(1) + 1;
     candidates
         .into_iter()

@@ -595,8 +595,7 @@ fn all_problems_are_reported_at_once_in_the_order_of_the_file() {
         keys,
         [
             "time.step",
-            // the table of the material starts before the key in it
-            "body[0].material.kappa",
+            // not also that `kappa` is missing
             "body[0].material.kapa",
             "body[0].density",
             "contact[0].master",
@@ -607,6 +606,36 @@ fn all_problems_are_reported_at_once_in_the_order_of_the_file() {
     let printed = errors.to_string();
     assert_eq!(printed.lines().count(), keys.len());
     assert!(printed.lines().all(|line| line.starts_with("x.toml:")));
+}
+
+/// The key that is meant is not reported as missing too, and what has no name because of it is not reported as unknown.
+#[test]
+fn a_misspelt_key_is_one_problem() {
+    for (from, to, key) in [
+        ("density = 10.0", "desnity = 10.0", "body[0].desnity"),
+        ("poisson = 0.3", "poison = 0.3", "body[1].material.poison"),
+        ("master = \"plate.top\"", "mastre = \"plate.top\"", "contact[0].mastre"),
+        ("step = 0.01", "setp = 0.01", "time.setp"),
+    ] {
+        let errors = parse(&DYNAMIC.replacen(from, to, 1), "x.toml").unwrap_err();
+        let [problem] = errors.problems() else { panic!("{to}: {errors}") };
+        assert!(problem.key == key && problem.message.contains("unknown key"), "{errors}");
+    }
+    let stages = "[[stage]]\nname = \"one\"\nkind = \"quasi-static\"\nuntil = 1.0\noff = [\"hold\", \"push\"]\n";
+    let body = "[[body]]\nname = \"block\"\nmesh = { generator = \"block\", size = [1, 1, 1], divisions = [1, 1, 1] }\nmaterial = { law = \"neo-hooke\", young = 1, poisson = 0.3 }\n";
+    let text = |prescribe: &str, load: &str| {
+        format!(
+            "[scene]\ntitle = \"t\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n{body}{stages}\
+             [[prescribe]]\n{prescribe} = \"hold\"\nset = \"block.left\"\ncomponents = [\"x\"]\nfixed = true\n\
+             [[load]]\n{load} = \"push\"\nset = \"block.right\"\npressure = 1.0\n"
+        )
+    };
+    parse(&text("name", "name"), "x.toml").unwrap_or_else(|errors| panic!("{errors}"));
+    for (prescribe, load, key) in [("nmae", "name", "prescribe[0].nmae"), ("name", "nmae", "load[0].nmae")] {
+        let errors = parse(&text(prescribe, load), "x.toml").unwrap_err();
+        let keys: Vec<&str> = errors.problems().iter().map(|problem| problem.key.as_str()).collect();
+        assert_eq!(keys, [key], "{errors}");
+    }
 }
 
 #[test]
@@ -629,7 +658,7 @@ fn remedies_name_what_was_probably_meant() {
 fn old_keys_and_words_are_told_from_unknown_ones() {
     for (to, message) in [
         ("normals = \"averaged\"", "normals are the means of the facets"),
-        ("smoothing = 0.1", "slivers carry no pressure"),
+        ("smoothing = 0.1", "slivers have no pressure"),
         ("constraint = \"one-sided\"", "mortar contact keeps the true gap"),
         ("normal = \"averaged\"", "is an unknown key"),
     ] {

@@ -21,7 +21,7 @@ fn tree(region: &SetRegion) -> String {
     match &region.kind {
         RegionKind::Set(name) => name.clone(),
         RegionKind::Comparison { difference, relation } => {
-            format!("[{:?} {:?}]", relation, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|x| difference.value(x)))
+            format!("[{:?} {:?}]", relation, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|x| difference.value(&x)))
         }
         RegionKind::Nearest { within, point } => format!("(nearest {} {point:?})", tree(within)),
         RegionKind::Normal { within, direction, degrees } => {

@@ -60,7 +60,7 @@ pub(crate) fn blocked(model: &Model, q: &[f64], is_prescribed: &dyn Fn(u32) -> b
     let all = is_prescribed(first.node) && second.is_some_and(|second| is_prescribed(second.node));
     let remedy = match all {
         true => {
-            "the motion of everything there is prescribed, so nothing can deform: change the prescribed motion, or leave a larger gap"
+            "the motion of all surfaces there is prescribed, so that no body can deform: change the prescribed motion, or leave a larger gap"
         }
         false => CAN_DEFORM,
     };
@@ -118,8 +118,7 @@ pub(crate) fn linear_error(
 /// Why a multiplier of a constraint that always holds is not determined.
 fn multiplier_hint(model: &Model, pair: usize, slot: usize, active: &[Vec<bool>]) -> &'static str {
     let Some(held) = model.contacts[pair].method.supported_node(slot, 0.0) else {
-        return "it follows from others at this moment: a mechanism in a singular position, a joint, tie or support that is there twice, or what is held at both ends; try another \
-                step size";
+        return "it is redundant at this moment: a mechanism is in a singular position, a joint, tie or support is given twice, or a part is fixed at both ends; try another step size";
     };
     let mut touches = false;
     for (pair, active) in model.contacts.iter().zip(active).filter(|(pair, _)| pair.method.as_contact().is_some()) {
@@ -128,7 +127,7 @@ fn multiplier_hint(model: &Model, pair: usize, slot: usize, active: &[Vec<bool>]
     if touches {
         "a support along a normal and a contact hold the same node: leave the nodes that touch out of the support, or those that are held out of the contact"
     } else {
-        "the support follows from others at this node: hold it once along each direction"
+        "the support is redundant at this node: prescribe its motion only once along each direction"
     }
 }
 
@@ -136,7 +135,7 @@ fn multiplier_hint(model: &Model, pair: usize, slot: usize, active: &[Vec<bool>]
 fn pressure_hint(model: &Model, system: &System, iterate: &Iterate, pair: usize, slot: usize) -> &'static str {
     let node = slot_place(model, pair, slot, &iterate.q).node;
     if node.is_some_and(|node| model.follows_its_face(node)) {
-        return "it is in the middle of a face with 8 nodes and moves with it, so that its constraint follows from others: use `method = \"mortar\"`, or a penalty, or exchange slave and master";
+        return "it is in the middle of a face with 8 nodes and moves with it, so that its constraint is redundant: use `method = \"mortar\"`, or a penalty, or exchange slave and master";
     }
     // Of pressures that depend on each other the factorisation may meet any one last.
     let reports = model.contacts[pair].method.report(&iterate.q).unwrap_or_default();
@@ -155,9 +154,9 @@ fn pressure_hint(model: &Model, system: &System, iterate: &Iterate, pair: usize,
     if node.is_some_and(|node| is_guided(node) || is_prescribed(node)) {
         "prescribed motion, or a support along a normal, holds its node as well: leave the nodes that touch out of the support, or those that are held out of the contact"
     } else if follow {
-        "it follows from those of other nodes, because the middle of a face with 8 nodes moves with the face: use `method = \"mortar\"`, or a penalty, or exchange slave and master"
+        "it is redundant, because the middle of a face with 8 nodes moves with the face: use `method = \"mortar\"`, or a penalty, or exchange slave and master"
     } else {
-        "its constraint follows from others: is the same contact given twice, or is the motion of all nodes there prescribed?"
+        "its constraint is redundant: is the same contact given twice, or is the motion of all nodes there prescribed?"
     }
 }
 
@@ -218,7 +217,7 @@ pub(crate) fn largest_residual(
     }
     let free = system.numbering.free.iter().enumerate();
     let Some((_, &component)) = free.max_by(|a, b| size(a.0).total_cmp(&size(b.0))) else {
-        return ("no equation is left".into(), Place::default());
+        return ("there is no free unknown".into(), Place::default());
     };
     let node = component / 3;
     let place = node_name(model, node, &iterate.q);
@@ -232,8 +231,7 @@ pub(crate) fn largest_residual(
     }
     let text = match contact {
         Some((name, true, _)) => format!(
-            "largest at {place}, which {name} holds: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support by now, or the load there may be too \
-             large; try another step size"
+            "largest at {place}, which {name} holds: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support, or the load there may be too large; try another step size"
         ),
         Some((name, false, true)) => format!(
             "largest at {place}, which is in contact {name}: in one step the bodies there slide, or move by much more than the thickness of the layer; try smaller steps, or a larger `thickness`"
@@ -243,7 +241,7 @@ pub(crate) fn largest_residual(
              smaller steps, or exchange slave and master"
         ),
         None => format!(
-            "largest at {place}: the elements there may deform too much for one step, or the load there be too large; try smaller steps"
+            "largest at {place}: the elements there may deform too much for one step, or the load there may be too large; try smaller steps"
         ),
     };
     (text, Place { component: Some((component % 3) as u8), ..Place::of_node(node) })
@@ -269,7 +267,7 @@ fn part_hint(model: &Model, dynamic: bool, node: u32) -> String {
         }
     }
     let reason = if elastic.is_empty() {
-        format!("no elastic part supports {name}, and its weight cannot before its joints carry forces")
+        format!("no elastic part supports {name}, and its weight gives no stiffness before its joints transmit forces")
     } else {
         format!(
             "{} (strings, springs and beams that hold it) have no stiffness in this direction: strings and springs without tension have no lateral stiffness",
@@ -308,11 +306,11 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
         (false, false) => format!("body {name} has no supports: prescribe displacements that exclude a rigid motion"),
         (false, true) => {
             format!(
-                "body {name} is supported by contact alone, which leaves a rigid motion: prescribe some displacements, or stabilise the run"
+                "body {name} is supported by contact alone, which leaves a rigid motion free: prescribe some displacements, or stabilise the run"
             )
         }
         _ => format!(
-            "body {name} has too few supports (a rigid motion is left), or it buckles at this load: prescribe more \
+            "body {name} has too few supports (a rigid motion is free), or it buckles at this load: prescribe more \
              displacements, or try smaller steps"
         ),
     };
@@ -322,7 +320,7 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
 /// Hint about zero-energy modes of reduced integration.
 fn single_rows(body: &crate::Body) -> &'static str {
     if body.solid.has_own_modes() {
-        "; hex20 with reduced integration has zero-energy modes unless neighbouring elements prevent them, as in a single row of elements: use two elements across, or \
+        "; hex20 with reduced integration has zero-energy modes unless neighbouring elements prevent them, as in a single row of elements: use two elements through the thickness, or \
          `integration = \"full\"`"
     } else {
         ""

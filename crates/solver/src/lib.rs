@@ -68,4 +68,4 @@ pub use switches::{Release, Switches};
 pub use system::contact_rule;
 pub use table::{Table, TableError};
 pub use timing::{Phase, PhaseTime, Timings};
-pub use words::short;
+pub use words::{digits, short, significant};

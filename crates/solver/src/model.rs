@@ -477,7 +477,9 @@ impl Model {
         let counts = [self.loads.len(), self.prescriptions.len(), self.contacts.len(), self.parts.len()];
         let acting = Acting::new(counts, off, released)?;
         match self.parts.iter().zip(&acting.parts).find(|(part, acts)| !**acts && !part.own_vectors().is_empty()) {
-            Some((part, _)) => Err(format!("{} has vectors of its own and cannot be switched off", part.name())),
+            Some((part, _)) => {
+                Err(format!("{} has degrees of freedom of its own and cannot be switched off", part.name()))
+            }
             None => Ok(acting),
         }
     }

@@ -89,8 +89,7 @@ impl Report for SlidingSupport {
             let missed = (held.place - along(&held, q_np1)).abs();
             if missed.is_nan() || missed > MISSED * self.length {
                 let reason = format!(
-                    "node {} is {missed:.2e} from where its normal holds it, because other prescribed motions of the node contradict that; remove one of them, or let \
-                     them agree",
+                    "node {} is {missed:.2e} away from its prescribed position along the normal, because other prescribed motions of the node contradict it; remove one of them, or let them agree",
                     held.node
                 );
                 return Err(ContactError::Joint { joint: self.name.clone(), reason });

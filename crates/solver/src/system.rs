@@ -139,7 +139,8 @@ fn moment(
     let time = step.time + theta * step.dt;
     let moment = [0, 1, 2].map(|column| load.magnitude.value(time, column));
     moment_forces(&directors.map(|vector| between(step, theta, vector)), moment).ok_or_else(|| {
-        let reason = "the loaded directors turn by nearly half a turn in one step; use smaller steps".to_owned();
+        let reason =
+            "the directors of a loaded part turn by nearly half a turn in one step; use smaller steps".to_owned();
         StepError::Part(PartError { part: load.name.clone(), reason })
     })
 }

@@ -2,7 +2,8 @@
 
 use crate::scene::SceneErrors;
 use std::path::{Path, PathBuf};
-use stoss_solver::SimulationError;
+use stoss_solver::{SimulationError, digits};
+use stoss_watch::Verdict;
 
 /// Why a run was not done or not finished.
 #[derive(Debug, thiserror::Error)]
@@ -42,7 +43,7 @@ pub enum RunError {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// The simulation stopped early.
-    #[error("{source}\nlast good state: step {last_step} at t = {last_time}; all results up to there are in {out}", out = .out.display())]
+    #[error("{source}\nlast good state: step {last_step} at t = {time}; all results up to there are in {out}", time = digits(*.last_time), out = .out.display())]
     Simulation {
         /// What happened.
         source: Box<SimulationError>,
@@ -50,6 +51,8 @@ pub enum RunError {
         last_step: u64,
         /// Its time.
         last_time: f64,
+        /// What the watch found up to there.
+        verdict: Box<Verdict>,
         /// Folder of the results.
         out: PathBuf,
     },
@@ -84,7 +87,7 @@ pub enum OutputError {
         reason: String,
     },
     /// A file has the name of a file of results, but is none.
-    #[error("{path} was not written by Stoss, but a run would replace it; move it away, choose another folder with --out, or replace it with --force",
+    #[error("{path} was not written by Stoss, but the run would replace it; move it away, choose another folder with --out, or replace it with --force",
         path = .path.display())]
     NotOurs {
         /// The file.

@@ -13,6 +13,7 @@ use crate::scene::Problem;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stoss_solver::StepRecord;
+use stoss_watch::Verdict;
 
 /// One line of `stoss run --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -164,6 +165,10 @@ pub struct ErrorEvent {
     pub last_step: Option<u64>,
     /// Its time.
     pub last_time: Option<f64>,
+    /// Verdict of the watch up to there: `sound`, `doubtful` or `wrong`.
+    pub verdict: Option<String>,
+    /// Why it is not sound, the worst first.
+    pub reasons: Vec<String>,
     /// Exit code of the program.
     pub exit_code: u8,
 }
@@ -225,7 +230,7 @@ impl EventRecord {
             time: summary.time,
             out: out.display().to_string(),
             verdict: summary.verdict.level.to_string(),
-            reasons: summary.verdict.reasons.iter().map(|found| found.sentence.clone()).collect(),
+            reasons: sentences(&summary.verdict),
             wall_seconds: summary.wall_seconds,
             exit_code,
         })
@@ -238,14 +243,16 @@ impl EventRecord {
             _ => Vec::new(),
         };
         let last = match error {
-            RunError::Simulation { last_step, last_time, .. } => Some((*last_step, *last_time)),
+            RunError::Simulation { last_step, last_time, verdict, .. } => Some((*last_step, *last_time, verdict)),
             _ => None,
         };
         Self::Error(ErrorEvent {
             message: error.to_string(),
             problems,
-            last_step: last.map(|(step, _)| step),
-            last_time: last.map(|(_, time)| time),
+            last_step: last.map(|(step, ..)| step),
+            last_time: last.map(|(_, time, _)| time),
+            verdict: last.map(|(.., verdict)| verdict.level.to_string()),
+            reasons: last.map(|(.., verdict)| sentences(verdict)).unwrap_or_default(),
             exit_code,
         })
     }
@@ -255,6 +262,11 @@ impl EventRecord {
         // Strings, numbers and lists with string keys: printing cannot fail.
         serde_json::to_string(self).unwrap_or_default()
     }
+}
+
+/// Why a verdict is not sound, the worst first.
+fn sentences(verdict: &Verdict) -> Vec<String> {
+    verdict.reasons.iter().map(|found| found.sentence.clone()).collect()
 }
 
 fn step_event(record: &StepRecord, end: f64, watched: &Watched) -> StepEvent {

@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use stoss_solver::{Simulation, SimulationError, StepRecord};
+use stoss_solver::{Simulation, SimulationError, StepRecord, digits};
 
 pub use crate::error::RunError;
 pub use crate::output::{Summary, judge_folder};
@@ -122,7 +122,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
         return Err(RunError::Option(format!(
             "--until {end}: give a time above 0 and up to the scene's end {}",
-            scene.time.end
+            digits(scene.time.end)
         )));
     }
     let identity = SceneIdentity::new(&scene, &mesh_files)
@@ -223,6 +223,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
                     source: Box::new(source),
                     last_step,
                     last_time,
+                    verdict: Box::new(summary.verdict),
                     out: options.out.clone(),
                 });
             }
@@ -383,9 +384,9 @@ fn plan_lines(scene: &Scene, built: &Built) -> Vec<String> {
     ));
     let steps = built.schedule.nominal_steps();
     if scene.stages.is_empty() {
-        lines.push(format!("  steps: {steps} of {} to t = {}", scene.time.step, scene.time.end));
+        lines.push(format!("  steps: {steps} of {} to t = {}", digits(scene.time.step), digits(scene.time.end)));
     } else {
-        lines.push(format!("  steps: {steps} in {} stages to t = {}", scene.stages.len(), scene.time.end));
+        lines.push(format!("  steps: {steps} in {} stages to t = {}", scene.stages.len(), digits(scene.time.end)));
     }
     lines
 }

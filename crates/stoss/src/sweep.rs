@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use stoss_solver::digits;
 
 /// Name of the table of a sweep.
 pub const TABLE: &str = "sweep.csv";
@@ -63,7 +64,7 @@ struct Mark {
 impl Case {
     /// In words, for instance `mu=0.1 radius=2`.
     pub fn label(&self) -> String {
-        self.values.iter().map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
+        self.values.iter().map(|(name, value)| format!("{name}={}", digits(*value))).collect::<Vec<_>>().join(" ")
     }
 
     /// Folder of its results within the folder of the sweep.
@@ -217,7 +218,10 @@ impl SweepPlan {
             let mut row = vec![case.number.to_string()];
             row.extend(self.parameters.iter().map(|name| number(case.used.get(name).copied())));
             row.extend([result.outcome.to_owned(), result.verdict.clone(), cell(&result.reason)]);
-            row.extend([number(result.time), result.steps.map_or_else(String::new, |steps| steps.to_string())]);
+            row.extend([
+                result.time.map_or_else(String::new, digits),
+                result.steps.map_or_else(String::new, |steps| steps.to_string()),
+            ]);
             row.push(number(result.wall_seconds));
             let last = |name: &String| result.last.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
             row.extend(probes.iter().map(|name| number(last(name))));

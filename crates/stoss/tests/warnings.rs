@@ -1,4 +1,4 @@
-//! What `stoss check` warns of in meshes and contacts, and what a singular system is reported to be.
+//! What `stoss check` warns of in meshes and contacts, what a singular system is reported to be, and that an error is reported without others that follow from it.
 use std::path::Path;
 
 fn build(scene: &str) -> stoss::build::Built {
@@ -17,11 +17,11 @@ fn bar(divisions: [usize; 3], integration: &str) -> String {
 
 /// A clamped single row of hex20 with reduced integration is singular; `check` warns, and the failure says why. Two rows, or full integration, are neither.
 #[test]
-fn a_single_row_of_reduced_hex20_is_told() {
+fn a_single_row_of_reduced_hex20_is_reported() {
     let mut built = build(&bar([4, 1, 1], "reduced"));
     assert!(built.warnings.iter().any(|w| w.contains("4 of 4 elements are in a single row")), "{:?}", built.warnings);
     let error = built.simulation.advance().unwrap_err().to_string();
-    assert!(error.contains("singular") && error.contains("use two elements across"), "{error}");
+    assert!(error.contains("singular") && error.contains("use two elements through the thickness"), "{error}");
     for (divisions, integration) in [([4, 2, 1], "reduced"), ([4, 1, 1], "full")] {
         let mut built = build(&bar(divisions, integration));
         assert!(!built.warnings.iter().any(|w| w.contains("single row")), "{:?}", built.warnings);
@@ -49,7 +49,7 @@ fn blocks(cell: &str, method: &str, divisions: [usize; 2]) -> String {
 
 /// Node-to-surface contact of quadratic faces is warned of, and is as wrong as the warning says.
 #[test]
-fn nodes_on_quadratic_faces_are_told() {
+fn nodes_on_quadratic_faces_are_reported() {
     let has = |built: &stoss::build::Built| built.warnings.iter().any(|w| w.contains("tens of per cent"));
     let mut built = build(&blocks("hex27", "nts", [3, 2]));
     assert!(has(&built));
@@ -76,4 +76,17 @@ fn a_ramp_that_ends_after_the_run_is_warned_of() {
     };
     let has = |until: f64| build(&scene(until)).warnings.iter().any(|w| w.contains("the ramp ends at t ="));
     assert!(has(1.5) && !has(1.0) && !has(f64::INFINITY));
+}
+
+/// A set that does not exist is the only problem: what a stage switches off, or an event releases, is not reported as unknown because of it.
+#[test]
+fn names_are_not_reported_because_of_another_error() {
+    let more = "[[stage]]\nname = \"one\"\nkind = \"quasi-static\"\nuntil = 0.5\n[[stage]]\nname = \"two\"\nkind = \"quasi-static\"\nuntil = 1.0\noff = [\"hold\"]\n\
+                [[event]]\nname = \"snap\"\nrelease = \"hold\"\ntime = 0.25\n";
+    let named = bar([4, 2, 1], "full").replacen("[[prescribe]]", "[[prescribe]]\nname = \"hold\"", 1) + more;
+    build(&named);
+    let scene = stoss::scene::parse(&named.replacen("a.left", "a.lefft", 1), "scene.toml").unwrap();
+    let errors = stoss::build::build(&scene, Path::new(".")).unwrap_err();
+    let keys: Vec<&str> = errors.problems().iter().map(|problem| problem.key.as_str()).collect();
+    assert_eq!(keys, ["prescribe[0].set"], "{errors}");
 }

@@ -145,9 +145,9 @@ impl BalanceWatch {
         let floor = self.unresolved.sqrt();
         let first = *self.first.get_or_insert(*state);
         let mut found = Vec::new();
-        let mut broken = |level, what: String, figure: f64| {
+        let mut add = |level, kind, what: String, figure: f64| {
             let sentence = format!("at t = {} {what}", short_time(time));
-            found.push(Finding::new(level, FindingKind::Balance, (step, time), sentence, figure));
+            found.push(Finding::new(level, kind, (step, time), sentence, figure));
         };
         let part = |change: f64, scale: f64| if scale > 0.0 { change / scale } else { 0.0 };
         let exceeds = |part: f64, limit: f64| part > limit || part.is_nan();
@@ -158,7 +158,7 @@ impl BalanceWatch {
             if exceeds(drift, tolerance) {
                 let what =
                     format!("the linear momentum along {} has changed by {drift:.1e} of its scale", ["x", "y", "z"][i]);
-                broken(Severity::Wrong, what + ", though nothing acts along it", drift);
+                add(Severity::Wrong, FindingKind::Balance, what + ", though nothing acts along it", drift);
             }
         }
         if angular {
@@ -167,8 +167,9 @@ impl BalanceWatch {
             self.drifts[1] = self.drifts[1].max(drift);
             if exceeds(drift, tolerance) {
                 let what = format!("the angular momentum has changed by {drift:.1e} of its scale");
-                broken(
+                add(
                     Severity::Wrong,
+                    FindingKind::Balance,
                     what + ", though nothing acts on the bodies and the scheme conserves it",
                     drift,
                 );
@@ -181,7 +182,7 @@ impl BalanceWatch {
             self.drifts[2] = self.drifts[2].max(drift);
             if exceeds(drift, tolerance) && is_resolved(off) {
                 let what = format!("the balance of energy is off by {drift:.1e} of the energy");
-                broken(Severity::Wrong, what + ", though the scheme conserves it", drift);
+                add(Severity::Wrong, FindingKind::Balance, what + ", though the scheme conserves it", drift);
             }
         }
         let given_back = self.largest_loss - state.closing_loss;
@@ -189,18 +190,21 @@ impl BalanceWatch {
         self.largest_loss = self.largest_loss.max(state.closing_loss);
         let given = format!("contact has added {:.1} % to the energy of the bodies", 100.0 * gain);
         if contact_gives_nothing && exceeds(gain, tolerance) && is_resolved(given_back) {
-            broken(Severity::Wrong, given + ", though the constraint excludes that", gain);
+            add(Severity::Wrong, FindingKind::Balance, given + ", though the constraint excludes that", gain);
         } else if exceeds(gain, DOUBTFUL_GAIN) {
-            broken(Severity::Doubtful, given, gain);
+            add(Severity::Doubtful, FindingKind::EnergyGain, given, gain);
         }
         let gain = part(state.total - self.lowest, self.scales[2]);
         self.lowest = self.lowest.min(state.total);
         if autonomous && !energy && exceeds(gain, WRONG_GAIN) {
-            let what = format!("{:.0} % of the energy was not supplied by loads or supports", 100.0 * gain);
-            broken(Severity::Wrong, what + "; the steps are too large for the scheme", gain);
+            let what = format!(
+                "{:.0} % of the energy was supplied by no load or support: it is an error of the time stepping",
+                100.0 * gain
+            );
+            add(Severity::Wrong, FindingKind::EnergyGain, what, gain);
         } else if autonomous && !energy && exceeds(gain, DOUBTFUL_GAIN) {
             let what = format!("the energy has grown by {:.1} %", 100.0 * gain);
-            broken(Severity::Doubtful, what + "; the scheme does not exclude that", gain);
+            add(Severity::Doubtful, FindingKind::EnergyGain, what + "; the scheme does not exclude that", gain);
         }
         found
     }

@@ -44,6 +44,8 @@ pub enum FindingKind {
     FarAway,
     /// A momentum or the energy changes although it must be conserved.
     Balance,
+    /// The energy grows without work from outside, which scheme and contact do not exclude.
+    EnergyGain,
     /// A contact reports an inadmissible state: tension, pressure at an open gap, friction beyond its bound.
     Contact,
     /// A static equilibrium is unstable.

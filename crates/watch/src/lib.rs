@@ -1,4 +1,4 @@
-//! An independent watch on runs: are bodies inside each other, has anything passed through a body, are the elements sound?
+//! An independent watch on runs: do bodies penetrate each other, has a node passed through a body, are the elements sound?
 //!
 //! It knows positions and elements, and nothing of contact: no pairs, no search, no projection of a contact method. All pairs of
 //! bodies are checked, and every body against itself. What is inside is decided by counting crossings of a ray with exact

@@ -105,6 +105,19 @@ fn is_mended(name: &str, finding: &Finding, remedy: usize) {
     assert!(causes.iter().all(|other| other.confidence != Confidence::High), "{name}: {causes:#?}");
 }
 
+/// An impact with Newmark's method: the watch and the diagnosis name the gain of energy, also where the run stops because of what the energy did, and the energy-momentum scheme mends it.
+#[test]
+fn a_scheme_that_gains_energy() {
+    let (finding, diagnosis) = diagnosed("scheme-gains-energy");
+    is_cause(&finding, Cause::SchemeGainsEnergy);
+    assert!(finding.sentence.contains("`newmark`") && finding.sentence.contains("impacts"), "{diagnosis}");
+    is_mended("scheme-gains-energy", &finding, 0);
+    // What stopped the run has its verdict with it.
+    if let Err(RunError::Simulation { verdict, .. }) = run(&text_of("scheme-gains-energy")).result {
+        assert_eq!(verdict.level, Level::Wrong, "{verdict}");
+    }
+}
+
 #[test]
 fn a_body_without_support() {
     let (finding, _) = diagnosed("no-support");
@@ -183,7 +196,7 @@ total_force = [0.0, 0.0, -10.0]
     let scene = folder.path().join("scene.toml");
     std::fs::write(&scene, text).unwrap();
     let plan = check_scene(&scene).unwrap().to_string();
-    assert!(plan.contains("3 of 6 rigid motions are not held"), "{plan}");
+    assert!(plan.contains("3 of 6 rigid motions are free"), "{plan}");
     let Left { result, diagnosis } = run(text);
     assert!(matches!(result, Err(RunError::Simulation { .. })));
     let finding = diagnosis.unwrap().findings[0].clone();
@@ -321,7 +334,10 @@ fn a_load_that_is_there_at_once() {
     let value = "{ table = [[0.0, 0.0], [1.0, 200.0]] }".to_owned();
     assert_eq!(finding.remedies[0].changes, [Change::Set { key: "load[0].pressure".into(), value }]);
     let (error, _) = of_error(&text_of("load-at-once"));
-    assert!(error.contains("load[0] pressure is there at once") && error.contains("table from zero"), "{error}");
+    assert!(
+        error.contains("load[0] pressure is applied in full at the start") && error.contains("begins with zero"),
+        "{error}"
+    );
     // From zero it runs, with the cuts that the scene allows, or with smaller steps.
     let Left { result, .. } = run(&mended(&text_of("load-at-once"), &finding, 0));
     assert_eq!(result.unwrap().outcome, Outcome::Completed);
@@ -416,7 +432,7 @@ fn a_load_that_is_too_large() {
 }
 
 /// A cantilever that is bent over itself: a load of a hundredth of the modulus is not seen to be too large. It grows from zero, before the end of the smallest step: a load that is
-/// there at once is a cause of its own.
+/// applied in full at the start is a cause of its own.
 #[test]
 fn where_nothing_is_known_no_step_is_offered_that_failed_already() {
     let bent =

@@ -204,16 +204,19 @@ fn scenes_that_cannot_start_are_refused() {
     let inside = problems(&(head("energy-momentum", 0.1, 1.0) + &two(0.9) + "[general_contact]\n"));
     assert!(inside.contains("`a` and `b` overlap") || inside.contains("`b` and `a` overlap"), "{inside}");
     let scheme = problems(&(head("midpoint", 0.1, 1.0) + &two(1.5) + "[general_contact]\n"));
-    assert!(scheme.contains("has no general contact") && scheme.contains("energy-momentum"), "{scheme}");
+    assert!(scheme.contains("does not support general contact") && scheme.contains("energy-momentum"), "{scheme}");
     let stage = "[[stage]]\nname = \"fall\"\nkind = \"dynamic\"\nuntil = 1.0\nintegrator = { scheme = \"midpoint\" }\n";
     let stage = problems(&(head("energy-momentum", 0.1, 1.0) + stage + &two(1.5) + "[general_contact]\n"));
-    assert!(stage.contains("stage[0].integrator.scheme") && stage.contains("has no general contact"), "{stage}");
+    assert!(
+        stage.contains("stage[0].integrator.scheme") && stage.contains("does not support general contact"),
+        "{stage}"
+    );
     let speed = problems(&(head("energy-momentum", 0.1, 1.0) + &two(1.5) + "[general_contact]\nfriction = 0.2\n"));
     assert!(speed.contains("slip_velocity"), "{speed}");
     // A plate of half a thickness cannot take part.
     let thin = two(1.5).replace("max = [0.5, 0.5, 0.5]", "max = [0.5, 0.5, -0.49]");
     let thin = problems(&(head("energy-momentum", 0.1, 1.0) + &thin + "[general_contact]\nthickness = 0.02\n"));
-    assert!(thin.contains("that are no neighbours are only"), "{thin}");
+    assert!(thin.contains("that are not adjacent are only"), "{thin}");
     // Bodies that touch and are left out, or named, are none of its business.
     let named = problems(&(head("energy-momentum", 0.1, 1.0) + &two(0.9) + "[general_contact]\nexclude = [\"b\"]\n"));
     assert_eq!(named, "");

@@ -236,7 +236,7 @@ fn a_load_that_must_close_a_gap_first_needs_stabilisation() {
     assert!(touching.balance().strain > 0.1);
     assert!(distance(&closed.state().q, &touching.state().q) < 1e-9);
     assert!((closed.balance().strain / touching.balance().strain - 1.0).abs() < 1e-9);
-    let told = |d: &&Decision| d.kind == DecisionKind::Warning && d.reason.contains("stabilisation has taken");
+    let told = |d: &&Decision| d.kind == DecisionKind::Warning && d.reason.contains("stabilisation has dissipated");
     assert_eq!(closed.decisions().iter().filter(told).count(), 1);
 }
 

@@ -69,7 +69,7 @@ impl MortarContact {
             ContactRule::EndPoint => None,
             ContactRule::Midpoint | ContactRule::EnergyMomentum if surface.measure == SlipMeasure::Yang => {
                 Some(format!(
-                    "slip measure `yang` and rule {:?}: it needs integrals that move in the step, and these stay",
+                    "slip measure `yang` and rule {:?}: it needs integrals that move in the step, and these are fixed",
                     self.rule
                 ))
             }

@@ -144,7 +144,7 @@ impl<'a> Reader<'a> {
         };
         let path = lines.path.parent().unwrap_or(Path::new("")).join(input);
         if self.open.contains(&path) {
-            return error("this file is being read already: files must not include one another in a circle");
+            return error("this file is being read already: files must not include one another in a cycle");
         }
         if self.open.len() >= INCLUDE_DEPTH || self.contents.files.len() >= INCLUDES {
             return error("too many files within files: put some of them together");

@@ -174,13 +174,13 @@ fn animation(
     }
     if cache.is_undeformed {
         let folder = folder.path().display();
-        notes.push(format!("{folder}: the frames have no displacement: everything is shown where it was at the start"));
+        notes.push(format!("{folder}: the frames have no displacement: bodies are shown where they were at the start"));
     }
     let count = folder.frames.len();
     let most = (NUMBERS / runs.max(1) / (cache.shape.nodes.len() * (3 + cache.fields.len()))).max(2);
     let every = count.div_ceil(most);
     if every > 1 {
-        notes.push(format!("{}: one of {every} frames is shown, for there are many", folder.path().display()));
+        notes.push(format!("{}: only one frame in {every} is shown, because there are many", folder.path().display()));
     }
     let numbers: Vec<usize> = (0..count - 1).step_by(every).chain([count - 1]).collect();
     cache.read(folder, &numbers, notes);

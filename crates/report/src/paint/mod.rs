@@ -9,11 +9,13 @@ mod picture;
 mod raster;
 mod surface;
 mod svg;
+mod visible;
 
 pub use camera::Camera;
 pub use canvas::Colour;
 pub use colour::colour;
-pub use picture::{Finish, Layout, Shot, Style, columns, draw, draw_raster, draw_svg, value_range, window};
+pub use picture::{Layout, Shot, Style, columns, draw, draw_raster, draw_svg, value_range, window};
 pub use raster::Raster;
 pub(crate) use surface::deformed;
 pub use surface::{Line, Surface, boundary};
+pub use visible::Finish;

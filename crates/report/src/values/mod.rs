@@ -150,7 +150,7 @@ fn table(grid: &Grid, bodies: &[String], options: &Options) -> Result<String, St
 /// The arrays of these names, all without names.
 fn chosen<'a>(grid: &'a Grid, names: &[String]) -> Result<Vec<(&'a str, &'a Array)>, String> {
     if grid.elements.is_empty() {
-        return Err("the frame has no deformable bodies: there are no values inside of others".into());
+        return Err("the frame has no deformable bodies, and only these have values inside".into());
     }
     if names.is_empty() {
         return Ok(grid.point_data.iter().map(|(name, array)| (name.as_str(), array)).collect());

@@ -53,7 +53,7 @@ impl Section {
         }
         let longer = (high[0] - low[0]).max(high[1] - low[1]);
         if !(longer.is_finite() && longer > 0.0) {
-            return Err("--plane: it cuts no deformable body".into());
+            return Err("--plane: the plane cuts no deformable body".into());
         }
         let spacing = spacing.unwrap_or(longer / FINENESS);
         if !(spacing.is_normal() && spacing > 0.0) {

@@ -126,7 +126,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let friction = table.optional("friction", |n| {
         let friction = friction(n, method.map(|method| method == ContactMethod::Mortar), world.own_friction)?;
         if constraint == Some(Some(Constraint::Modified)) {
-            return n.fail("does not go with the modified constraint", "set `constraint` to \"standard\"");
+            return n.fail("cannot be combined with the modified constraint", "set `constraint` to \"standard\"");
         }
         Some(friction)
     });
@@ -197,10 +197,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         )
     });
     let smoothing: Option<Option<()>> = table.optional("smoothing", |n| {
-        n.fail(
-            "is no longer an option: the weighted gap follows the facets, and slivers carry no pressure",
-            "remove it",
-        )
+        n.fail("is no longer an option: the weighted gap follows the facets, and slivers have no pressure", "remove it")
     });
     table.finish();
     let (slave, master, between) = (slave?, master?, between?);

@@ -122,6 +122,8 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let mut prescriptions = Vec::new();
     for table in &prescribe_tables {
         let prescribe = table.as_ref().and_then(|table| prescribe::prescribe(table, &world));
+        // A name may be misspelt.
+        world.actions_complete &= table.as_ref().is_none_or(|table| !table.has_unknown_key());
         if let Some(prescribe) = &prescribe {
             unique_rigid.check(table.as_ref(), "rigid", prescribe.rigid.as_deref());
         }
@@ -129,6 +131,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     }
 
     let loads: Vec<_> = load_tables.iter().map(|table| conditions::load(table.as_ref()?, &world)).collect();
+    world.actions_complete &= !load_tables.iter().flatten().any(Table::has_unknown_key);
 
     let supports: Vec<_> = support_tables.iter().map(|table| support::support(table.as_ref()?, &world)).collect();
 

@@ -103,8 +103,9 @@ pub(super) fn stages(
         && all_static
         && let Some(Some(table)) = tables.first()
     {
-        let message = "a dynamic scene has a dynamic stage";
-        stages[0] = table.fail("kind", message, "make a stage dynamic, or set [scene] kind = \"quasi-static\"");
+        let message = "a dynamic scene needs a dynamic stage";
+        stages[0] =
+            table.fail("kind", message, "make one of the stages dynamic, or set [scene] kind = \"quasi-static\"");
     }
     stages
 }

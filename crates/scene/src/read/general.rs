@@ -61,7 +61,7 @@ pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
         if chooses.is_some() && table.has("automatic") && table.has(key) {
             return table.fail(
                 key,
-                "does not go with `automatic`",
+                "cannot be combined with `automatic`",
                 "remove it; see `smallest` and `after` of `automatic`",
             );
         }

@@ -4,7 +4,7 @@
 
 use super::old;
 use super::values::{self, Parameters};
-pub(super) use crate::names::known;
+pub(super) use crate::names::{known, nearest};
 use crate::source::{Source, element};
 use crate::{Location, Problem};
 use std::cell::{Cell, RefCell};
@@ -24,6 +24,11 @@ impl Report<'_> {
     pub(super) fn add(&self, location: Location, key: String, value: &str, message: String, remedy: String) {
         let problem = Problem::new(&self.source.file, location, key, value, message, remedy);
         self.problems.borrow_mut().push(problem);
+    }
+
+    /// Removes what was reported of a key that is not there.
+    pub(super) fn withdraw(&self, key: &str) {
+        self.problems.borrow_mut().retain(|problem| problem.key != key);
     }
 }
 

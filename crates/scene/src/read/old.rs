@@ -22,7 +22,7 @@ const OLD: [Old; 4] = [
     Old {
         key: "contact.smoothing",
         word: None,
-        message: "is no longer a key: the weighted gap follows the facets, and slivers carry no pressure",
+        message: "is no longer a key: the weighted gap follows the facets, and slivers have no pressure",
         remedy: "remove it",
     },
     Old {

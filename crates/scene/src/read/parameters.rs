@@ -68,16 +68,12 @@ impl Reader<'_> {
         let Some((key, value)) = self.map.get_key_value(name) else { return Name::Unknown };
         let node = Node { report: self.report, value: value.get_ref(), span: value.span(), key: join(TABLE, name) };
         if !self.open.borrow_mut().insert(name.to_owned()) {
-            let _: Option<()> =
-                node.fail("is defined by itself, in a circle", "give a number to one of these parameters");
+            let _: Option<()> = node.fail("depends on itself, in a cycle", "give one of these parameters a number");
             self.done.borrow_mut().insert(name.to_owned(), None);
             return Name::Wrong;
         }
         let value = if self.open.borrow().len() > CHAIN {
-            node.fail(
-                format!("depends on a chain of more than {CHAIN} other parameters"),
-                "give a number to one of them",
-            )
+            node.fail(format!("depends on a chain of more than {CHAIN} other parameters"), "give one of them a number")
         } else if expression::is_parameter_name(name) {
             self.read(name, &node)
         } else {

@@ -50,7 +50,7 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
                 let names = Quantity::NAMES.iter().copied();
                 let names = names.filter(|name| Quantity::from_name(name).is_some_and(Quantity::has_extrema));
                 let list = names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-                n.fail(format!("`{quantity}` has no value at each node"), format!("extrema are there of {list}"))
+                n.fail(format!("`{quantity}` has no value at each node"), format!("extrema are available of {list}"))
             }
             _ => Some(reduce),
         }
@@ -124,7 +124,7 @@ fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Opti
         }
         Some((_, Some(kind))) if quantity == Some(Quantity::JointDisplacement) && *kind != JointKind::Slider => node
             .fail(
-                format!("is a joint `{kind}`, whose displacement no probe follows"),
+                format!("is a joint `{kind}`, for whose displacement there is no probe"),
                 "choose a slider; a second coordinate is in joints.csv",
             ),
         Some(_) => Some(name),
@@ -221,7 +221,7 @@ fn nodal_place(table: &Table<'_>, quantity: Quantity, part: Option<PartKind>) ->
         if table.has("point") && !(kind == PartKind::Rigid && at_points) {
             return table.fail(
                 "point",
-                format!("`{quantity}` of {} belongs to all of it", kind.noun()),
+                format!("`{quantity}` of {} is a quantity of the whole part", kind.noun()),
                 "remove the point",
             );
         }

@@ -46,7 +46,7 @@ pub(super) fn parse(text: &str, known: &Known<'_>) -> Result<(String, SetRegion)
     match parser.part {
         Some(part) => Ok((part, region)),
         None => {
-            let message = "names no part: it does not say to which part the nodes belong";
+            let message = "names no part: which part the nodes belong to is not given";
             let example = known.parts.first().copied().unwrap_or("block");
             Err(SetError::Wrong(message.into(), format!("write for instance \"{example}.all & {text}\""), 0))
         }
@@ -385,9 +385,9 @@ impl<'a> Parser<'a> {
 
     fn formula_of(&self, text: &str, at: usize) -> Result<(Formula, usize), ExpressionError> {
         expression::formula(text, at, &|name| match name {
-            "x" => Name::Coordinate(0),
-            "y" => Name::Coordinate(1),
-            "z" => Name::Coordinate(2),
+            "x" => Name::Variable(0),
+            "y" => Name::Variable(1),
+            "z" => Name::Variable(2),
             other => (self.known.parameters)(other),
         })
     }

@@ -78,7 +78,7 @@ impl<'a> Sets<'a> {
             self.open.borrow_mut().remove(name);
             part
         } else {
-            node.fail("is defined by itself, in a circle", "define one of them by sets of its part only")
+            node.fail("depends on itself, in a cycle", "define one of them by sets of its part only")
         };
         Some(self.done.borrow_mut().entry(name.to_owned()).or_insert(part).clone())
     }

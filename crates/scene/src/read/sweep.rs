@@ -16,12 +16,13 @@ pub(super) fn sweep(node: &Node<'_>) -> Option<Sweep> {
         Some(cases)
     });
     let extremes = table.default("extremes", Vec::new(), |n| n.list(extreme));
-    match (table.has("grid"), table.has("cases")) {
-        (true, true) => return table.fail("cases", "`grid` is given too", "give one of the two"),
-        (false, false) => return table.missing("grid", "grid = { mu = [0.0, 0.1, 0.2] }"),
-        _ => {}
-    }
+    let one = match (table.has("grid"), table.has("cases")) {
+        (true, true) => table.fail("cases", "`grid` is given too", "give one of the two"),
+        (false, false) => table.missing("grid", "grid = { mu = [0.0, 0.1, 0.2] }"),
+        _ => Some(()),
+    };
     table.finish();
+    one?;
     let sweep = Sweep { grid: grid?, cases: cases?, extremes: extremes? };
     if sweep.count() > Sweep::MAX_CASES {
         return node.fail(

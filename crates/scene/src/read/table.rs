@@ -1,6 +1,6 @@
 //! A table of the document: required and optional keys, and those that nobody asked for.
 
-use super::node::{Node, known};
+use super::node::{Node, known, nearest};
 use super::old;
 use crate::source::join;
 use std::cell::{Cell, RefCell};
@@ -12,6 +12,8 @@ pub(super) struct Table<'a> {
     known: RefCell<Vec<&'static str>>,
     /// True if the remaining keys were read, whatever they are called.
     exhausted: Cell<bool>,
+    /// True if [`Self::finish`] found keys that nobody asked for.
+    unknown: Cell<bool>,
 }
 
 impl<'a> Node<'a> {
@@ -30,7 +32,7 @@ impl<'a> Node<'a> {
 
 impl<'a> Table<'a> {
     pub(super) fn new(node: Node<'a>, map: &'a DeTable<'a>) -> Self {
-        Self { node, map, known: RefCell::default(), exhausted: Cell::new(false) }
+        Self { node, map, known: RefCell::default(), exhausted: Cell::new(false), unknown: Cell::new(false) }
     }
 
     /// The value of a key, which is known from now on.
@@ -142,7 +144,12 @@ impl<'a> Table<'a> {
         elements.into_inner()
     }
 
-    /// Reports every key that nobody asked for.
+    /// True if a key is not known, so that it may be meant for one that is not there. Known after [`Self::finish`].
+    pub(super) fn has_unknown_key(&self) -> bool {
+        self.unknown.get()
+    }
+
+    /// Reports every key that nobody asked for. Of a key that is likely meant for one that is not there only this is reported.
     pub(super) fn finish(&self) {
         if self.exhausted.get() {
             return;
@@ -157,8 +164,15 @@ impl<'a> Table<'a> {
                 keys.dedup();
                 let (message, remedy) = match old::key(&path) {
                     Some((message, remedy)) => (message, remedy.to_owned()),
-                    None => ("is an unknown key", known(key.get_ref(), keys)),
+                    None => {
+                        let meant = nearest(key.get_ref(), keys.iter().copied());
+                        if let Some(meant) = meant.filter(|meant| self.map.get(*meant).is_none()) {
+                            self.node.report.withdraw(&join(&self.node.key, meant));
+                        }
+                        ("is an unknown key", known(key.get_ref(), keys))
+                    }
                 };
+                self.unknown.set(true);
                 self.node.report.add(location, path, "", message.into(), remedy);
             }
         }

@@ -74,7 +74,7 @@ impl Simulation {
     ) -> Result<BTreeMap<String, Vec<u8>>, SimulationError> {
         let mismatch = |reason: String| SimulationError::Checkpoint(CheckpointError::Mismatch { reason });
         if checkpoint.tag != tag {
-            return Err(mismatch(format!("it was written for {}, this is {tag}", checkpoint.tag)));
+            return Err(mismatch(format!("it was written for {}, but this is {tag}", checkpoint.tag)));
         }
         let sizes = |p: &[Vec<f64>]| p.iter().map(Vec::len).collect::<Vec<_>>();
         if checkpoint.q.len() != self.state.q.len() || sizes(&checkpoint.pressures) != sizes(&self.pressures) {
@@ -82,7 +82,7 @@ impl Simulation {
         }
         let off = stage.as_ref().map_or(&self.off, |stage| &stage.off);
         if *off != checkpoint.off {
-            return Err(mismatch("what does not act in the stage differs".into()));
+            return Err(mismatch("the list of what is switched off in the stage differs".into()));
         }
         let acting = self.model.acting(off, &checkpoint.released).map_err(mismatch)?;
         let mut clock = checkpoint.clock;
@@ -96,7 +96,7 @@ impl Simulation {
         };
         if !clock.take_end_of(&end) {
             return Err(mismatch(format!(
-                "it is at t = {}, which is behind the new end of the run, or the end of a step that was shortened to meet the old one",
+                "it is at t = {}, which is after the new end of the run, or the end of a step that was shortened to meet the old one",
                 checkpoint.time
             )));
         }

@@ -1,4 +1,4 @@
-//! Loads that are there at once: smaller steps do not divide them.
+//! Loads that are applied in full at the start: smaller steps do not divide them.
 
 use super::Simulation;
 use crate::StepError;
@@ -21,7 +21,7 @@ impl Simulation {
         (0..self.model.loads.len()).filter(|&l| begins(l) && is_there(l)).collect()
     }
 
-    /// What to do about loads that are there at once if a step failed at every size, as the end of a sentence.
+    /// What to do about loads that are applied in full at the start if a step failed at every size, as the end of a sentence.
     pub(super) fn undivided(&self, cause: &StepError) -> String {
         let deforms = matches!(
             cause,
@@ -35,9 +35,9 @@ impl Simulation {
         if !deforms || names.is_empty() {
             return String::new();
         }
-        let (does, them) = if names.len() == 1 { ("is", "it") } else { ("are", "them") };
+        let (is, them) = if names.len() == 1 { ("is", "it") } else { ("are", "them") };
         format!(
-            "; {} {does} there at once, and smaller steps do not divide {them}: give {them} as a table from zero, with which every step adds a part",
+            "; {} {is} applied in full at the start, which smaller steps do not change: give {them} as a table that begins with zero, so that every step adds a part",
             names.join(", ")
         )
     }

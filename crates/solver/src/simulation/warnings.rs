@@ -48,8 +48,8 @@ impl Simulation {
             return;
         }
         let reason = format!(
-            "stabilisation has taken {:.1} % of the strain energy. It is zero at the end of the stage; but where surfaces slid, or where there are several equilibria, \
-             the result depends on the path. Where bodies only closed gaps this is harmless; otherwise reduce the steps or the fraction of the stage, or support what moves",
+            "stabilisation has dissipated {:.1} % of the strain energy. Its force is zero at the end of the stage; but where surfaces slid, or where there are several equilibria, \
+             the result depends on the path. Where bodies only closed gaps this is harmless; otherwise reduce the steps or the fraction of the stage, or support the bodies that move",
             100.0 * stabilisation / strain
         );
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));

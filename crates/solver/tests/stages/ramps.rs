@@ -1,4 +1,4 @@
-//! Prescriptions that begin where their nodes are, and loads that are there at once.
+//! Prescriptions that begin where their nodes are, and loads that are applied in full at the start.
 
 use crate::{hanging, later, run, settings, stage};
 use stoss_integrators::EnergyMomentum;
@@ -88,7 +88,7 @@ fn a_ramp_has_a_velocity() {
     assert!((simulation.state().q[0] - simulation.model().reference[0] - 0.01).abs() < 1e-15);
 }
 
-/// A load that is there at once is named where a step fails at every size; a table from zero is not.
+/// A load that is applied in full at the start is named where a step fails at every size; a table from zero is not.
 #[test]
 fn loads_that_are_there_at_once_are_named() {
     let fails = |magnitude: Table| {
@@ -99,7 +99,7 @@ fn loads_that_are_there_at_once_are_named() {
         (error, simulation.loads_at_once().to_vec())
     };
     let (error, loads) = fails(Table::constant(&[-1e9]));
-    assert!(error.contains("gravity is there at once") && error.contains("table from zero"), "{error}");
+    assert!(error.contains("gravity is applied in full at the start") && error.contains("begins with zero"), "{error}");
     assert_eq!(loads, [0]);
     let (error, loads) = fails(Table::from_rows(&[vec![0.0, 0.0], vec![1.0, -1e9]], 1).unwrap());
     assert!(!error.contains("at once") && loads.is_empty(), "{error}");

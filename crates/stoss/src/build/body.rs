@@ -138,8 +138,7 @@ fn warn_of_single_rows(name: &str, mesh: &Mesh) -> Option<String> {
     let rows = single_rows(mesh);
     let first = rows.first()?;
     Some(format!(
-        "body `{name}`: {} of {} elements are in a single row (the first is element {first}): hex20 with `integration = \"reduced\"` has modes without stiffness there, unless supports or other \
-         bodies take them, and the system is then singular. Use two elements across, or `integration = \"full\"`",
+        "body `{name}`: {} of {} elements are in a single row (the first is element {first}): hex20 with `integration = \"reduced\"` has zero-energy modes there, unless supports or other bodies prevent them, and the system is then singular. Use two elements through the thickness, or `integration = \"full\"`",
         rows.len(),
         mesh.elements.len()
     ))
@@ -382,7 +381,7 @@ fn read(
     mesh.nodes.iter_mut().flatten().for_each(|x| *x *= scale);
     if let Some(coincident) = mesh.coincident_nodes() {
         notes.push(format!(
-            "{} nodes lie at the place of another one, in {} pieces: elements that do not share nodes are not joined",
+            "{} nodes coincide with another one, in {} pieces: elements that do not share nodes are not joined",
             coincident.count,
             mesh.pieces()
         ));

@@ -1,7 +1,6 @@
 //! Contacts of a scene: surfaces found and examined, the method made where its module is built in.
 
 use super::condition::{prescribed, resolve};
-use super::friction::gains_energy_in_impacts;
 use super::missing::not_built_in;
 use super::pair::{PairInput, finer};
 use super::tie::Ties;
@@ -70,7 +69,7 @@ pub(super) fn contacts(
             surfaces.rotate_left(slave);
         }
         if let Some((_, other)) = seen.iter().find(|(other, _)| *other == surfaces) {
-            let message = format!("is the same contact as `{}`: its constraints would be there twice", other.label());
+            let message = format!("is the same contact as `{}`: its constraints would be redundant", other.label());
             problems.add(format!("{key}.name"), item.label(), message, "remove one of the two");
             continue;
         }
@@ -91,7 +90,7 @@ pub(super) fn contacts(
             && let Some(tie) = ties.of([&slave.facets, &master.facets])
         {
             let message =
-                format!("is between surfaces that `{tie}` ties together: they cannot part, nor touch any further");
+                format!("is between surfaces that `{tie}` ties together, so that contact cannot have an effect");
             problems.add(key, item.label(), message, "remove the contact or the tie, or choose other surfaces");
             continue;
         }
@@ -124,7 +123,7 @@ pub(super) fn contacts(
 fn impacts(scene: &Scene) -> Option<String> {
     let integrator = scene.time.integrator.as_ref().filter(|_| !scene.contacts.is_empty())?;
     let scheme = integrator.make().ok()?;
-    gains_energy_in_impacts(&*scheme).then(|| {
+    scheme.rule(1.0).gains_energy_in_impacts().then(|| {
         format!(
             "time.integrator: `{}` gains energy in impacts, at every step size (docs/verification/stability.md): use `energy-momentum`, or \
              `backward-euler`, which loses some, if bodies collide",

@@ -5,7 +5,7 @@ use super::{FrictionPlan, OwnLaws, ParameterError, Problems};
 use crate::scene::{self, Scene};
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_integrators::{GradientRule, SCHEMES, Scheme};
+use stoss_integrators::{GradientRule, SCHEMES};
 
 fn law(item: &scene::Friction, laws: &OwnLaws) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
     Ok(match item {
@@ -40,18 +40,12 @@ pub(super) fn schemes_that_fit() -> String {
     };
     let names = |gains: bool| {
         let list: Vec<String> = fit()
-            .filter(|(_, scheme)| gains_energy_in_impacts(&**scheme) == gains)
+            .filter(|(_, scheme)| scheme.rule(1.0).gains_energy_in_impacts() == gains)
             .map(|(name, _)| format!("`{name}`"))
             .collect();
         list.join(", ")
     };
     format!("{} (or, gaining energy in impacts, {})", names(false), names(true))
-}
-
-/// True for schemes whose state has accelerations (generalised-alpha and its relatives): the acceleration of a node that has just closed holds the
-/// blow of the contact force, and the next step takes it for one that goes on.
-pub(super) fn gains_energy_in_impacts(scheme: &dyn Scheme) -> bool {
-    scheme.rule(1.0).acceleration.is_some()
 }
 
 /// Tangential stiffness of friction in multiples of Young's modulus over an edge, if the scene gives none: as a spring, a sticking node moves by a tenth

@@ -64,8 +64,7 @@ pub(super) fn general(
     let made = contact(scene, table, placed, ties, model, problems, warnings);
     if is_default(scene) {
         for problem in &mut problems.list[before..] {
-            problem.message +=
-                " (general contact is on by default where several bodies are there and no pair is named)";
+            problem.message += " (general contact is on by default if there are several bodies and no pair is named)";
             problem.remedy += ", or switch it off: [general_contact] enabled = false";
         }
     }
@@ -114,12 +113,7 @@ fn contact(
     }
     let Classes { facets, classes, apart } = skins;
     if facets.is_empty() {
-        problems.add(
-            "general_contact".into(),
-            "",
-            "there is no surface that takes part",
-            "include a body, or remove the table",
-        );
+        problems.add("general_contact".into(), "", "no surface takes part", "include a body, or remove the table");
         return None;
     }
     general_table::check(scene, placed, table, &classes.iter().copied().collect(), problems);
@@ -134,7 +128,7 @@ fn contact(
         return None;
     }
     if rules.is_empty() && warnings.len() == warned {
-        let message = "general_contact: nothing acts on anything: see `include`, `exclude` and `self`, and which pairs [[contact]] and [[tie]] name";
+        let message = "general_contact: no two bodies can come into contact: see `include`, `exclude` and `self`, and which pairs [[contact]] and [[tie]] name";
         warnings.push(message.into());
     }
     let inner = inner_pairs(scene, placed);
@@ -144,7 +138,7 @@ fn contact(
     let slip = slip_velocities(scene, table, &skin, &rules, model, thickness);
     let has_rates = scene.is_dynamic() || scene.stages.iter().any(|stage| stage.kind == Kind::Dynamic);
     if has_friction && has_rates && slip.is_none() {
-        let message = "friction acts from some speed of slip on, and nothing moves against anything else at the start, from which a small speed could be chosen";
+        let message = "friction needs a slip velocity, and no default can be chosen: at the start no body moves relative to another one";
         let remedy = "add `slip_velocity`, about a hundredth of the speed at which bodies will slide";
         // Of the contacts whose edges are left to general contact, if it has none of its own.
         let (key, value) = match table.friction > 0.0 {
@@ -304,7 +298,7 @@ fn skin(
     let default = THICKNESS * edge;
     if let Some(thickness) = table.thickness.filter(|&thickness| thickness < THINNEST * edge) {
         let message = format!(
-            "is less than {THINNEST:e} of the shortest edge, {edge:.3e}: no step is short enough for so thin a layer"
+            "is less than {THINNEST:e} of the shortest edge, {edge:.3e}: no step size is small enough for so thin a layer"
         );
         let remedy = format!("choose at least {:.3e}; if it is left out it is {default:.3e}", THINNEST * edge);
         problems.add("general_contact.thickness".into(), format!("{thickness:e}"), message, remedy);
@@ -358,7 +352,7 @@ fn skin(
         }
         if nearest.distance <= thickness || thickness < THINNEST * edge {
             let message = format!(
-                "two parts of the surface of `{}` that are no neighbours are only {:.3e} apart near {}: there the layer would act all the time",
+                "two parts of the surface of `{}` that are not adjacent are only {:.3e} apart near {}, so that the contact layer would act there all the time",
                 name(*body),
                 nearest.distance,
                 point(nearest.place, edge)
@@ -377,8 +371,8 @@ fn skin(
     // Only a thickness that the scene gives is larger than the gap of bodies that are apart.
     for ([a, b], nearest) in touching.clone().filter(|(_, nearest)| nearest.distance >= TOUCH * thickness) {
         warnings.push(format!(
-            "general_contact: `{}` and `{}` start {:.3e} apart near {}, less than the thickness {thickness:.3e}: surfaces are put inside them as if they touched, forces begin \
-             where the bodies touch, and they may overlap by up to the thickness; make `thickness` smaller than the gap, or leave it out",
+            "general_contact: `{}` and `{}` start {:.3e} apart near {}, less than the thickness {thickness:.3e}: their surfaces are inset as if they touched, forces begin \
+             where the bodies touch, and the bodies may overlap by up to the thickness; make `thickness` smaller than the gap, or leave it out",
             name(*a),
             name(*b),
             nearest.distance,
@@ -402,7 +396,7 @@ fn skin(
             [false, true] => [1.0, 0.0],
             [true, true] => {
                 let message = format!(
-                    "the rigid bodies `{}` and `{}` touch at the start, and neither has an inside for an inset surface: they are flat or not closed",
+                    "the rigid bodies `{}` and `{}` touch at the start, and neither surface can be inset: both are flat or not closed",
                     name(pair[0]),
                     name(pair[1]),
                 );

@@ -15,15 +15,14 @@ pub(super) fn check(scene: &Scene, placed: &[Placed], problems: &mut Problems<'_
     let mut unable = own.chain(of_stages).filter(|(_, integrator)| !integrator.carries_general_contact());
     if general_contact(scene).is_some() {
         for (key, Integrator { scheme, .. }) in unable {
-            let message =
-                "has no general contact: forces of the middle or of the start of a step do not keep surfaces apart";
+            let message = "does not support general contact: contact forces from the middle or the start of a step do not keep surfaces apart";
             problems.add(key, scheme, message, format!("choose one of {}, or name pairs with [[contact]]", able()));
         }
     } else if scene.contacts.is_empty() && scene.general_contact.as_ref().is_none_or(|table| table.enabled) {
         let Some([a, b]) = free_pair(scene, placed) else { return };
         let reason = match unable.next() {
             Some((_, Integrator { scheme, .. })) => {
-                format!("`{scheme}` has no general contact; choose one of {}", able())
+                format!("`{scheme}` does not support general contact; choose one of {}", able())
             }
             None => "this build of Stoss has no general contact; build it with the cargo feature `general`".to_owned(),
         };

@@ -17,14 +17,14 @@ pub(super) fn of_contacts(scene: &Scene, placed: &[Placed], warnings: &mut Vec<S
         let (Some(a), Some(b), Some(friction)) = (a, b, &contact.friction) else { continue };
         let (mu, what) = match friction {
             Friction::Coulomb(law) => (law.mu, None),
-            Friction::StaticDynamic(law) => (law.mu_dynamic, Some("there `mu_dynamic` acts, at any speed")),
+            Friction::StaticDynamic(law) => (law.mu_dynamic, Some("`mu_dynamic` is used there at any speed")),
             Friction::Regularised(law) => {
-                (law.mu, Some("there `slip_velocity` of [general_contact] acts in place of `speed`"))
+                (law.mu, Some("`slip_velocity` of [general_contact] is used there in place of `speed`"))
             }
             Friction::Own(_) => {
                 let [a, b] = contact.surfaces().map(|set| split_set(set).map_or(set, |(part, _)| part));
                 warnings.push(format!(
-                    "contact[{c}].friction: general contact, which the edges are left to, cannot take the law `{}`: there the `friction` of [general_contact] acts; give the two bodies one: \
+                    "contact[{c}].friction: general contact, which takes care of the edges, does not support the law `{}` and uses the `friction` of [general_contact] there; set one for the two bodies: \
                      [general_contact] pairs = [{{ between = [\"{a}\", \"{b}\"], friction = 0.2 }}]",
                     friction.law()
                 ));
@@ -33,7 +33,7 @@ pub(super) fn of_contacts(scene: &Scene, placed: &[Placed], warnings: &mut Vec<S
         };
         if let Some(what) = what {
             warnings.push(format!(
-                "contact[{c}].friction: general contact, which the edges are left to, has Coulomb's law alone and not `{}`: {what}",
+                "contact[{c}].friction: general contact, which takes care of the edges, supports Coulomb's law only and not `{}`: {what}",
                 friction.law()
             ));
         }

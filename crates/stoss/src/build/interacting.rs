@@ -182,7 +182,7 @@ pub(super) fn interactions(
     }
     for [a, b] in unknown {
         warnings.push(format!(
-            "general_contact: the rigid bodies `{a}` and `{b}` pass through each other, because nothing gives how stiff the layer between them is; add to [general_contact]: \
+            "general_contact: the rigid bodies `{a}` and `{b}` pass through each other, because the stiffness of the layer between them is not given; add to [general_contact]: \
              pairs = [{{ between = [\"{a}\", \"{b}\"], modulus = 1e6 }}] with a pressure"
         ));
     }
@@ -200,7 +200,7 @@ fn joined_pairs(pairs: &BTreeSet<[&str; 2]>) -> Option<String> {
     let more = pairs.len().saturating_sub(LISTED);
     let more = if more > 0 { format!(", and {more} more pairs") } else { String::new() };
     Some(format!(
-        "general_contact: joints connect {}{more}: they do not act on each other and pass through each other, at the joint and elsewhere; name those that may meet in [general_contact]: \
+        "general_contact: joints connect {}{more}: there is no contact between them, at the joint or elsewhere; name those that may come into contact in [general_contact]: \
          pairs = [{{ between = [\"{a}\", \"{b}\"] }}] (of two rigid bodies with a `modulus`, a pressure)",
         listed.join("; ")
     ))
@@ -235,7 +235,7 @@ pub(super) fn without_joined_overlaps(
     }
     let message = |[a, b]: [&str; 2]| {
         format!(
-            "general_contact: a joint that ends later connects `{a}` and `{b}`, which overlap at the start: they do not act on each other, then either, and pass through each other; \
+            "general_contact: a joint that ends later connects `{a}` and `{b}`, which overlap at the start: there is no contact between them, then either, and they pass through each other; \
              move one of them"
         )
     };

@@ -292,7 +292,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
                 problems.add(
                     "time.integrator.scheme".into(),
                     &integrator.scheme,
-                    "cannot carry constraints, but the scene has contact, ties, joints, rigid bodies, beams, or a prescribed motion along a normal that is no axis of space",
+                    "does not support constraints, but the scene has contact, ties, joints, rigid bodies, beams, or a prescribed motion along a normal that is no axis of space",
                     format!("choose one of {}, or remove them", constrained.join(", ")),
                 );
             }

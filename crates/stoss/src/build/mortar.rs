@@ -79,14 +79,14 @@ pub(super) fn contact(
         return None;
     }
     if restores && options.integrals == Integrals::Frozen {
-        let message = "needs gaps of the positions: frozen ones differ from one step to the next";
+        let message = "needs gaps that are functions of the positions; with frozen integrals they differ from one step to the next";
         problems.add(format!("{}.closing", pair.key), "restore", message, "remove it or `integrals`");
         return None;
     }
     // True if an entry cannot be had, which is said.
     let refuse = |entry: &str, value: &str, remedy: &str, problems: &mut Problems<'_>| {
         if let Some(scheme) = constant {
-            let message = format!("needs integrals that move in the step; with the scheme `{scheme}` they stay");
+            let message = format!("needs integrals that move in the step; with the scheme `{scheme}` they are fixed");
             problems.add(format!("{}.{entry}", pair.key), value, message, format!("{remedy}, or use `backward-euler`"));
         }
         constant.is_some()
@@ -98,7 +98,7 @@ pub(super) fn contact(
             let prescribed = |n: u32| [0, 1, 2].map(|i| pair.tied.contains(&n) || fixed[3 * n as usize + i]);
             let held = |&n: &u32| (0..3).all(|i| fixed[3 * n as usize + i]) && model.embedding.carriers(n).is_some();
             if pair.is_rigid() && method.slave().nodes().iter().all(held) {
-                let message = "the slave is a rigid body all of whose motion is prescribed, and the master is rigid, too: no pressure is determined";
+                let message = "the slave is a rigid body whose whole motion is prescribed, and the master is rigid too: the pressures are not determined";
                 problems.add(pair.key.clone(), item.label(), message, "exchange slave and master");
                 return None;
             }

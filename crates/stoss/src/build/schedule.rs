@@ -71,6 +71,8 @@ impl Schedule {
         probes: &[Probe],
         problems: &mut Problems<'_>,
     ) -> Self {
+        // If something else is wrong, names are not resolved.
+        let is_resolved = problems.list.is_empty();
         let mut segments = Vec::new();
         let integrator = scene.time.integrator.clone().filter(|_| scene.header.kind == Kind::Dynamic);
         for (s, stage) in scene.stages.iter().enumerate() {
@@ -81,6 +83,7 @@ impl Schedule {
                     Some(Named::Prescription(p)) => off.prescriptions.push(*p),
                     Some(Named::Contact(c)) => off.contacts.push(*c),
                     Some(Named::Part(p)) => off.parts.push(*p),
+                    None if !is_resolved => {}
                     None => {
                         let message =
                             "cannot be switched off: it is no joint, spring, contact, prescribed motion or load";
@@ -119,6 +122,7 @@ impl Schedule {
                 Some(Named::Contact(c)) => Release::Constraint(*c),
                 Some(Named::Prescription(p)) => Release::Prescription(*p),
                 Some(Named::Part(p)) => Release::Part(*p),
+                _ if !is_resolved => continue,
                 _ => {
                     let message = "cannot be released: it is no joint, spring or prescribed motion";
                     problems.add(format!("event[{e}].release"), &event.release, message, "name a joint");

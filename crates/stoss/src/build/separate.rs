@@ -148,7 +148,7 @@ pub(super) fn separate(
         let (first, count) = (part.first_node as usize, mesh.nodes.len());
         model.reference[3 * first..3 * (first + count)].copy_from_slice(mesh.nodes.as_flattened());
         model.embedding.follow(&mut model.reference);
-        let message = "to be free of what it lay in";
+        let message = "so that it no longer overlaps";
         let size = format_length(by.norm());
         lines.push(format!("{}: moved by {size}, {}, {message}", part.name, interacting::point((*by).into(), edge)));
     }
@@ -191,7 +191,7 @@ fn motions(
                 Relation::Apart(Some(_)) if shift != Vector3::zeros() => {}
                 Relation::Apart(_) => continue,
                 Relation::Inside => {
-                    let message = format!("`{}` and `{}`: one lies wholly inside the other", name(a), name(b));
+                    let message = format!("`{}` and `{}`: one is wholly inside the other", name(a), name(b));
                     return Err((message, "move one of them".into()));
                 }
             }
@@ -209,7 +209,7 @@ fn motions(
                 let may = [a, b].into_iter().zip(most).filter(|(_, most)| *most > 0.0);
                 let may = may.map(|(body, most)| format!("of `{}` by {}", name(body), format_length(most)));
                 let message = format!(
-                    "`{}` and `{}` lie too deep in each other: no motion {}, a quarter of the smallest extent, takes them apart",
+                    "`{}` and `{}` overlap too deeply: no motion {}, a quarter of the smallest extent, separates them",
                     name(a),
                     name(b),
                     may.collect::<Vec<_>>().join(" and ")
@@ -223,7 +223,8 @@ fn motions(
             return Ok(moves);
         }
         if let Some([a, b]) = least_motions(&conditions, &ease, gap, &mut moves) {
-            let message = format!("there is no room for `{}` and `{}` between what may not be moved", name(a), name(b));
+            let message =
+                format!("there is no room for `{}` and `{}` between bodies that may not be moved", name(a), name(b));
             return Err((message, "move bodies apart in the scene".into()));
         }
         for (p, by) in moves.iter().enumerate() {
@@ -235,7 +236,7 @@ fn motions(
                     format_length(by.norm()),
                     format_length(most)
                 );
-                return Err((message, "move it, or what it lies in".into()));
+                return Err((message, "move it, or the body that it overlaps".into()));
             }
         }
     }

@@ -242,12 +242,13 @@ impl<'a> Space<'a> {
     fn compare(&self, difference: &crate::scene::Formula, relation: Relation, x: [f64; 3]) -> bool {
         let step = STEP * self.size();
         let slope = |i: usize| {
-            let along = |s: f64| difference.value(std::array::from_fn(|k| if k == i { x[k] + s } else { x[k] }));
+            let along =
+                |s: f64| difference.value(&std::array::from_fn::<f64, 3, _>(|k| if k == i { x[k] + s } else { x[k] }));
             (along(step) - along(-step)) / (2.0 * step)
         };
         let gradient = norm([slope(0), slope(1), slope(2)]);
         let tolerance = if gradient.is_finite() { TOLERANCE * self.size() * gradient } else { 0.0 };
-        relation.holds(difference.value(x), tolerance)
+        relation.holds(difference.value(&x), tolerance)
     }
 
     /// Whether each place is in a set: of a set of facets or elements these count for facets and elements, their nodes otherwise.

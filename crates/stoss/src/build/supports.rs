@@ -66,16 +66,16 @@ pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<S
         }
         if by_general {
             list.push(format!(
-                "{names}: {left} of 6 rigid motions are held by nothing but general contact, which has no stiffness before surfaces are pressed on each other; a quasi-static run may find \
+                "{names}: only general contact can prevent {left} of 6 rigid motions, and it has no stiffness before surfaces are pressed together; a quasi-static run may find \
                  the system singular. `stabilise` the run, or prescribe displacements that exclude them"
             ));
         } else if prescribed.is_empty() && touches && scene.time.stabilise.is_none() {
             list.push(format!(
-                "{names}: nothing but contact holds it; in a quasi-static run a rigid motion is left until other contacts or friction take it. Prescribe some displacements, or `stabilise` the run"
+                "{names}: supported by contact alone; in a quasi-static run a rigid motion is free until other contacts or friction prevent it. Prescribe some displacements, or `stabilise` the run"
             ));
         } else if left > 0 && !touches {
             list.push(format!(
-                "{names}: {left} of 6 rigid motions are not held, and no contact is named for it; a quasi-static run will find the system singular. Prescribe \
+                "{names}: {left} of 6 rigid motions are free, and no contact is named for it; a quasi-static run will find the system singular. Prescribe \
                  displacements that exclude them"
             ));
         }

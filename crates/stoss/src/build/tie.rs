@@ -60,7 +60,7 @@ pub(super) fn ties(
         }
     }
     if !scene.ties.is_empty() {
-        let message = "the ties move nodes of each other's surfaces, round in a circle";
+        let message = "the ties move nodes of each other's surfaces in a cycle";
         let remedy = "set `interface` to \"keep\" or \"close\" in one of them";
         problems.add("tie[0].interface".into(), "move", message, remedy);
     }
@@ -143,8 +143,7 @@ fn made(
         }
         if tie.tied_share() < WHOLLY_TIED {
             warnings.push(format!(
-                "{}: {:.1} % of the slave surface lie opposite the master and are tied, the rest is free; where more is meant, set `reach` \
-                 or choose other surfaces",
+                "{}: {:.1} % of the slave surface lie opposite the master and are tied, the rest is free; if more was intended, set `reach` or choose other surfaces",
                 item.label(),
                 100.0 * tie.tied_share()
             ));

@@ -2,7 +2,7 @@
 
 use super::{Attempt, Remedy, Where, toml};
 use crate::build::{OwnLaws, Placed, placed_parts};
-use crate::scene::{Scene, split_set};
+use crate::scene::{Integrator, Scene, split_set};
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use stoss_mesh::Mesh;
@@ -266,6 +266,17 @@ impl<'a> Case<'a> {
             .iter()
             .enumerate()
             .filter(move |(c, item)| pairs.get(*c).is_some_and(|pair| pair.name == item.label()))
+    }
+
+    /// Key and value of the scheme of the present stage, if it is dynamic.
+    pub(super) fn integrator(&self) -> Option<(String, &Integrator)> {
+        if !self.simulation.plan().rule.has_inertia() {
+            return None;
+        }
+        let stage = (self.simulation.stage() as usize).saturating_sub(1);
+        let own = self.scene.stages.get(stage).and_then(|stage| stage.integrator.as_ref());
+        let own = own.map(|integrator| (format!("stage[{stage}].integrator"), integrator));
+        own.or_else(|| Some(("time.integrator".to_owned(), self.scene.time.integrator.as_ref()?)))
     }
 
     /// Key of the step size of the present stage.

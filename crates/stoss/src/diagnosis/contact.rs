@@ -65,7 +65,7 @@ pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
         let degrees = angle.to_degrees();
         let evidence = vec![
             format!(
-                "mu = {mu} is {:.1} times the coefficient from which on such a wedge locks itself, {tangent:.3}",
+                "mu = {mu} is {:.1} times {tangent:.3}, the coefficient from which on such a wedge locks",
                 friction.tan() / tangent
             ),
             format!("{} contact points of `{label}` are closed", flank.closed),
@@ -89,13 +89,13 @@ pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
             },
             place,
             sentence: format!(
-                "friction locks the wedge: `{}` is driven between {between} at {degrees:.1} degrees to the drive, where it cannot give way, and mu = {mu} is above tan {degrees:.1} = {tangent:.3}. It sticks, and the elements deform instead",
+                "friction locks the wedge: `{}` is driven between {between}, which are at {degrees:.1} degrees to the prescribed motion, and mu = {mu} is above tan {degrees:.1} = {tangent:.3}. It sticks, and the elements deform instead",
                 flank.driven
             ),
             evidence,
             remedies: vec![
                 Remedy { text: format!("set {} (below {tangent:.3} it slides)", keys.join(" and ")), changes },
-                Remedy::words(format!("or make the wedge blunter than {:.0} degrees", friction.to_degrees())),
+                Remedy::words(format!("or make the angle of the wedge larger than {:.0} degrees", friction.to_degrees())),
                 Remedy::words("or prescribe a force instead of a motion, or a smaller motion"),
             ],
         });
@@ -280,7 +280,7 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
     remedies.extend(case.smaller_step());
     if remedies.is_empty() {
         remedies.push(Remedy::words(
-            "refine the slave surface where it meets the master, or set `method = \"mortar\"`, whose contact state changes less from point to point",
+            "refine the slave surface where it meets the master, or set `method = \"mortar\"`, whose contact state varies less from node to node",
         ));
     }
     vec![Finding {

@@ -61,7 +61,7 @@ pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
                     .to_owned()
             }
         };
-        let mut remedies = vec![Remedy::words(format!("repair the mesh at node {node} of `{name}`, {from}"))];
+        let mut remedies = vec![Remedy::words(format!("correct the mesh at node {node} of `{name}`, {from}"))];
         if case.scene.solver.inside_out != crate::scene::InsideOut::Warn {
             remedies.push(Remedy::set("solver.inside_out", "\"warn\"", "the run continues with a warning while the Jacobian is positive at the integration points; do not trust the stresses there"));
         }
@@ -97,15 +97,15 @@ pub(super) fn single_rows(case: &Case<'_>) -> Vec<Finding> {
             confidence: Confidence::High,
             place: place.clone(),
             sentence: format!(
-                "`{name}` is hex20 with reduced integration, with elements in a single row: such an element has modes of deformation without stiffness, which nothing beside it takes"
+                "`{name}` has hex20 elements with reduced integration in a single row: such an element has zero-energy modes, which no neighbouring element prevents"
             ),
             evidence: vec![
                 format!("{} of {} elements have no neighbour in two directions, the first is element {}", rows.len(), body.solid.element_count(), rows[0]),
                 "the stiffness matrix is singular".to_owned(),
             ],
             remedies: vec![
-                Remedy::set(format!("body[{b}].integration"), "\"full\"", "all modes have stiffness"),
-                Remedy::words("or take two elements across: more `divisions`, or a finer mesh"),
+                Remedy::set(format!("body[{b}].integration"), "\"full\"", "then there are no zero-energy modes"),
+                Remedy::words("or take two elements through the thickness: more `divisions`, or a finer mesh"),
             ],
         });
     }
@@ -127,14 +127,14 @@ pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
             Remedy::set(
                 format!("body[{b}].volumetric"),
                 "\"mixed\"",
-                "elements average the change of volume and do not lock",
+                "elements with averages of the change of volume do not lock",
             )
         });
         let softer = match case.scene.locate(&key) {
             Some(_) => Remedy::set(
                 key,
                 "0.49",
-                "the bulk modulus is then fifty times the shear modulus, and elements do not lock yet",
+                "the bulk modulus is then fifty times the shear modulus, and elements do not lock",
             ),
             None => Remedy::words(format!(
                 "give `body[{b}].material` a smaller bulk modulus: fifty times the shear modulus is enough"
@@ -146,7 +146,7 @@ pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
             confidence: if is_here { Confidence::Medium } else { Confidence::Low },
             place: Where { text: format!("`{name}`"), body: Some(name.to_owned()), ..Where::default() },
             sentence: format!(
-                "`{name}` is nearly incompressible (Poisson's ratio {nu}): elements without averages lock: they are far too stiff, and the pressure oscillates from element to element"
+                "`{name}` is nearly incompressible (Poisson's ratio {nu}), and its elements lock: they are far too stiff, and the pressure oscillates from element to element"
             ),
             evidence: vec![format!("the bulk modulus is {:.0} times the shear modulus", 2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)))],
             remedies: mixed.into_iter().chain([softer]).collect(),

@@ -1,4 +1,4 @@
-//! Why a run stopped, or came out wrong: where, what, the likely cause, and what to try.
+//! Why a run stopped, or why its result is wrong: where, what, the likely cause, and what to try.
 //!
 //! The solver leaves facts ([`stoss_solver::FailedAttempt`]), the watch a verdict. Each function in `FINDINGS` looks at these, the scene and the model for
 //! the signs of one cause and gives a [`Finding`] or none; the most certain one comes first. What they know of the case is in [`Case`].
@@ -11,15 +11,18 @@
 
 mod case;
 mod contact;
+mod density;
 mod elements;
+mod energy;
+mod members;
 mod motion;
 mod redundant;
-mod scales;
 mod sudden;
 mod supports;
 mod surfaces;
 mod text;
 mod toml;
+mod too_large;
 
 pub use case::Case;
 
@@ -36,12 +39,12 @@ pub const PAGE: &str = "diagnosis.html";
 /// What looks for the signs of a cause.
 type Look = fn(&Case<'_>) -> Vec<Finding>;
 
-/// All that is looked for.
-const FINDINGS: [Look; 14] = [
+/// What is examined.
+const FINDINGS: [Look; 15] = [
     supports::supports,
-    scales::density,
-    scales::step,
-    scales::load,
+    density::density,
+    too_large::step,
+    too_large::load,
     surfaces::overlap,
     surfaces::facing_away,
     surfaces::missing_contact,
@@ -52,6 +55,7 @@ const FINDINGS: [Look; 14] = [
     sudden::at_once,
     contact::locked_by_friction,
     contact::cycles,
+    energy::scheme_gains,
 ];
 
 /// A cause.
@@ -67,10 +71,12 @@ pub enum Cause {
     OverlapAtStart,
     /// A contact names surfaces that are turned away from each other.
     SurfacesFaceAway,
-    /// Bodies collide and no contact is named.
+    /// Bodies penetrate each other and no contact is named.
     MissingContact,
     /// The density does not fit the modulus.
     Density,
+    /// The scheme adds energy to the bodies.
+    SchemeGainsEnergy,
     /// An element of the mesh is nearly degenerate.
     Sliver,
     /// Friction locks a wedge.
@@ -81,11 +87,11 @@ pub enum Cause {
     Incompressible,
     /// The stress of a load is of the order of Young's modulus.
     LoadTooLarge,
-    /// A load that is there at once in statics.
+    /// A load that is applied in full at the start, in statics.
     LoadAtOnce,
     /// Hexahedra with reduced integration in a single row.
     ZeroEnergyModes,
-    /// A contact or support that follows from others.
+    /// A contact or support that is redundant.
     RedundantConstraints,
     /// Contact points that open and close, or stick and slide, with every iteration.
     ContactCycles,
@@ -199,7 +205,7 @@ pub struct Attempt {
     pub changing: Vec<(String, u32)>,
 }
 
-/// What is known of a run that stopped or came out wrong.
+/// What is known of a run that stopped or whose result is wrong.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Diagnosis {
     /// Title of the scene.
@@ -292,8 +298,9 @@ fn unknown(case: &Case<'_>) -> Finding {
         remedies.push(Remedy::set("time.max_cuts", cuts, "the default: a failing step may be halved ten times"));
     }
     let smallest = case.smallest_failed();
-    let evidence =
-        smallest.filter(|_| remedies.is_empty()).map(|dt| format!("steps down to {} failed too", toml::plain(dt)));
+    let evidence = smallest
+        .filter(|_| remedies.is_empty())
+        .map(|dt| format!("smaller steps, down to {}, failed too", toml::plain(dt)));
     if !remedies.is_empty() {
         remedies
             .push(Remedy::words("look at the last frames near this place, in `report.html` or with `stoss picture`"));
@@ -307,7 +314,7 @@ fn unknown(case: &Case<'_>) -> Finding {
                 "check what changes at t = {at}: loads, prescribed motions, contacts that close"
             )));
             remedies.push(Remedy::words(
-                "look at the residuals of the last attempts in `diagnosis.html`: where they grow at once, look at materials and elements, where they stall, at contact and friction",
+                "look at the residuals of the last attempts in `diagnosis.html`: if they grow from the first iteration on, check materials and elements; if they stagnate, contact and friction",
             ));
         }
     }
@@ -315,7 +322,7 @@ fn unknown(case: &Case<'_>) -> Finding {
         cause: Cause::Unknown,
         confidence: Confidence::Low,
         place: case.place(),
-        sentence: "the run shows the signs of no cause that is looked for".to_owned(),
+        sentence: "none of the known causes fits this run".to_owned(),
         evidence: std::iter::once(case.what()).chain(evidence).collect(),
         remedies,
     }

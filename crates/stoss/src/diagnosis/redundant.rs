@@ -90,15 +90,15 @@ pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
                 confidence: if of_supports.is_empty() { Confidence::High } else { Confidence::Medium },
                 place,
                 sentence: format!(
-                    "the slave of `{label}` has faces with 8 nodes: the point in the middle of a face has a pressure of its own, but moves with the face, so that where the slave is as fine as the master or \
-                     finer that pressure follows from the others"
+                    "the slave of `{label}` has faces with 8 nodes: the point in the middle of a face has a pressure of its own, but moves with the face. Where the slave is as fine as the master or \
+                     finer, that pressure is redundant"
                 ),
                 evidence: vec![
-                    format!("{middles} of {} points near the master are middles of such faces", near.len()),
-                    "the system is singular in a pressure, not in a motion".to_owned(),
+                    format!("{middles} of {} points near the master are in the middle of such faces", near.len()),
+                    "the undetermined unknown is a pressure, not a motion".to_owned(),
                 ],
                 remedies: vec![
-                    Remedy::set(format!("contact[{c}].method"), "\"mortar\"", "its pressures belong to the corners of faces, and are determined"),
+                    Remedy::set(format!("contact[{c}].method"), "\"mortar\"", "its pressures belong to the corners of faces and are determined"),
                     Remedy::words(penalty),
                     Remedy::words("or exchange `slave` and `master`, if the other surface is coarser"),
                 ],
@@ -133,11 +133,11 @@ fn held_twice(case: &Case<'_>, c: usize, nodes: &BTreeSet<u32>, place: Where) ->
         ),
         evidence: vec![
             format!("{} nodes near the master are held along the normal of the contact", nodes.len()),
-            "the system is singular in a pressure or in the force of a support, not in a motion".to_owned(),
+            "the undetermined unknown is a pressure or the force of a support, not a motion".to_owned(),
         ],
         remedies: vec![
             Remedy::words(format!(
-                "hold these nodes by one of them: leave the nodes that touch out of the set of the prescription (a [[set]] without them), or `{slave}` without the nodes that are held"
+                "let only one of them hold these nodes: leave the nodes that touch out of the set of the prescription (a [[set]] without them), or the nodes that are held out of `{slave}`"
             )),
             Remedy::words(
                 "or exchange `slave` and `master` of the contact, if nothing holds the master along the normal",

@@ -1,4 +1,4 @@
-//! Loads that are there at once, which smaller steps do not divide.
+//! Loads that are applied in full at the start, which smaller steps do not divide.
 
 use super::case::Case;
 use super::elements::LOCKS;
@@ -34,7 +34,7 @@ pub(super) fn at_once(case: &Case<'_>) -> Vec<Finding> {
                 };
                 let values = &rows[0][1..];
                 let table = format!("{{ table = [{}, {}] }}", row(start, &vec![0.0; values.len()]), row(end, values));
-                let why = "every step then adds a part of it, and smaller steps help";
+                let why = "every step then adds a part of it, so that smaller steps help";
                 remedies.push(Remedy::set(format!("load[{l}].{key}"), table, why));
             }
             Some((key, _)) => remedies.push(Remedy::words(format!("let the table of `load[{l}].{key}` begin with zero at t = {}", toml::plain(start)))),
@@ -44,14 +44,14 @@ pub(super) fn at_once(case: &Case<'_>) -> Vec<Finding> {
         }
     }
     let mut evidence = vec![format!(
-        "{} steps from t = {}, down to {}, had the whole load and failed",
+        "{} attempts from t = {}, with step sizes down to {}, had the full load and failed",
         case.failures().len(),
         toml::plain(start),
         toml::plain(case.smallest_failed().unwrap_or(0.0))
     )];
     evidence.extend(nearly.map(|nu| {
         format!(
-            "`{}` is nearly incompressible (Poisson's ratio {nu:.6}): Newton's method needs small changes there",
+            "`{}` is nearly incompressible (Poisson's ratio {nu:.6}): Newton's method needs small load increments there",
             place.body.as_deref().unwrap_or_default()
         )
     }));
@@ -60,7 +60,7 @@ pub(super) fn at_once(case: &Case<'_>) -> Vec<Finding> {
         confidence: if nearly.is_some() { Confidence::High } else { Confidence::Medium },
         place,
         sentence: format!(
-            "{} {} there at once: in statics a step begins with the whole load, whatever its size, so that halving it does not help",
+            "{} {} applied in full at the start: the first step has the full load whatever its size, so that halving it does not help",
             names.join(", "),
             if names.len() == 1 { "is" } else { "are" }
         ),

@@ -59,7 +59,7 @@ pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
         let pair = contact.map(|(_, item)| item.label());
         let mut evidence = vec![seen.sentence.clone()];
         if contact.is_some() && case.failure().is_some() {
-            evidence.push("contact cannot separate them in one step".to_owned());
+            evidence.push("contact cannot push them apart in one step".to_owned());
         }
         list.push(Finding {
             cause: Cause::OverlapAtStart,
@@ -210,7 +210,7 @@ pub(super) fn facing_away(case: &Case<'_>) -> Vec<Finding> {
                 changes,
             });
         }
-        remedies.push(Remedy::words("if the bodies are to turn first and touch then, leave the contact as it is"));
+        remedies.push(Remedy::words("if the bodies turn before they touch, leave the contact as it is"));
         list.push(Finding {
             cause: Cause::SurfacesFaceAway,
             confidence: match &crossed {
@@ -246,12 +246,12 @@ fn by_general(case: &Case<'_>, names: &[String; 2]) -> Option<Remedy> {
     let is_on = scene.general_contact.is_some() || crate::build::general_contact(scene).is_some();
     let (toml, text) = match (is_rigid, is_on) {
         (false, false) => {
-            ("[general_contact]\n".to_owned(), "or let everything be in contact: `[general_contact]`".to_owned())
+            ("[general_contact]\n".to_owned(), "or let all surfaces be in contact: `[general_contact]`".to_owned())
         }
         (true, false) => (
             format!("[general_contact]\n{pair}\n"),
             format!(
-                "or let everything be in contact: `[general_contact] {pair}`, with a modulus, a pressure, that is right for them"
+                "or let all surfaces be in contact: `[general_contact] {pair}`, with a modulus (a pressure) that suits these bodies"
             ),
         ),
         (_, true) => {
@@ -285,7 +285,10 @@ pub(super) fn missing_contact(case: &Case<'_>) -> Vec<Finding> {
             cause: Cause::MissingContact,
             confidence: confidence(seen),
             place: between(case, seen, &names, None),
-            sentence: format!("`{}` and `{}` collide, and no contact is defined between them", names[0], names[1]),
+            sentence: format!(
+                "`{}` and `{}` penetrate each other, and no contact is defined between them",
+                names[0], names[1]
+            ),
             evidence: vec![seen.sentence.clone()],
             remedies,
         });

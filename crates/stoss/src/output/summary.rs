@@ -6,7 +6,7 @@ use crate::scene::OnFault;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-use stoss_solver::{Decision, Timings};
+use stoss_solver::{Decision, Timings, digits};
 use stoss_watch::{Severity, Verdict};
 
 /// How a run ended.
@@ -45,16 +45,16 @@ pub enum Outcome {
 /// Peak memory of the process.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
 pub struct Memory {
-    /// Largest resident set in bytes, where the system tells (Linux).
+    /// Largest resident set in bytes, where the system reports it (Linux).
     pub peak_resident_bytes: Option<u64>,
     /// Bytes of the matrix, its factors and the element data at the end.
     pub system_bytes: usize,
 }
 
-/// How the watch looked at the run.
+/// What the watch checked, and when.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
 pub struct WatchSummary {
-    /// Steps between two checks at the geometry.
+    /// Steps between two checks of the geometry.
     pub every: u64,
     /// What a verdict `wrong` does.
     pub on_fault: OnFault,
@@ -111,7 +111,7 @@ pub struct Summary {
     pub decisions: Vec<Decision>,
     /// What the watch found: sound, doubtful or wrong, and why.
     pub verdict: Verdict,
-    /// How it looked.
+    /// How often the watch checked, and what a verdict `wrong` does.
     pub watch: WatchSummary,
     /// Wall seconds that writing the page `report.html` at the end of the run took, if it was written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -181,7 +181,12 @@ impl std::fmt::Display for Summary {
         writeln!(
             f,
             "{} steps to t = {} in {:.2} s ({:.2} s CPU), {:.2} Newton iterations a step, {} cuts",
-            self.steps, self.time, self.wall_seconds, self.cpu_seconds, self.mean_iterations, self.cuts
+            self.steps,
+            digits(self.time),
+            self.wall_seconds,
+            self.cpu_seconds,
+            self.mean_iterations,
+            self.cuts
         )?;
         write!(f, "time:")?;
         for (name, share) in self.seconds.shares() {

@@ -12,12 +12,12 @@ const CONTACT = [
   ['Contact force', ['contact_force_x', 'contact_force_y', 'contact_force_z']],
   ['Smallest gap', ['min_gap']],
   ['Largest contact pressure', ['max_pressure']],
-  ['Points of contact', ['active', 'closed', 'released', 'repaired']],
+  ['Contact points', ['active', 'closed', 'released', 'repaired']],
   ['Coverage defect', ['coverage_defect']],
 ];
 const WATCH = [
   ['Deepest penetration (edge lengths)', ['relative_depth']],
-  ['Nodes inside, edges that cut, passages', ['nodes_inside', 'cutting_edges', 'tunnelled']],
+  ['Nodes inside, cutting edges, tunnelled nodes', ['nodes_inside', 'cutting_edges', 'tunnelled']],
 ];
 
 /** What the columns of a joint are, by the ends of their names. */

@@ -66,7 +66,7 @@ function follow(app) {
   if (state) restore(app, state);
   const seconds = Number(document.querySelector('meta[name=stoss-reload]')?.content);
   if (!(seconds > 0)) return;
-  byId('following').textContent = `the run goes on; loaded anew every ${text(seconds)} s`;
+  byId('following').textContent = `the run is running; reloaded every ${text(seconds)} s`;
   let isHeld = false;
   addEventListener('pointerdown', () => { isHeld = true; }, true);
   for (const name of ['pointerup', 'pointercancel']) addEventListener(name, () => { isHeld = false; }, true);

@@ -129,9 +129,9 @@ function verdict(run, go) {
     textContent: `${finding.level}: ${finding.sentence}`,
     onclick: () => go({ time: finding.worst_time ?? finding.time, place: finding.position }),
   });
-  const looked = watch ? ` It looked every ${watch.every === 1 ? 'step' : `${watch.every} steps`}.` : '';
-  const words = found.reasons.length ? 'What the watch found; a click goes to the time and the place.' : 'The watch found nothing.';
-  return [...out, element('h2', { textContent: `Verdict: ${found.level}` }), element('p', { textContent: words + looked }), ...found.reasons.map(reason)];
+  const checked = watch ? ` Bodies and elements were checked every ${watch.every === 1 ? 'step' : `${watch.every} steps`}.` : '';
+  const words = found.reasons.length ? 'What the watch found. A click shows the time and the place.' : 'The watch found nothing.';
+  return [...out, element('h2', { textContent: `Verdict: ${found.level}` }), element('p', { textContent: words + checked }), ...found.reasons.map(reason)];
 }
 
 /** How a run ended, in words. */
@@ -160,7 +160,7 @@ function summaryRows(run) {
 
 function facts(run) {
   const out = run.notes.map(message);
-  out.push(element('h2', { textContent: `How it went: ${run.name}` }), table(summaryRows(run)));
+  out.push(element('h2', { textContent: `Summary: ${run.name}` }), table(summaryRows(run)));
   const seconds = Object.entries(run.summary?.seconds ?? {});
   if (seconds.length) out.push(element('h2', { textContent: 'Wall seconds' }), table(seconds.map(([name, { wall }]) => [name, wall])));
   for (const contact of run.summary?.contacts ?? []) {

@@ -73,7 +73,7 @@ class Viewer {
     this.canvas = canvas;
     this.camera = new Camera();
     const gl = canvas.getContext('webgl2', { antialias: !isSoftware(), alpha: false });
-    if (!gl) throw new Error('this browser gives no WebGL2: no animation');
+    if (!gl) throw new Error('this browser has no WebGL2, so that there is no animation');
     this.gl = gl;
     this.program = programOf(gl, VERTEX, FRAGMENT);
     const uniforms = gl.getProgramParameter(this.program, gl.ACTIVE_UNIFORMS);

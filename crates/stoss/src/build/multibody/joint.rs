@@ -81,7 +81,12 @@ impl Sides<'_> {
             (PartKind::Body, b) => {
                 let solid = &self.model.bodies[b].solid;
                 let Some(coupled) = self.parts.couplings.get(&(name.to_owned(), coupling)) else {
-                    problems.add(key.to_owned(), name, "the set has no nodes to hold on", "choose another set");
+                    problems.add(
+                        key.to_owned(),
+                        name,
+                        "the set has no nodes to connect the joint to",
+                        "choose another set",
+                    );
                     return None;
                 };
                 return Some(Side {

@@ -24,8 +24,7 @@ pub(super) fn velocities(
         let violation = velocity_violation(set, &model.reference, &model.velocity).unwrap_or(0.0);
         if violation > NO_SPEED * fastest {
             list.push(format!(
-                "{} {}: the initial velocities violate it by {violation:.3e} (length over time); the first step changes them as an impact would. Give velocities that it \
-                 allows",
+                "{} {}: the initial velocities violate it by {violation:.3e} (length over time); the first step changes them, which acts as an impact. Give velocities that it allows",
                 set.kind_name(),
                 set.name()
             ));
@@ -36,7 +35,7 @@ pub(super) fn velocities(
         let start = motor.angle.iter().chain(&motor.displacement).flat_map(|series| series.rows());
         if start.take(1).any(|row| row.len() > 1 && row[1] != 0.0) {
             list.push(format!(
-                "joint {}: its motor does not begin at zero, where the joint is: the first step turns it by all of that, as an impact would. Begin its table with \
+                "joint {}: its motor does not begin at zero, where the joint is: the first step turns it by the whole value, which acts as an impact. Begin its table with \
                  [0, 0]",
                 item.name
             ));

@@ -171,7 +171,7 @@ fn body(
         (Some(density), _) if density > 0.0 => {
             let outline = outline?;
             let properties = properties(item, outline, density);
-            let remedy = "correct the surface, or give `mass` and `inertia` in place of `density`";
+            let remedy = "correct the surface, or give `mass` and `inertia` instead of `density`";
             let properties = properties
                 .map_err(|error| problems.add(format!("{key}.density"), density, error.to_string(), remedy))
                 .ok()?;

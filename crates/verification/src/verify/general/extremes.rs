@@ -116,7 +116,7 @@ fn coincident(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let code = launched.run.ending.code.map_or(f64::NAN, f64::from);
     let row = Check::new(name, "exit code: refused", code, Bound::Near { value: REFUSED, tolerance: 0.0 });
     findings.checks.push(row.noted(launched.log.lines().next().unwrap_or_default()));
-    let says = f64::from(u8::from(launched.log.contains("that are no neighbours are only")));
+    let says = f64::from(u8::from(launched.log.contains("that are not adjacent are only")));
     findings.checks.push(Check::new(name, "the message names what is wrong", says, Bound::AtLeast(1.0)));
     Ok(())
 }

@@ -71,7 +71,7 @@ impl Suite for Random {
     }
 
     fn about(&self) -> &'static str {
-        "Whole runs of random scenes: no panic, no hang, promises of the scheme kept, bodies inside each other found."
+        "Whole runs of random scenes: no panic, no hang, promises of the scheme kept, penetration found."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
