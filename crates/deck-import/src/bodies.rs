@@ -11,6 +11,7 @@ use crate::ImportError;
 use crate::left_out::List;
 use crate::material::{self, Law};
 use crate::sets::Lookup;
+use crate::text::count;
 
 /// A body of the scene.
 #[derive(Clone, Debug)]
@@ -124,12 +125,12 @@ fn variants(solids: &Solids, elements: &[u32]) -> Variants {
             String::new(),
         ));
     }
-    for (name, (_, count)) in &types {
+    for (name, (_, number)) in &types {
         let kind = kind(name);
         let letters = letters(name);
         let bends = if kind.is_quadratic() { "" } else { "for bending add `cell = \"quadratic\"` to the body" };
-        let mut add =
-            |here: String, remedy: &str| notes.push((format!("{count} elements {name}: {here}"), remedy.to_owned()));
+        let of_type = format!("{} {name}", count(*number, "element", "elements"));
+        let mut add = |here: String, remedy: &str| notes.push((format!("{of_type}: {here}"), remedy.to_owned()));
         if *name == "C3D8" {
             let here = "CalculiX averages the change of volume in C3D8; without that it is stiffer here in bending and where the material is nearly incompressible";
             add(here.to_owned(), bends);

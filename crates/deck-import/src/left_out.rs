@@ -6,6 +6,8 @@ use std::path::Path;
 
 use stoss_mesh_io::deck::{Deck, DeckPlace};
 
+use crate::text::count;
+
 /// Something of a deck that the scene does not have, or has in another form.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
@@ -81,7 +83,10 @@ impl List {
         for other in deck.contents.other_elements() {
             let file = file_name(&other.path);
             let number = self.files.iter().position(|name| *name == file).unwrap_or(0);
-            let what = format!("{} {}", other.count, other.what);
+            let what = match other.what.strip_prefix("elements ") {
+                Some(kind) => format!("{} {kind}", count(other.count, "element", "elements")),
+                None => format!("{} {}", other.count, other.what),
+            };
             self.add(
                 DeckPlace { file: number, line: other.line },
                 what,
@@ -178,7 +183,7 @@ fn meaning(what: &str) -> (&'static str, &'static str) {
         "EXPANSION" | "TEMPERATURE" | "CONDUCTIVITY" | "SPECIFICHEAT" | "CFLUX" | "DFLUX" | "FILM" | "RADIATE"
         | "GAPCONDUCTANCE" | "PHYSICALCONSTANTS" | "GAPHEATGENERATION" => (
             "temperatures and thermal strains are not computed",
-            "nothing, if they do not matter for the mechanical results",
+            "no change is needed if they do not matter for the mechanical results",
         ),
         "HEATTRANSFER"
         | "COUPLEDTEMPERATURE-DISPLACEMENT"
@@ -209,7 +214,7 @@ fn meaning(what: &str) -> (&'static str, &'static str) {
             "give the body `damping = { mass = ALPHA, stiffness = BETA }`",
         ),
         "EQUATION" | "MPC" => (
-            "its equations are left out: they do not couple the nodes",
+            "its equations are left out: the nodes are not coupled",
             "use [[tie]], [[joint]] or [[prescribe]] in its place, or mesh the parts together",
         ),
         "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "DISTRIBUTINGCOUPLING" | "RIGIDBODY" => (

@@ -9,7 +9,7 @@ use crate::context::Context;
 use crate::history::{History, Value, amplitude, by_history, parts};
 use crate::records::{DeckLine, StageRecords, members_by_records};
 use crate::sets::{Selection, named};
-use crate::text::{text, vector};
+use crate::text::{count, text, vector};
 use crate::write::series;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -36,7 +36,8 @@ impl Context<'_> {
         if out > 0 {
             nodes.name = None;
             let consequence = format!(
-                "it does not act on {out} nodes whose *TRANSFORM gives them no axes: its type is not read, or the node lies on the line of cylindrical axes"
+                "it does not act on {} whose *TRANSFORM gives no axes there: its type is not read, or the node lies on the line of cylindrical axes",
+                count(out, "node", "nodes")
             );
             self.list.add(place, keyword, consequence, "write [[prescribe]] or [[load]] for these nodes");
         }

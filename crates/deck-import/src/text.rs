@@ -8,6 +8,11 @@ pub(crate) fn number(value: f64) -> String {
     if value == 0.0 { "0.0".to_owned() } else { format!("{value:?}") }
 }
 
+/// A number of things.
+pub(crate) fn count(number: usize, one: &str, many: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { many })
+}
+
 /// A list of numbers.
 pub(crate) fn list(values: &[f64]) -> String {
     let values: Vec<String> = values.iter().copied().map(number).collect();

@@ -8,7 +8,7 @@ use stoss_mesh_io::deck::Deck;
 use crate::bodies::{Bodies, Body};
 use crate::history::{History, between_jumps};
 use crate::set_names::Source;
-use crate::text::{comment, list, number, string, vector};
+use crate::text::{comment, count, list, number, string, vector};
 use crate::timeline::Timeline;
 use crate::{FileNames, LeftOut};
 
@@ -94,7 +94,11 @@ impl Tables {
     /// What was mapped, for people.
     pub fn mapped(&self, bodies: &Bodies, timeline: &Timeline) -> Vec<String> {
         let elements: usize = bodies.all.iter().map(|body| body.elements.len()).sum();
-        let mut lines = vec![format!("{} with {elements} elements", count(bodies.all.len(), "body", "bodies"))];
+        let mut lines = vec![format!(
+            "{} with {}",
+            count(bodies.all.len(), "body", "bodies"),
+            count(elements, "element", "elements")
+        )];
         let laws: BTreeSet<String> =
             bodies.all.iter().map(|body| format!("material {}: {}", body.material, body.law.summary)).collect();
         lines.extend(laws);
@@ -118,10 +122,6 @@ impl Tables {
         lines.extend(tables.iter().filter(|(n, ..)| *n > 0).map(|(n, one, many)| count(*n, one, many)));
         lines
     }
-}
-
-fn count(number: usize, one: &str, many: &str) -> String {
-    format!("{number} {}", if number == 1 { one } else { many })
 }
 
 fn pair(table: &str, first: &[&str], slave: &str, master: &str, keys: &[String]) -> String {
