@@ -13,7 +13,7 @@ use stoss::events::EventRecord;
 use stoss::output::{Outcome, Overwrite};
 use stoss::run::{Event, RunError, RunOptions, Summary};
 use stoss::solver::digits;
-use stoss::watch::Level;
+use stoss::watch::Severity;
 
 /// Exit code of a run that Ctrl-C or SIGTERM has ended after a step.
 pub const INTERRUPTED: u8 = 5;
@@ -196,7 +196,7 @@ pub fn run(job: Job) -> ExitCode {
                 error => say!("error: {error}"),
             }
             if let RunError::Simulation { last_step, verdict, .. } = &error
-                && (!quiet || verdict.level == Level::Wrong)
+                && (!quiet || verdict.level == Severity::Wrong)
             {
                 say!("verdict up to step {last_step}: {verdict}");
             }

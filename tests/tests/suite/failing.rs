@@ -114,7 +114,7 @@ fn a_scheme_that_gains_energy() {
     is_mended("scheme-gains-energy", &finding, 0);
     // What stopped the run has its verdict with it.
     if let Err(RunError::Simulation { verdict, .. }) = run(&text_of("scheme-gains-energy")).result {
-        assert_eq!(verdict.level, Level::Wrong, "{verdict}");
+        assert_eq!(verdict.level, Severity::Wrong, "{verdict}");
     }
 }
 
