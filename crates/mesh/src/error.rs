@@ -102,7 +102,7 @@ pub enum MeshError {
         /// What is looked for: nodes, or facets all of whose nodes lie in the region.
         kind: SetKind,
         /// The region in words.
-        region: String,
+        region: Box<str>,
         /// Smallest coordinates of the mesh.
         min: [f64; 3],
         /// Largest coordinates of the mesh.

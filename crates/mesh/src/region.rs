@@ -91,7 +91,7 @@ fn check_new_set(name: &str, region: &Region, exists: bool) -> Result<(), MeshEr
 
 /// The error for a set without members.
 fn empty(name: &str, kind: SetKind, region: &Region, (min, max): ([f64; 3], [f64; 3])) -> MeshError {
-    MeshError::EmptySet { name: name.to_owned(), kind, region: region.to_string(), min, max }
+    MeshError::EmptySet { name: name.to_owned(), kind, region: region.to_string().into(), min, max }
 }
 
 impl crate::SurfaceMesh {
