@@ -246,7 +246,7 @@ impl Contents {
                         .iter()
                         .map(|&n| self.node_source[kept.old_nodes[n as usize] as usize].number)
                         .collect(),
-                    point,
+                    point: Box::new(point),
                     jacobian,
                     remedy: remedy(mesh, e),
                 }

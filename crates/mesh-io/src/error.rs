@@ -124,7 +124,7 @@ pub enum MeshIoError {
         /// Its nodes' numbers, in the order of the kind.
         nodes: Box<[u64]>,
         /// Where.
-        point: ElementPoint,
+        point: Box<ElementPoint>,
         /// `det J` (a volume per reference volume).
         jacobian: f64,
         /// What to do.

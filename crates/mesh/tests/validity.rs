@@ -229,7 +229,7 @@ fn what_nodes_and_gauss_points_do_not_see_is_refused() {
 
 /// A warning counts the elements and names the worst one; a linear hexahedron that is flat at a corner is accepted with it.
 #[test]
-fn poor_elements_are_told() {
+fn poor_elements_are_reported() {
     let mut mesh = cell(CellKind::Hex8, |_, xi| xi);
     assert_eq!(mesh.quality().warning(), None);
     mesh.nodes[6] = [0.0, 0.0, 1.0];
@@ -237,5 +237,5 @@ fn poor_elements_are_told() {
     assert!(mesh.check().is_ok());
     assert!(quality.min_validity.abs() < 1e-12 && quality.poor_elements == 1);
     let text = quality.warning().unwrap();
-    assert!(text.starts_with("1 element has") && text.contains("the worst is element 0"), "{text}");
+    assert!(text.starts_with("1 element has") && text.contains("the smallest is that of element 0"), "{text}");
 }
