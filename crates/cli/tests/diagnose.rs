@@ -100,7 +100,7 @@ fn a_run_that_stops_has_its_verdict() {
         "error: step ",
         "verdict up to step ",
         "diagnosis: the scheme adds energy (almost certain)",
-        "energy-momentum",
+        "{ scheme = \"energy-momentum\" }",
     ]
     .map(|part| told.find(part).unwrap_or_else(|| panic!("{part}: {told}")));
     assert!(places.is_sorted() && told.contains(": wrong: at t = "), "{told}");

@@ -165,7 +165,7 @@ fn resuming_names_what_has_changed() {
     for (changes, named) in [
         (&[("young = 100.0", "young = 200.0")][..], "body[0].material.young: 100.0 -> 200.0"),
         (&[("step = 0.02", "step = 0.01")], "time.step: 0.02 -> 0.01"),
-        (&[("end = 0.2", "end = 0.05")], "behind the new end"),
+        (&[("end = 0.2", "end = 0.05")], "after the new end"),
         (
             &[(
                 "fixed = true\n\n[[probe]]",

@@ -81,7 +81,7 @@ fn a_ramp_that_ends_after_the_run_is_warned_of() {
 /// A set that does not exist is the only problem: what a stage switches off, or an event releases, is not reported as unknown because of it.
 #[test]
 fn names_are_not_reported_because_of_another_error() {
-    let more = "[[stage]]\nname = \"one\"\nkind = \"quasi-static\"\nuntil = 0.5\n[[stage]]\nname = \"two\"\nkind = \"quasi-static\"\nuntil = 1.0\noff = [\"hold\"]\n\
+    let more = "[[stage]]\nname = \"one\"\nkind = \"quasi-static\"\nstep = 0.5\nuntil = 0.5\n[[stage]]\nname = \"two\"\nkind = \"quasi-static\"\nstep = 0.5\nuntil = 1.0\noff = [\"hold\"]\n\
                 [[event]]\nname = \"snap\"\nrelease = \"hold\"\ntime = 0.25\n";
     let named = bar([4, 2, 1], "full").replacen("[[prescribe]]", "[[prescribe]]\nname = \"hold\"", 1) + more;
     build(&named);

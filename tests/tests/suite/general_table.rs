@@ -264,7 +264,9 @@ fn failures_say_what_is_in_the_way() {
     assert!(message.contains("singular") && message.contains("`stabilise`"), "{message}");
     let warnings = try_build(&loose).unwrap().warnings;
     assert!(
-        warnings.iter().any(|w| w.contains("nothing but general contact") && w.contains("`stabilise`")),
+        warnings
+            .iter()
+            .any(|w| w.contains("only general contact can prevent 1 of 6 rigid motions") && w.contains("`stabilise`")),
         "{warnings:?}"
     );
     let held = loose.replace("step = 0.5\n", "step = 0.5\nstabilise = { fraction = 0.01 }\n");

@@ -25,6 +25,7 @@ mod mortar;
 mod mortar_edges;
 mod mortar_friction;
 mod mortar_sliding;
+mod no_alarm;
 mod own_friction;
 mod own_law;
 mod pair_table;
