@@ -1,11 +1,17 @@
 //! Facets that lie on each other without being the same: displacements are not continuous there.
 
-use crate::vector::{cross, dot, minus, unit};
+use crate::vector::{cross, distance, dot, minus, unit};
 use crate::{Facet, FacetIndex, Mesh, MeshError};
 
-/// Two facets lie on each other at a common corner if their outward normals there are opposite within 8 degrees: chords of curved edges
-/// differ by that much between a coarse and a fine side.
+/// Two facets lie roughly on each other at a common corner if their outward normals there are opposite within 8 degrees: chords of curved
+/// edges differ by that much between a coarse and a fine side. Where that holds at all corners of a facet, it is no notch.
 const OPPOSITE: f64 = -0.99;
+
+/// They lie exactly on each other within 0.3 degrees. One corner is enough then: a notch is not so sharp.
+const EXACTLY_OPPOSITE: f64 = -0.999_986;
+
+/// Nodes of the two faces of a crack belong together if they are nearer than this part of the shortest edge at the corner.
+const TOGETHER: f64 = 0.02;
 
 /// A direction lies inside an angle if it is farther than this, in radians, from its legs.
 const INSIDE: f64 = 1e-3;
@@ -71,50 +77,78 @@ impl<'a> Boundary<'a> {
             .map(|&(_, other, i)| (&self.facets[other as usize], usize::from(i)))
     }
 
-    /// The element of a facet that lies on facet number `f`: of a triangle with three corners of a quadrilateral, or of a facet at the
-    /// first corner if others lie on `f` at each of its corners.
+    /// The element of a facet that lies on facet number `f`: of a triangle with three corners of a quadrilateral, of a facet, no larger,
+    /// that lies exactly on `f` at one corner and has not all of its corners at those of `f`, or of the first facet if others lie roughly on `f` at
+    /// each of its corners.
     fn element_on(&self, f: usize) -> Option<u32> {
         let facet = &self.facets[f];
         let corners = facet.nodes.corners();
         let shared = |other: &Facet| other.nodes.corners().iter().filter(|node| corners.contains(node)).count();
         let mut first = None;
-        let mut on_triangle = None;
+        let mut certain = None;
         let mut covered = true;
         for (i, &node) in corners.iter().enumerate() {
             let angle = Angle::new(self.mesh, facet, i);
             let mut on_corner = None;
             for (other, k) in self.others_at(f, node) {
-                if shared(other) == 3 && other.nodes.corners().len() != corners.len() {
+                let is_certain = if shared(other) == 3 && other.nodes.corners().len() != corners.len() {
                     // it counts for the quadrilateral only
-                    let found = on_triangle.get_or_insert(other.element);
-                    *found = other.element.min(*found);
-                } else if angle.as_ref().is_some_and(|angle| self.lies_on(angle, node, other, k)) {
+                    corners.len() == 4
+                } else if let Some(cosine) = angle.as_ref().and_then(|angle| self.lies_on(angle, node, other, k)) {
                     on_corner.get_or_insert(other.element);
+                    cosine < EXACTLY_OPPOSITE && self.is_no_larger(other, facet) && !self.match_each_other(facet, other)
+                } else {
+                    false
+                };
+                if is_certain {
+                    let found = certain.get_or_insert(other.element);
+                    *found = other.element.min(*found);
                 }
             }
             covered &= on_corner.is_some();
             first = first.or(on_corner);
         }
-        on_triangle.filter(|_| corners.len() == 4).or(first.filter(|_| covered))
+        certain.or(first.filter(|_| covered))
     }
 
-    /// Whether `other` lies on the angle of a facet at their common corner, with its element on the other side.
-    fn lies_on(&self, angle: &Angle, node: u32, other: &Facet, corner: usize) -> bool {
-        let Some(opposite) = Angle::new(self.mesh, other, corner) else { return false };
+    fn edges(&self, facet: &Facet) -> impl Iterator<Item = f64> + use<'a> {
+        let (mesh, corners) = (self.mesh, facet.nodes);
+        let n = corners.corners().len();
+        (0..n).map(move |i| distance(mesh.nodes[corners[i] as usize], mesh.nodes[corners[(i + 1) % n] as usize]))
+    }
+
+    /// Whether `other`, which lies on `facet`, is the smaller one, or neither is.
+    fn is_no_larger(&self, other: &Facet, facet: &Facet) -> bool {
+        self.edges(other).sum::<f64>() <= (1.0 + TOGETHER) * self.edges(facet).sum::<f64>()
+    }
+
+    /// Whether all corners of two facets are pairs of nodes at the same place, as those of the two faces of a crack.
+    fn match_each_other(&self, a: &Facet, b: &Facet) -> bool {
+        let place = |node: u32| self.mesh.nodes[node as usize];
+        let (first, second) = (a.nodes.corners(), b.nodes.corners());
+        let near = TOGETHER * self.edges(a).fold(f64::INFINITY, f64::min);
+        let has_partner = |node: &u32| second.iter().any(|other| distance(place(*node), place(*other)) <= near);
+        first.len() == second.len() && first.iter().all(has_partner)
+    }
+
+    /// The cosine of the normals if `other` lies on the angle of a facet at their common corner, with its element on the other side.
+    fn lies_on(&self, angle: &Angle, node: u32, other: &Facet, corner: usize) -> Option<f64> {
+        let opposite = Angle::new(self.mesh, other, corner)?;
         let corner = self.mesh.nodes[node as usize];
         // at the sharp edge of one body the normals are opposite, too, but there is nothing beyond the facet
         let beyond = || {
             let x = self.mesh.element_coordinates(other.element);
             x.iter().map(|x| dot(minus(*x, corner), angle.normal)).sum::<f64>() > 0.0
         };
-        dot(angle.normal, opposite.normal) < OPPOSITE && angle.overlaps(&opposite) && beyond()
+        let cosine = dot(angle.normal, opposite.normal);
+        (cosine < OPPOSITE && angle.overlaps(&opposite) && beyond()).then_some(cosine)
     }
 }
 
 impl Mesh {
     /// No facet on the boundary lies on others there: a quadrilateral on triangles, a large one on small ones, a quadratic one on linear
-    /// ones. Such facets have corners in common, so that no search in space is needed; the lips of a crack have common nodes at its
-    /// front only, and are not found.
+    /// ones, or meshes of two parts that do not fit. Such facets have corners in common, so that no search in space is needed. The faces of
+    /// a crack, which have common nodes at its front, have to match.
     pub(crate) fn check_conforming(&self, index: &FacetIndex) -> Result<(), MeshError> {
         let boundary = Boundary::new(self, index);
         let mut pairs = (0..boundary.facets.len()).filter_map(|f| Some((&boundary.facets[f], boundary.element_on(f)?)));

@@ -91,19 +91,47 @@ fn crossing_diagonals_are_refused() {
     assert_eq!(non_conforming(&mesh(across)).unwrap().2, 4);
 }
 
-/// The lips of a crack have the nodes of its front in common; their facets need not match.
+/// Two meshes of the same interface that have only some of their nodes there in common.
+#[test]
+fn parts_that_do_not_fit_are_refused() {
+    use CellKind::{Hex8, Hex20, Tet4, Wedge6};
+    for kind in [Hex8, Hex20, Tet4, Wedge6] {
+        for (n, m) in [(2, 3), (3, 4), (6, 8), (7, 10)] {
+            let mesh = join(&block(-2.0, 0.0, [1, n, n], kind), &block(0.0, 2.0, [1, m, m], kind), |_| true);
+            assert!(non_conforming(&mesh).is_some(), "{kind:?} {n} {m}");
+        }
+    }
+    // a corner that was not merged
+    let mesh = join(&block(-2.0, 0.0, [1, 1, 1], Hex8), &block(0.0, 2.0, [2, 2, 2], Hex8), |x| x[1] + x[2] < 3.0);
+    assert!(non_conforming(&mesh).is_some());
+    // divisions that agree in the half that is joined only
+    let mesh = join(&block(-2.0, 0.0, [1, 2, 2], Hex8), &block(0.0, 2.0, [1, 2, 4], Hex8), |x| x[2] == 0.0);
+    assert!(non_conforming(&mesh).is_some());
+}
+
+/// The faces of a crack have the nodes of its front in common, and pairs of nodes elsewhere; it may be open.
 #[test]
 fn cracks_are_accepted() {
-    let front = |x: [f64; 3]| x[2] <= 1.0;
-    for fine in [[2, 2, 2], [2, 3, 2], [2, 2, 4]] {
-        let mesh =
-            join(&block(-2.0, 0.0, [2, 2, 2], CellKind::Hex8), &block(0.0, 2.0, [2, 2, 2], CellKind::Hex8), front);
-        assert_eq!(non_conforming(&mesh), None, "{fine:?}");
+    for opening in [0.0, 1e-6, 1e-3, 0.01, 0.1, 0.5] {
+        for kind in [CellKind::Hex8, CellKind::Tet4, CellKind::Hex20] {
+            // as mirror images, so that the diagonals of tetrahedra agree
+            let left = block(-2.0, 0.0, [2, 2, 2], kind);
+            let mut right = left.clone();
+            right.nodes.iter_mut().for_each(|x| x[0] = -x[0]);
+            if kind == CellKind::Tet4 {
+                let mut elements = Elements::new();
+                right.elements.iter().for_each(|n| elements.push(kind, &[n[0], n[2], n[1], n[3]]));
+                right.elements = elements;
+            } else {
+                right = block(0.0, 2.0, [2, 2, 2], kind);
+            }
+            let mut mesh = join(&left, &right, |x| x[2] <= 1.0);
+            for x in &mut mesh.nodes[left.nodes.len()..] {
+                x[0] += opening * (x[2] - 1.0).max(0.0) * (2.0 - x[0]) / 2.0;
+            }
+            assert_eq!(non_conforming(&mesh), None, "{kind:?} {opening}");
+        }
     }
-    // a lip of one element high, above another of two
-    let upper =
-        join(&block(0.0, 2.0, [1, 2, 2], CellKind::Hex8), &block(2.0, 4.0, [1, 2, 4], CellKind::Hex8), |x| x[2] == 0.0);
-    assert_eq!(non_conforming(&upper), None);
 }
 
 /// Facets of one sharp edge have opposite normals and nothing between them but the element itself.
