@@ -39,6 +39,14 @@ fn columns_of_runs_and_sweeps_are_printed() {
             .success()
     );
 
+    // No table of the run is replaced.
+    for file in ["pull.out/probes.csv", "pull.out/balance.csv"] {
+        let before = std::fs::read(folder.join(file)).unwrap();
+        let output = stoss(folder, &["table", "pull.out", "-o", file]);
+        assert_eq!(output.status.code(), Some(2), "{file}");
+        assert_eq!(std::fs::read(folder.join(file)).unwrap(), before);
+    }
+
     // The overview of the probes has their units, and extrema with their times.
     let overview = table(folder, &["pull.out"]);
     let lines: Vec<&str> = overview.lines().collect();

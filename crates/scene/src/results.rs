@@ -219,7 +219,7 @@ named! {
         GreenLagrangeStrain = "green_lagrange_strain",
         /// Logarithmic strain `ln V = ln(F F^T)/2` in the current directions, extrapolated to nodes; shears are tensor components. Only if named in `fields`.
         LogarithmicStrain = "logarithmic_strain",
-        /// Force of the supports on each node, zero where nothing is prescribed. Only if named in `fields`.
+        /// Force of prescribed displacements on each node, zero where nothing is prescribed. Only if named in `fields`.
         Reaction = "reaction",
         /// Contact pressure on slave nodes, positive in compression; of general contact on all surfaces, as a mean since the last frame.
         ContactPressure = "contact_pressure",

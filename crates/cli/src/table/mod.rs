@@ -74,6 +74,11 @@ fn carry_out(asked: &Table) -> Result<String, Failure> {
     if asked.columns.is_empty() && (asked.last || asked.every > 1) && is_overview {
         return Err(("--last and --every choose rows: name --columns, or print all with --csv".to_owned(), 2));
     }
+    if let Some(file) = asked.output.as_deref().filter(|file| is_a_result(file, &sources)) {
+        let message =
+            format!("{}: would replace a table that the program has written; choose another file", file.display());
+        return Err((message, 2));
+    }
     let mut parts = Vec::new();
     for source in &sources {
         let columns = match asked.columns.is_empty() {
@@ -95,6 +100,14 @@ fn carry_out(asked: &Table) -> Result<String, Failure> {
         None if asked.csv => Ok(layout::separated(&table).trim_end().to_owned()),
         None => Ok(layout::aligned(&table, usize::from(asked.digits))),
     }
+}
+
+/// Whether a file is one of the tables that are read, or an existing one in a folder of results.
+fn is_a_result(file: &Path, sources: &[Source]) -> bool {
+    let Ok(file) = file.canonicalize() else { return false };
+    let is_source = sources.iter().any(|source| source.path.canonicalize().is_ok_and(|path| path == file));
+    is_source
+        || file.parent().is_some_and(|folder| folder.join("run.json").is_file() || folder.join("sweep.csv") == file)
 }
 
 /// The chosen ones of the rows of a window.

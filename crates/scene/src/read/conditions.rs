@@ -209,7 +209,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         return table.fail(
             if between.is_some() { "between" } else { "master" },
             format!("slave and master belong to the same body `{a}`"),
-            "choose the surface of another body; contact of a body with itself is not available",
+            "choose the surface of another body; contact of a body with itself is part of [general_contact]",
         );
     }
     if let Some([a, b]) = &between

@@ -24,7 +24,7 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
             return n.fail("needs contact, and the scene has none", "add a [[contact]] or choose another quantity");
         }
         if matches!(quantity, Quantity::Reaction | Quantity::ReactionMoment) && !world.has_prescribed {
-            let remedy = if world.has_elastic_support {
+            let remedy = if world.has_elastic_support && quantity == Quantity::Reaction {
                 "choose `support_force`, the force of [[support]], or add a [[prescribe]]"
             } else {
                 "add a [[prescribe]] or choose another quantity"
@@ -365,7 +365,11 @@ pub(super) fn expect(node: &Node<'_>, world: &World<'_>) -> Option<Expect> {
     }
     if !world.has_contact {
         for key in CONTACT.into_iter().filter(|&key| table.has(key)) {
-            applies = table.fail(key, "the scene has no contact", "remove it or add a [[contact]]");
+            applies = table.fail(
+                key,
+                "the scene has no [[contact]], to which this belongs",
+                "remove it or add a [[contact]]",
+            );
         }
     }
     table.finish();

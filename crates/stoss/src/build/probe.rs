@@ -280,14 +280,16 @@ pub(super) fn warnings(scene: &Scene, placed: &[Placed]) -> Vec<String> {
         nodes.unwrap_or_default()
     };
     let supported: BTreeSet<u32> = scene.supports.iter().flat_map(|support| nodes_of(&support.set)).collect();
-    let reactions = scene.probes.iter().filter(|probe| probe.quantity == Quantity::Reaction);
+    let is_reaction =
+        |probe: &&crate::scene::Probe| matches!(probe.quantity, Quantity::Reaction | Quantity::ReactionMoment);
+    let reactions = scene.probes.iter().filter(is_reaction);
     let on_support = reactions.filter(|probe| {
         probe.set.as_deref().is_some_and(|set| nodes_of(set).iter().any(|node| supported.contains(node)))
     });
     let warning = |probe: &crate::scene::Probe| {
         format!(
-            "probe `{}`: `reaction` has the forces of [[prescribe]] only, and a [[support]] acts on the same nodes; add a probe of `support_force`",
-            probe.name
+            "probe `{}`: `{}` has the forces of [[prescribe]] only, and a [[support]] acts on the same nodes; add a probe of `support_force`",
+            probe.name, probe.quantity
         )
     };
     on_support.map(warning).collect()
