@@ -1,6 +1,6 @@
 //! Facets that lie on each other without being the same: displacements are not continuous there.
 
-use crate::vector::{cross, distance, dot, minus, unit};
+use crate::vector::{cross, distance, dot, minus, norm, unit};
 use crate::{Facet, FacetIndex, Mesh, MeshError};
 
 /// Two facets lie roughly on each other at a common corner if their outward normals there are opposite within 8 degrees: chords of curved
@@ -10,8 +10,8 @@ const OPPOSITE: f64 = -0.99;
 /// They lie exactly on each other within 0.3 degrees. One corner is enough then: a notch is not so sharp.
 const EXACTLY_OPPOSITE: f64 = -0.999_986;
 
-/// Nodes of the two faces of a crack belong together if they are nearer than this part of the shortest edge at the corner.
-const TOGETHER: f64 = 0.02;
+/// Nodes of the two faces of a crack are a pair if they are nearer along the faces than this part of the shortest edge of a facet; a crack may be open.
+const PAIRED: f64 = 1e-3;
 
 /// A direction lies inside an angle if it is farther than this, in radians, from its legs.
 const INSIDE: f64 = 1e-3;
@@ -96,7 +96,9 @@ impl<'a> Boundary<'a> {
                     corners.len() == 4
                 } else if let Some(cosine) = angle.as_ref().and_then(|angle| self.lies_on(angle, node, other, k)) {
                     on_corner.get_or_insert(other.element);
-                    cosine < EXACTLY_OPPOSITE && self.is_no_larger(other, facet) && !self.match_each_other(facet, other)
+                    cosine < EXACTLY_OPPOSITE
+                        && self.is_no_larger(other, facet)
+                        && !self.are_faces_of_a_crack(facet, other)
                 } else {
                     false
                 };
@@ -119,16 +121,20 @@ impl<'a> Boundary<'a> {
 
     /// Whether `other`, which lies on `facet`, is the smaller one, or neither is.
     fn is_no_larger(&self, other: &Facet, facet: &Facet) -> bool {
-        self.edges(other).sum::<f64>() <= (1.0 + TOGETHER) * self.edges(facet).sum::<f64>()
+        self.edges(other).sum::<f64>() <= (1.0 + PAIRED) * self.edges(facet).sum::<f64>()
     }
 
-    /// Whether all corners of two facets are pairs of nodes at the same place, as those of the two faces of a crack.
-    fn match_each_other(&self, a: &Facet, b: &Facet) -> bool {
+    /// Whether all corners of two facets that lie on each other are pairs of nodes, as those of the two faces of a crack.
+    fn are_faces_of_a_crack(&self, a: &Facet, b: &Facet) -> bool {
         let place = |node: u32| self.mesh.nodes[node as usize];
         let (first, second) = (a.nodes.corners(), b.nodes.corners());
-        let near = TOGETHER * self.edges(a).fold(f64::INFINITY, f64::min);
-        let has_partner = |node: &u32| second.iter().any(|other| distance(place(*node), place(*other)) <= near);
-        first.len() == second.len() && first.iter().all(has_partner)
+        let near = PAIRED * self.edges(a).fold(f64::INFINITY, f64::min);
+        let Some(normal) = (0..first.len()).find_map(|i| Some(Angle::new(self.mesh, a, i)?.normal)) else {
+            return false;
+        };
+        let along = |x: [f64; 3]| norm(cross(x, normal));
+        let has_pair = |node: &u32| second.iter().any(|other| along(minus(place(*node), place(*other))) <= near);
+        first.len() == second.len() && first.iter().all(has_pair)
     }
 
     /// The cosine of the normals if `other` lies on the angle of a facet at their common corner, with its element on the other side.

@@ -18,10 +18,15 @@ pub(crate) struct Left {
 }
 
 pub(crate) fn run(text: &str) -> Left {
+    run_until(text, None)
+}
+
+/// [`run`] up to a time.
+pub(crate) fn run_until(text: &str, until: Option<f64>) -> Left {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("scene.toml");
     std::fs::write(&scene, text).unwrap();
-    let options = RunOptions { out: folder.path().join("out"), ..RunOptions::default() };
+    let options = RunOptions { out: folder.path().join("out"), until, ..RunOptions::default() };
     let mut told = None;
     let result = run_scene(&scene, &options, &mut |event| {
         if let Event::Diagnosis(diagnosis) = event {

@@ -1,9 +1,9 @@
 //! Scenes that come out well give no alarm.
 
-use crate::failing::{Left, run};
+use crate::failing::{Left, run, run_until};
 use std::path::Path;
 use stoss::diagnosis::Confidence;
-use stoss::run::{Event, RunOptions, diagnose_scene, run_scene};
+use stoss::run::{RunOptions, diagnose_scene};
 use stoss::watch::Severity;
 
 /// A steel bar in SI units under one newton: strains of 5e-10, of which steps leave errors that are no fault of the scheme.
@@ -42,19 +42,9 @@ fn scenes_that_come_out_well_raise_no_alarm() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     for name in ["press", "block-impact", "incline"] {
         let text = std::fs::read_to_string(scenes.join(format!("{name}.toml"))).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        let scene = folder.path().join("scene.toml");
-        std::fs::write(&scene, text).unwrap();
-        let until = (name == "incline").then_some(0.3);
-        let options = RunOptions { out: folder.path().join("out"), until, ..RunOptions::default() };
-        let mut told = None;
-        run_scene(&scene, &options, &mut |event| {
-            if let Event::Diagnosis(diagnosis) = event {
-                told = Some(diagnosis.clone());
-            }
-        })
-        .unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!(told, None, "{name}");
+        let Left { result, diagnosis } = run_until(&text, (name == "incline").then_some(0.3));
+        result.unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(diagnosis, None, "{name}");
     }
     for name in ["two-blocks", "rigid-punch", "trebuchet", "stack", "tied-cantilever"] {
         let found = diagnose_scene(&scenes.join(format!("{name}.toml")), &RunOptions::default()).unwrap().findings;

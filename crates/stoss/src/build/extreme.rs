@@ -20,6 +20,11 @@ pub struct Extreme {
 }
 
 impl Extreme {
+    /// Global nodes.
+    pub(super) fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
     /// Of `quantity`, or its component, at these nodes; stresses and strains belong to a body.
     pub(super) fn new(
         model: &Model,

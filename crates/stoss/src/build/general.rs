@@ -357,7 +357,12 @@ fn skin(
                 nearest.distance,
                 point(nearest.place, edge)
             );
-            problems.add(key(), "", message, "make `thickness` smaller, correct the mesh there, or set `self = false`");
+            let remedy = if nearest.distance > 2.0 * THINNEST * edge {
+                "make `thickness` smaller, correct the mesh there, or set `self = false`"
+            } else {
+                "correct the mesh there, or set `self = false`: no layer is thin enough, as between the faces of a closed crack"
+            };
+            problems.add(key(), "", message, remedy);
             return None;
         }
     }

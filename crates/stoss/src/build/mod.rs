@@ -189,9 +189,9 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         }
         warnings.extend(plausible::warnings(scene, &model));
         warnings.extend(supports::warnings(scene, &placed, &model));
-        warnings.extend(probe::warnings(scene, &placed));
         warnings.extend(condition::warnings(scene));
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
+        warnings.extend(probe::warnings(scene, &placed, &probes));
         // Places in the model are known only if nothing was left out.
         if problems.list.is_empty() {
             let places = places.iter().enumerate().filter_map(|(p, place)| Some((p, Named::Prescription((*place)?))));

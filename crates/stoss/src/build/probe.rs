@@ -5,7 +5,8 @@ use super::condition::resolve;
 use super::extreme::Extreme;
 use super::multibody::Parts;
 use super::placed::{Placed, index};
-use crate::scene::{Extremum, Quantity, Scene, split_set};
+use super::supports;
+use crate::scene::{Extremum, Quantity, Scene};
 use crate::solver::{Model, Simulation, SurfaceForce};
 use std::collections::BTreeSet;
 use stoss_contact::JointReport;
@@ -272,21 +273,18 @@ fn part_target(placed: &[Placed], model: &Model, name: &str, quantity: Quantity)
 }
 
 /// Warnings for probes of `reaction` at nodes on which elastic supports act, whose forces are not part of it.
-pub(super) fn warnings(scene: &Scene, placed: &[Placed]) -> Vec<String> {
-    let nodes_of = |set: &str| -> Vec<u32> {
-        let nodes = split_set(set).and_then(|(part, set)| {
-            placed.iter().find(|placed| placed.name == part).and_then(|placed| placed.nodes_of(set).ok())
-        });
-        nodes.unwrap_or_default()
-    };
-    let supported: BTreeSet<u32> = scene.supports.iter().flat_map(|support| nodes_of(&support.set)).collect();
-    let is_reaction =
-        |probe: &&crate::scene::Probe| matches!(probe.quantity, Quantity::Reaction | Quantity::ReactionMoment);
-    let reactions = scene.probes.iter().filter(is_reaction);
-    let on_support = reactions.filter(|probe| {
-        probe.set.as_deref().is_some_and(|set| nodes_of(set).iter().any(|node| supported.contains(node)))
+pub(super) fn warnings(scene: &Scene, placed: &[Placed], probes: &[Probe]) -> Vec<String> {
+    let supported: BTreeSet<u32> =
+        scene.supports.iter().flat_map(|support| supports::nodes_of(placed, &support.set)).collect();
+    let is_reaction = |probe: &&Probe| matches!(probe.quantity, Quantity::Reaction | Quantity::ReactionMoment);
+    let on_support = probes.iter().filter(is_reaction).filter(|probe| {
+        let nodes = match &probe.target {
+            ProbeTarget::Extreme(extreme) => extreme.nodes(),
+            _ => probe.nodes(),
+        };
+        nodes.iter().any(|node| supported.contains(node))
     });
-    let warning = |probe: &crate::scene::Probe| {
+    let warning = |probe: &Probe| {
         format!(
             "probe `{}`: `{}` has the forces of [[prescribe]] only, and a [[support]] acts on the same nodes; add a probe of `support_force`",
             probe.name, probe.quantity

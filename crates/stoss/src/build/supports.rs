@@ -84,7 +84,7 @@ pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<S
 }
 
 /// Nodes of a set `part.set`; none of one that cannot be resolved, which was reported.
-fn nodes_of(placed: &[Placed], set: &str) -> Vec<u32> {
+pub(super) fn nodes_of(placed: &[Placed], set: &str) -> Vec<u32> {
     let nodes = || {
         let (part, set) = split_set(set)?;
         placed.iter().find(|placed| placed.name == part)?.nodes_of(set).ok()

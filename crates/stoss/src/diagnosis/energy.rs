@@ -49,7 +49,7 @@ pub(super) fn scheme_gains(case: &Case<'_>) -> Vec<Finding> {
         cause: Cause::SchemeGainsEnergy,
         confidence: if gain.level == Severity::Wrong { Confidence::High } else { Confidence::Medium },
         place: Where {
-            text: format!("`{name}`, from step {} (t = {}) on", gain.step, toml::plain(gain.time)),
+            text: format!("`{name}`; the gain was judged at step {} (t = {})", gain.step, toml::plain(gain.time)),
             ..Where::default()
         },
         sentence,
