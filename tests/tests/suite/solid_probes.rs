@@ -246,3 +246,77 @@ fn mistakes_of_probes_are_told() {
         assert!(errors.contains(expected) && errors.lines().count() == 1, "{probe}: {errors}");
     }
 }
+
+/// Nothing is named: a rigid box presses on a block whose foot is held. What the surface of the block gets is what the box gets, and what the foot bears, for every cell; also the moment about the origin.
+#[test]
+fn the_force_of_general_contact_on_a_set_is_whole_for_every_cell() {
+    for cell in ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge15"] {
+        let text = format!(
+            r#"
+[scene]
+title = "block under a box"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.5
+[[body]]
+name = "block"
+mesh = {{ generator = "block", min = [-0.5, -0.5, 0], max = [0.5, 0.5, 1], divisions = [1, 1, 1] }}
+material = {{ law = "neo-hooke", young = 100.0, poisson = 0.0 }}
+cell = "{cell}"
+[[rigid]]
+name = "tool"
+shape = {{ kind = "box", size = [3, 3, 1] }}
+position = [0.2, 0.1, 1.5]
+[[prescribe]]
+name = "held"
+set = "block.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+rigid = "tool"
+components = ["z"]
+displacement = {{ table = [[0, 0], [1, -0.05]] }}
+[general_contact]
+[[probe]]
+name = "all"
+quantity = "contact_force"
+set = "block.all"
+[[probe]]
+name = "top"
+quantity = "contact_force"
+set = "block.top"
+[[probe]]
+name = "tool"
+quantity = "contact_force"
+set = "tool.boundary"
+[[probe]]
+name = "moment"
+quantity = "contact_moment"
+set = "block.top"
+[[probe]]
+name = "tool_moment"
+quantity = "contact_moment"
+set = "tool.boundary"
+[[probe]]
+name = "foot"
+quantity = "reaction"
+set = "block.bottom"
+"#
+        );
+        let scene = stoss::scene::parse(&text, "test.toml").unwrap_or_else(|errors| panic!("{errors}"));
+        let mut built = build(&scene, Path::new(".")).unwrap_or_else(|errors| panic!("{errors}"));
+        while !built.simulation.finished() {
+            built.simulation.advance().unwrap();
+        }
+        let [all, top, tool, foot] = ["all", "top", "tool", "foot"].map(|name| values(&built, name)[2]);
+        assert!(tool > 4.0, "{cell}: {tool}");
+        for (name, force) in [("all", all), ("top", top), ("foot", -foot)] {
+            assert!((force + tool).abs() < 1e-6 * tool, "{cell}, {name}: {force}, the tool has {tool}");
+        }
+        let [moment, opposite] = ["moment", "tool_moment"].map(|name| values(&built, name));
+        for (m, o) in moment.iter().zip(&opposite) {
+            assert!((m + o).abs() < 1e-6 * tool, "{cell}: moment {moment:?}, the tool has {opposite:?}");
+        }
+    }
+}

@@ -5,7 +5,7 @@ use crate::assembly::Iterate;
 use crate::rotation::cross;
 use crate::step::Attempt;
 use crate::system::contact_rule;
-use crate::{ContactSummary, PairSummary, Phase, StepError};
+use crate::{ContactSummary, Model, PairSummary, Phase, StepError};
 use std::collections::BTreeMap;
 use stoss_contact::{ContactWork, StepConfiguration, SurfaceForce};
 use stoss_integrators::StepRule;
@@ -15,6 +15,14 @@ fn add_force(sums: &mut BTreeMap<u32, SurfaceForce>, of: SurfaceForce) {
     let sum = sums.entry(of.node).or_insert(none);
     sum.force.iter_mut().zip(of.force).for_each(|(sum, f)| *sum += f);
     sum.moment.iter_mut().zip(of.moment).for_each(|(sum, m)| *sum += m);
+}
+
+/// Calls `add` with each node of a body that has the forces at `node`, and with its part of them: of a vertex of the trace of a quadratic face the nodes of the face, else the node itself.
+fn share(model: &Model, node: u32, mut add: impl FnMut(u32, f64)) {
+    match model.embedding.carriers(node).filter(|_| model.traces.contains_key(&node)) {
+        Some(carriers) => carriers.iter().for_each(|&(carrier, weight)| add(carrier, weight)),
+        None => add(node, 1.0),
+    }
 }
 
 impl Simulation {
@@ -66,7 +74,10 @@ impl Simulation {
             summary.surface.extend(self.timings.measure(Phase::Contact, || pair.method.surface_nodes(q)));
             let on_surface = self.timings.measure(Phase::Contact, || pair.method.surface_forces());
             for of in &on_surface {
-                add_force(&mut summary.moved, *of);
+                share(&self.model, of.node, |node, weight| {
+                    let [force, moment] = [of.force, of.moment].map(|v| v.map(|x| weight * x));
+                    add_force(&mut summary.moved, SurfaceForce { node, force, moment });
+                });
             }
             let reports = self.timings.measure(Phase::Search, || pair.method.report(q))?;
             for (slot, report) in reports.iter().enumerate() {
@@ -89,10 +100,12 @@ impl Simulation {
                 pair.method.assemble_with(configuration, values, multipliers, &active[c], false, &mut |local| {
                     for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                         if !on_surface.is_empty() {
-                            // Minus the force of the node that carries it.
-                            let force = [residual[0], residual[1], residual[2]];
-                            let moment = cross([0, 1, 2].map(|i| q[3 * node as usize + i]), force);
-                            add_force(&mut summary.moved, SurfaceForce { node, force, moment });
+                            // Minus the force of the nodes that carry it.
+                            share(&self.model, node, |node, weight| {
+                                let force = [residual[0], residual[1], residual[2]].map(|f| weight * f);
+                                let moment = cross([0, 1, 2].map(|i| q[3 * node as usize + i]), force);
+                                add_force(&mut summary.moved, SurfaceForce { node, force, moment });
+                            });
                         }
                         if is_slave[node as usize] {
                             let force = [-residual[0], -residual[1], -residual[2]];
