@@ -51,8 +51,8 @@ pub fn launch_within(
         std::fs::remove_dir_all(&folder)?;
     }
     let log = folder.with_extension("log");
-    let program = bench.program()?.executable();
-    let (ending, hung) = run(bench, program, &path, &folder, &log, limit)?;
+    let program = bench.program()?;
+    let (ending, hung) = run(bench, program.executable(), &path, &folder, &log, limit)?;
     let run = Run { name: name.to_owned(), folder, ending, until: None };
     Ok(Launched { run, hung, log: read(&log)? })
 }

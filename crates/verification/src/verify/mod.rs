@@ -36,9 +36,9 @@ mod states;
 mod tangents;
 mod work_precision;
 
-use std::cell::{OnceCell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::program::Program;
 use crate::workspace::{Outcome, Workspace, write};
@@ -54,13 +54,15 @@ const FOLDER: &str = "verify";
 const QUICK_STEPS: f64 = 60.0;
 
 /// A group of checks.
-pub trait Suite {
+pub trait Suite: Sync {
     /// Name on the command line.
     fn name(&self) -> &'static str;
     /// One sentence for the report.
     fn about(&self) -> &'static str;
     /// Runs what it needs and measures.
     fn measure(&self, bench: &Bench) -> Outcome<Findings>;
+    /// Runs that it will ask for, begun on a second core while the suites before it measure. What fails here fails again in `measure`, which tells.
+    fn run_ahead(&self, _bench: &Bench) {}
 }
 
 /// Every suite, in the order in which they run.
@@ -102,9 +104,14 @@ pub struct Bench {
     /// Which random scenes the suite `random` runs.
     pub random: random::Range,
     folder: PathBuf,
-    program: OnceCell<Program>,
-    runs: RefCell<BTreeMap<String, Run>>,
-    shown: RefCell<BTreeSet<String>>,
+    program: Mutex<Option<Program>>,
+    runs: Mutex<BTreeMap<String, Arc<Mutex<Option<Run>>>>>,
+    shown: Mutex<BTreeSet<String>>,
+}
+
+/// A lock whose holder may have panicked: what it guards is whole at any time.
+fn hold<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Bench {
@@ -116,9 +123,9 @@ impl Bench {
             quick,
             random: random::Range::default(),
             folder,
-            program: OnceCell::new(),
-            runs: RefCell::default(),
-            shown: RefCell::default(),
+            program: Mutex::default(),
+            runs: Mutex::default(),
+            shown: Mutex::default(),
         })
     }
 
@@ -130,24 +137,27 @@ impl Bench {
     }
 
     /// The program, built when it is first needed.
-    fn program(&self) -> Outcome<&Program> {
-        if let Some(program) = self.program.get() {
-            return Ok(program);
+    fn program(&self) -> Outcome<Program> {
+        let mut program = hold(&self.program);
+        if program.is_none() {
+            *program = Some(Program::build(&self.workspace)?);
         }
-        let built = Program::build(&self.workspace)?;
-        Ok(self.program.get_or_init(|| built))
+        program.clone().ok_or_else(|| "no program".into())
     }
 
     fn run(&self, scene: &Path, until: Option<f64>) -> Outcome<Run> {
         let name = scene.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        if let Some(run) = self.runs.borrow().get(&name).filter(|run| run.until == until) {
+        // Two threads that want the same run: the second one waits for it.
+        let place = Arc::clone(hold(&self.runs).entry(name.clone()).or_default());
+        let mut place = hold(&place);
+        if let Some(run) = place.as_ref().filter(|run| run.until == until) {
             return Ok(run.clone());
         }
         let folder = self.folder.join("runs").join(&name);
         let ending = self.program()?.run(scene, &folder, until)?;
         println!("verify: ran {name} in {:.1} s", ending.seconds);
-        let run = Run { name: name.clone(), folder, ending, until };
-        self.runs.borrow_mut().insert(name, run.clone());
+        let run = Run { name, folder, ending, until };
+        *place = Some(run.clone());
         Ok(run)
     }
 
@@ -160,7 +170,7 @@ impl Bench {
 
     /// Figures of a run, once for all suites.
     pub fn show(&self, run: &Run, findings: &mut Findings) -> Outcome<()> {
-        if self.shown.borrow_mut().insert(run.name.clone()) {
+        if hold(&self.shown).insert(run.name.clone()) {
             let shipped = self.workspace.read(format!("scenes/{}.toml", run.name)).ok();
             let reading = shipped.map(|text| header(&text)).unwrap_or_default();
             findings.sections.push(figures::section(run, reading)?);
@@ -176,7 +186,8 @@ impl Bench {
 
     /// Seconds of all runs together.
     fn seconds(&self) -> f64 {
-        self.runs.borrow().values().map(|run| run.ending.seconds).fold(0.0, |sum, seconds| sum + seconds)
+        let runs = hold(&self.runs);
+        runs.values().filter_map(|run| hold(run).as_ref().map(|run| run.ending.seconds)).sum()
     }
 }
 
@@ -209,16 +220,20 @@ pub fn command(workspace: &Workspace, quick: bool, names: &[String], random: ran
         return Err(format!("no suite {name:?}; there are {}", known.join(", ")).into());
     }
     let bench = Bench { random, ..Bench::new(workspace, quick)? };
-    let chosen = SUITES.iter().filter(|suite| names.is_empty() || names.iter().any(|name| name == suite.name()));
-    let mut results = Vec::new();
-    for suite in chosen {
-        // A suite that cannot measure falls short; the others still run.
-        let findings = suite.measure(&bench).unwrap_or_else(|error| {
-            let failed = Check::new(suite.name(), "could be measured", f64::NAN, check::Bound::AtLeast(1.0));
-            Findings { checks: vec![failed.noted(error.to_string())], sections: Vec::new() }
-        });
-        results.push((*suite, findings));
-    }
+    let is_chosen = |suite: &&&dyn Suite| names.is_empty() || names.iter().any(|name| name == suite.name());
+    let chosen: Vec<&dyn Suite> = SUITES.iter().filter(is_chosen).copied().collect();
+    let results = std::thread::scope(|scope| {
+        scope.spawn(|| chosen.iter().for_each(|suite| suite.run_ahead(&bench)));
+        let measure = |suite: &&'static dyn Suite| {
+            // A suite that cannot measure falls short; the others still run.
+            let findings = suite.measure(&bench).unwrap_or_else(|error| {
+                let failed = Check::new(suite.name(), "could be measured", f64::NAN, check::Bound::AtLeast(1.0));
+                Findings { checks: vec![failed.noted(error.to_string())], sections: Vec::new() }
+            });
+            (*suite, findings)
+        };
+        chosen.iter().map(measure).collect::<Vec<_>>()
+    });
     print!("{}", report::text(&results));
     let html = bench.folder.join("report.html");
     let origin = origin::Origin::find(workspace);

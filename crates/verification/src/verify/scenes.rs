@@ -1,6 +1,6 @@
 //! The shipped scenes and what their `[expect]` says.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use toml::{Table, Value};
 
@@ -26,20 +26,17 @@ impl Suite for Scenes {
         "Every shipped scene, held against its [expect] table."
     }
 
+    fn run_ahead(&self, bench: &Bench) {
+        for (file, ..) in chosen(bench).into_iter().flatten() {
+            let _ = bench.run_shipped(&file);
+        }
+    }
+
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let files = bench.workspace.files()?;
-        let is_scene = |file: &&std::path::PathBuf| {
-            file.parent() == Some(Path::new("scenes")) && file.extension().is_some_and(|kind| kind == "toml")
-        };
         let table = conserved::figures(&bench.workspace.read(conserved::FILE)?);
-        for file in files.iter().filter(is_scene) {
-            let text = bench.workspace.read(file)?;
-            let scene: Table = text.parse().map_err(|error| format!("{}: {error}", file.display()))?;
+        for (file, scene) in &chosen(bench)? {
             let Some(Value::Table(expect)) = scene.get("expect") else { continue };
-            if bench.quick && is_large(file) {
-                continue;
-            }
             let run = bench.run_shipped(file)?;
             let gives_up = expect.get("outcome").and_then(Value::as_str) == Some("failed");
             // A shortened run may end before what makes it wrong.
@@ -76,19 +73,37 @@ impl Suite for Scenes {
                 let scales = ["linear_momentum_scale", "angular_momentum_scale", "energy_scale"].map(scale);
                 findings.checks.extend(conserved::checks(&run, figures, scales)?);
             }
-            if has_friction(&scene) {
+            if has_friction(scene) {
                 let is_linear =
-                    has_mortar(&scene) && scene.get("time").and_then(|time| time.get("integrator")).is_some();
+                    has_mortar(scene) && scene.get("time").and_then(|time| time.get("integrator")).is_some();
                 let rate = if is_linear { quadratic::Rate::Linear } else { quadratic::Rate::Quadratic };
                 quadratic::rows_at(&run, &mut findings, rate)?;
             }
-            if has_mortar(&scene) {
+            if has_mortar(scene) {
                 findings.checks.push(run.coverage()?);
             }
             bench.show(&run, &mut findings)?;
         }
         Ok(findings)
     }
+}
+
+/// Shipped scenes that expect something, in quick mode without the large ones.
+fn chosen(bench: &Bench) -> Outcome<Vec<(PathBuf, Table)>> {
+    let mut chosen = Vec::new();
+    for file in bench.workspace.files()? {
+        let is_scene =
+            file.parent() == Some(Path::new("scenes")) && file.extension().is_some_and(|kind| kind == "toml");
+        if !is_scene || bench.quick && is_large(&file) {
+            continue;
+        }
+        let text = bench.workspace.read(&file)?;
+        let scene: Table = text.parse().map_err(|error| format!("{}: {error}", file.display()))?;
+        if scene.get("expect").is_some_and(Value::is_table) {
+            chosen.push((file, scene));
+        }
+    }
+    Ok(chosen)
 }
 
 /// The verdict of the watch against the one that the scene expects: sound if it says nothing. A shortened run may be better than the whole one.
