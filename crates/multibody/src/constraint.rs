@@ -30,7 +30,7 @@ pub(crate) fn gradient_fraction(rule: ContactRule) -> f64 {
     match rule {
         ContactRule::StartPoint => 0.0,
         ContactRule::EndPoint => 1.0,
-        _ => 0.5,
+        ContactRule::EndPointMean | ContactRule::Midpoint | ContactRule::EnergyMomentum => 0.5,
     }
 }
 

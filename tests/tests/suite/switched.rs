@@ -6,17 +6,8 @@ use stoss::build::build;
 use stoss::solver::Simulation;
 
 /// How two blocks are connected.
-const METHODS: [&str; 9] = [
-    "nts",
-    "nts, penalty",
-    "cat",
-    "mortar",
-    "mortar, dual",
-    "mortar, near",
-    "tie",
-    "tie, frame-invariant",
-    "general",
-];
+const METHODS: [&str; 9] =
+    ["nts", "nts, penalty", "cat", "mortar", "mortar, dual", "mortar, near", "tie", "tie, frame-invariant", "general"];
 
 /// Schemes, and statics.
 const SCHEMES: [&str; 4] = ["", "energy-momentum", "backward-euler", "midpoint"];
@@ -183,8 +174,7 @@ fn state(simulation: &Simulation) -> String {
 /// States of the first stage, the last of which may say why it ended early.
 fn first_stage(text: &str) -> Vec<String> {
     let scene = stoss::scene::parse(text, "test.toml").unwrap_or_else(|e| panic!("{e}\n{text}"));
-    let mut simulation =
-        build(&scene, std::path::Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}")).simulation;
+    let mut simulation = build(&scene, std::path::Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}")).simulation;
     let mut states = vec![state(&simulation)];
     while !simulation.finished() {
         match simulation.advance() {

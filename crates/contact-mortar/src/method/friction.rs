@@ -83,7 +83,7 @@ impl MortarContact {
                 ))
             }
             ContactRule::Midpoint | ContactRule::EnergyMomentum => None,
-            rule => Some(format!("the rule {rule:?}")),
+            rule @ (ContactRule::StartPoint | ContactRule::EndPointMean) => Some(format!("the rule {rule:?}")),
         };
         if let Some(what) = what {
             return Err(ContactError::FrictionUnavailable { what });

@@ -111,7 +111,9 @@ impl CoordinateAugmented {
         match rule {
             ContactRule::EndPoint => Ok(true),
             ContactRule::Midpoint | ContactRule::EnergyMomentum => Ok(false),
-            rule => Err(ContactError::RuleUnavailable { method: "coordinate augmentation", rule: format!("{rule:?}") }),
+            ContactRule::StartPoint | ContactRule::EndPointMean => {
+                Err(ContactError::RuleUnavailable { method: "coordinate augmentation", rule: format!("{rule:?}") })
+            }
         }
     }
 

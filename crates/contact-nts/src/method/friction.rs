@@ -56,7 +56,9 @@ impl NodeToSurface {
         let at_end = match step.rule {
             ContactRule::EndPoint => true,
             ContactRule::Midpoint | ContactRule::EnergyMomentum => false,
-            rule => return Err(ContactError::FrictionUnavailable { what: format!("the rule {rule:?}") }),
+            rule @ (ContactRule::StartPoint | ContactRule::EndPointMean) => {
+                return Err(ContactError::FrictionUnavailable { what: format!("the rule {rule:?}") });
+            }
         };
         for (k, &node) in element.list().iter().enumerate() {
             for i in 0..3 {
@@ -105,7 +107,11 @@ impl NodeToSurface {
             ContactRule::Midpoint if !self.augmented && pairing.start != pairing.end => {
                 Slip::Work(&placed.increment[..n])
             }
-            _ => Slip::Feet(end, &element.end),
+            ContactRule::StartPoint
+            | ContactRule::EndPoint
+            | ContactRule::EndPointMean
+            | ContactRule::Midpoint
+            | ContactRule::EnergyMomentum => Slip::Feet(end, &element.end),
         };
         Ok(Some(evaluate(&FrictionElement {
             friction: &surface.friction,
