@@ -235,7 +235,10 @@ impl MortarContact {
 
     /// Whether forces are evaluated at the middle of the step.
     pub(crate) fn has_middle(&self) -> bool {
-        matches!(self.rule, ContactRule::Midpoint | ContactRule::EnergyMomentum)
+        match self.rule {
+            ContactRule::StartPoint | ContactRule::EndPoint | ContactRule::EndPointMean => false,
+            ContactRule::Midpoint | ContactRule::EnergyMomentum => true,
+        }
     }
 
     /// Slots whose weights friction has: those of the middle of the step, or of the end if the rule takes forces there.
