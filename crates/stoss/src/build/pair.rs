@@ -32,6 +32,7 @@ pub(super) struct PairInput<'a> {
 
 impl PairInput<'_> {
     /// The stages in which the contact acts, with what is known of the motion of nodes in them.
+    #[cfg(feature = "mortar")]
     pub fn acting<'a>(&'a self, label: &'a str, model: &'a Model) -> impl Iterator<Item = (&'a Phase, Support)> {
         self.phases.with(label).map(|phase| (phase, self.support(phase, model)))
     }
