@@ -173,7 +173,8 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         let phases = phase::Phases::new(scene, &places);
         let mut ties = tie::ties(scene, &mut placed, &phases, &mut model, &mut problems, &mut warnings);
         #[cfg(feature = "general")]
-        let apart = separate::separate(scene, &mut placed, &ties, &mut model, &mut problems, &mut bodies);
+        let apart =
+            separate::separate(scene, &mut placed, &ties, phases.first(), &mut model, &mut problems, &mut bodies);
         condition::loads(scene, &placed, &mut model, &mut problems);
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &phases, &mut model, &mut problems, &mut warnings);

@@ -50,6 +50,12 @@ impl Phase {
         (self.rule() != GradientRule::EndPoint).then_some(integrator.scheme.as_str())
     }
 
+    /// Whether what has this name is not switched off; what has none always acts.
+    #[cfg(feature = "general")]
+    pub fn acts(&self, name: Option<&str>) -> bool {
+        name.is_none_or(|name| !self.off.contains(name))
+    }
+
     /// What the prescriptions that act say of the motion of nodes.
     pub fn support(&self, model: &Model) -> Support {
         model.support(|p| !self.idle.contains(&p))
@@ -93,6 +99,12 @@ impl Phases {
     /// All of them.
     pub fn all(&self) -> impl Iterator<Item = &Phase> + Clone {
         self.list.iter()
+    }
+
+    /// The first of them.
+    #[cfg(feature = "general")]
+    pub fn first(&self) -> &Phase {
+        &self.list[0]
     }
 
     /// What prescriptions that act from the beginning to the end say of the motion of nodes.
