@@ -2,7 +2,7 @@
 
 use fastrand::Rng;
 use nalgebra::Vector3;
-use stoss_contact::{ContactRule, LocalContribution, Potential, StepConfiguration};
+use stoss_contact::{ContactRule, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, check_initial, mitre,
 };
@@ -100,11 +100,8 @@ fn assemble(contact: &mut GeneralContact, rule: ContactRule, q_n: &[f64], q: &[f
 
 fn begin(contact: &mut GeneralContact, rule: ContactRule, q_n: &[f64], q: &[f64]) {
     let step_size = 0.5;
-    contact.set_rule(rule, step_size);
-    contact.set_has_rates(true);
     let velocity: Vec<f64> = q.iter().zip(q_n).map(|(q, q_n)| (q - q_n) / step_size).collect();
-    contact.set_velocity(&velocity);
-    contact.begin_step(q_n, 0.0).unwrap();
+    contact.begin(&Step { v_n: &velocity, ..Step::new(q_n, rule, step_size) }).unwrap();
 }
 
 fn noise(random: &mut Rng, q: &[f64], size: f64) -> Vec<f64> {
@@ -191,10 +188,7 @@ fn friction_along_a_motion_has_an_energy() {
         let size = [1e-4, 1e-3, 1e-2][case % 3];
         let (q_n, q) = (scene.reference.clone(), noise(&mut random, &scene.reference, size));
         let contact = &mut scene.contact;
-        contact.set_has_rates(false);
-        contact.set_rule(ContactRule::EndPoint, 1.0);
-        contact.set_velocity(&[]);
-        contact.begin_step(&q_n, 0.0).unwrap();
+        contact.begin(&Step::quasi_static(&q_n, 1.0)).unwrap();
         let (residual, _) = assemble(contact, ContactRule::EndPoint, &q_n, &q);
         let increment = noise(&mut random, &vec![0.0; q.len()], size);
         contact.set_line(&increment);
@@ -449,23 +443,20 @@ fn static_friction_does_not_depend_on_the_number_of_steps() {
     let thickness = 0.02;
     for steps in [1, 40, 800] {
         let Scene { mut contact, reference } = on_large(2, 8.0, 0.9 * thickness, thickness);
-        contact.set_has_rates(false);
-        contact.set_velocity(&[]);
         let mut q_n = reference.clone();
         let (mut lost, mut worked, mut stored) = (0.0, 0.0, 0.0);
         let mut forces = Vector3::zeros();
         let way = 0.05 * thickness;
         for _ in 0..steps {
-            contact.set_rule(ContactRule::EndPoint, 1.0);
             let q: Vec<f64> = (0..q_n.len())
                 .map(|k| q_n[k] + if k < 81 && k % 3 == 0 { way / f64::from(steps) } else { 0.0 })
                 .collect();
             // An attempt that is given up leaves nothing behind.
-            contact.begin_step(&q_n, 0.0).unwrap();
+            contact.begin(&Step::quasi_static(&q_n, 1.0)).unwrap();
             let far: Vec<f64> =
                 q_n.iter().enumerate().map(|(k, x)| if k < 81 && k % 3 == 1 { x + 0.1 } else { *x }).collect();
             contact.renew(&far).unwrap();
-            contact.begin_step(&q_n, 0.0).unwrap();
+            contact.begin(&Step::quasi_static(&q_n, 1.0)).unwrap();
             contact.renew(&q).unwrap();
             let work = contact.work(&q).unwrap();
             lost += work.dissipated;

@@ -5,8 +5,8 @@
 //!
 //! `cargo run --example patch -p stoss-contact-mortar`
 
-use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, Report, StepConfiguration};
-use stoss_contact_mortar::{Force, MortarContact, MortarOptions, MultiplierSpace};
+use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, Report, Step, StepConfiguration};
+use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
 
 /// A square of the slave that looks down on two rectangles of the master, of widths 0.3 and 0.7, `gap` below.
 fn positions(gap: f64) -> Vec<f64> {
@@ -21,13 +21,12 @@ fn main() -> Result<(), ContactError> {
     let of_master = [0.3, 1.0, 0.7, 0.3, 1.0, 0.7].map(|width| -0.25 * width * pressure);
     let expected: Vec<f64> = [0.25 * pressure; 4].into_iter().chain(of_master).collect();
     for space in [MultiplierSpace::Standard, MultiplierSpace::Dual] {
-        // The other choice are gradients of the weighted gaps, in which weights move with the positions: a penetration shifts forces then.
-        let options = MortarOptions { space, force: Force::FixedWeights, ..MortarOptions::default() };
+        let options = MortarOptions { space, ..MortarOptions::default() };
         let (slave, master) = ([[0u32, 1, 2, 3]], [[4u32, 5, 8, 7], [5, 6, 9, 8]]);
         let mut contact = MortarContact::new("patch", &slave, &master, &positions(0.1), options)?;
         let (q, active) = (positions(gap), [true; 4]);
-        contact.set_rule(ContactRule::EndPoint, 1.0);
-        contact.begin_step(&q, 0.1)?;
+        // In dynamics forces are gradients of the weighted gaps, in which weights move with the positions: a penetration shifts forces then.
+        contact.begin(&Step { reach: 0.1, ..Step::quasi_static(&q, 1.0) })?;
         contact.renew(&q, &[pressure; 4], &[], &active, false)?;
         let mut gaps = [0.0; 4];
         contact.complementarity_gaps(&q, &active, &mut gaps)?;

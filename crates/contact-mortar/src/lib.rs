@@ -69,7 +69,7 @@ pub use integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
 pub use matrices::MortarMatrices;
 pub use method::MortarContact;
 pub use multiplier::{MultiplierBasis, MultiplierSpace};
-pub use options::{Force, Integrals, MortarOptions};
+pub use options::{Integrals, MortarOptions, NEARNESS};
 pub use points::{PointVariation, QuadraturePoint, for_each_point, for_each_point_with_derivatives};
 pub use stoss_reference_element::triangle::TriangleRule;
 pub use stoss_segmentation as segmentation;

@@ -2,6 +2,9 @@
 
 use crate::{MultiplierSpace, TriangleRule};
 
+/// [`MortarOptions::nearness`] of statics, if none is given.
+pub const NEARNESS: f64 = 12.0;
+
 /// Which integrals the weighted gaps of a step have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrals {
@@ -13,18 +16,7 @@ pub enum Integrals {
     Frozen,
 }
 
-/// Force of a pressure under [`stoss_contact::ContactRule::EndPoint`]. Neither has a resultant or a moment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Force {
-    /// The gradient of the weighted gap: the force of a constraint that does no work, and what dynamics wants.
-    #[default]
-    Gradient,
-    /// The gradient at fixed weights: what statics wants. Where facets are large against the depth the other one has limit points, at which nodes slide out of
-    /// the overlap instead of carrying.
-    FixedWeights,
-}
-
-/// Options of the method.
+/// Options of the method: how it measures. What differs between statics and dynamics it takes from the step ([`crate::MortarContact`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MortarOptions {
     /// Multiplier space of the pressures.
@@ -35,12 +27,9 @@ pub struct MortarOptions {
     pub integrals: Integrals,
     /// Where a surface has sharp edges: how much more near points count than far ones, [`crate::Factors::nearness`] times the length of a slave facet. Zero, the plain
     /// mean, lets edges sink in by a quarter of a facet, 12 by a ninth; but the integrand is no polynomial then, and where edges of both surfaces lie on each other
-    /// its error has a kink that Newton may not pass.
-    pub nearness: f64,
-    /// Which force.
-    pub force: Force,
+    /// its error has a kink that Newton may not pass. `None`: [`NEARNESS`] in statics, and the plain mean in dynamics, where the force would have the kinks of its weights, at which
+    /// Newton stops where edges of both surfaces lie on each other.
+    pub nearness: Option<f64>,
     /// Pressure over penetration, a stress per length, if contact is not rigid; under [`stoss_contact::ContactRule::EndPoint`].
     pub overclosure: Option<f64>,
-    /// Whether a penetration that a node has at the start of a step is kept, as dynamics wants it: to push it out would give energy.
-    pub keeps_penetration: bool,
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, StepConfiguration};
+use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, Step, StepConfiguration};
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
 use stoss_testkit::meshes::{Mesh, meshes};
 
@@ -23,13 +23,12 @@ fn positions(at: [f64; 3]) -> Vec<f64> {
 
 fn method(meshes: [Mesh; 2], walls: bool, dual: bool, q: &[f64]) -> MortarContact {
     let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
-    let options = MortarOptions { space, ..MortarOptions::default() };
+    let options = MortarOptions { space, nearness: Some(0.0), ..MortarOptions::default() };
     let master = [[8, 9, 10, 11], [9, 12, 13, 10]];
     let master = if walls { &master[..] } else { &master[..1] };
     let mut method =
         MortarContact::new("test", &meshes[0].of(&CUBE), &meshes[1].of(master), &positions([1.0; 3]), options).unwrap();
-    method.set_rule(ContactRule::EndPoint, 0.1);
-    method.begin_step(q, 0.5).unwrap();
+    method.begin(&Step { reach: 0.5, ..Step::quasi_static(q, 0.1) }).unwrap();
     method
 }
 
@@ -98,7 +97,7 @@ proptest! {
             (0..2).for_each(|i| x[i] = 40.0 * (x[i] - 2.0));
         }
         let mut method = method(meshes, false, dual, &q).with_factors(Factors { nearness: 0.0, deepest: f64::INFINITY, ..Factors { facing: true, ..Factors::NONE } });
-        method.begin_step(&q, 0.5).unwrap();
+        method.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::EndPoint, 0.0) }).unwrap();
         let directions: Vec<[f64; 3]> = method.report(&q).unwrap().iter().map(|r| r.normal).collect();
         let force = force(&mut method, &q, 1.0, &directions);
         prop_assert!(force.z > 0.1 && force.x.hypot(force.y) < 1e-8 * force.z, "{force}");

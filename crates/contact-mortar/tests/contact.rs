@@ -8,8 +8,8 @@ use crate::sheets::{
 };
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, StepConfiguration};
-use stoss_contact_mortar::{Force, Integrals, MortarContact, MortarOptions};
+use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, Step, StepConfiguration, Support};
+use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions};
 
 fn lifted(d: &[f64], lift: f64) -> Vec<f64> {
     let mut q = moved(d);
@@ -23,8 +23,7 @@ fn plus(q: &[f64], f: f64, d: &[f64]) -> Vec<f64> {
 
 fn begun(meshes: [Mesh; 2], dual: bool, kind: usize, rule: ContactRule, q_n: &[f64]) -> MortarContact {
     let mut method = method(meshes, options(dual)).with_factors(factors(kind));
-    method.set_rule(rule, 0.1);
-    method.begin_step(q_n, 0.5).unwrap();
+    method.begin(&Step { reach: 0.5, ..Step::new(q_n, rule, 0.1) }).unwrap();
     method
 }
 
@@ -61,7 +60,7 @@ proptest! {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 0.3, &e);
         let overclosure = soft.then_some(7.0);
-        let mut method = method(meshes, MortarOptions { force: Force::FixedWeights, overclosure, ..options(dual) }).with_factors(factors(kind));
+        let mut method = method(meshes, MortarOptions { overclosure, ..options(dual) }).with_factors(factors(kind));
         if let Some([rows, forces]) = tangent_errors(&mut method, ContactRule::EndPoint, &q_n, &q, &p) {
             prop_assert!(rows < 1e-6 && forces < 1e-6, "dual {dual} factors {kind}: {rows:e} {forces:e}");
         }
@@ -95,9 +94,7 @@ proptest! {
             }
             let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
             let mut method = method(meshes, MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
-            method.set_rule(rule, 0.1);
-            method.set_velocity(&plus(&vec![0.0; q.len()], 10.0, &e));
-            method.begin_step(&q_n, 0.5).unwrap();
+            method.begin(&Step { reach: 0.5, v_n: &plus(&vec![0.0; q.len()], 10.0, &e), ..Step::new(&q_n, rule, 0.1) }).unwrap();
             let r = residual(&mut method, rule, &q_n, &q, &p);
             let size = r[..3 * NODES].iter().map(|x| x.abs()).sum::<f64>().max(1.0);
             let (force, moment) = resultants(&r, about.unwrap_or(&q));
@@ -114,15 +111,14 @@ proptest! {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
         let mut method = method(meshes, options(dual)).with_factors(factors(kind));
-        method.set_rule(ContactRule::EnergyMomentum, 0.1);
-        method.begin_step(&q_n, 0.5).unwrap();
+        method.begin(&Step { reach: 0.5, ..Step::new(&q_n, ContactRule::EnergyMomentum, 0.1) }).unwrap();
         let mut force = vec![0.0; q.len()];
         method.constraint_gradients(&q, &[true; SLAVE], &mut |slot, nodes, gradient| {
             for (&node, g) in nodes.iter().zip(gradient.chunks_exact(3)) {
                 (0..3).for_each(|i| force[3 * node as usize + i] -= p[slot] * g[i]);
             }
         }).unwrap();
-        method.set_rule(ContactRule::EndPoint, 0.1);
+        method.begin(&Step { reach: 0.5, ..Step::new(&q_n, ContactRule::EndPoint, 0.1) }).unwrap();
         let expected = residual(&mut method, ContactRule::EndPoint, &q_n, &q, &p);
         let size = expected.iter().map(|x| x.abs()).sum::<f64>().max(1.0);
         for (f, r) in force.iter().zip(&expected) {
@@ -157,8 +153,7 @@ proptest! {
         let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
         for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
             let mut method = method(meshes, MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
-            method.set_rule(rule, 0.1);
-            method.begin_step(&q_n, 0.5).unwrap();
+            method.begin(&Step { reach: 0.5, ..Step::new(&q_n, rule, 0.1) }).unwrap();
             let start = residual(&mut method, rule, &q_n, &q_n, &p);
             let end = residual(&mut method, rule, &q_n, &q, &p);
             let work: f64 = (0..3 * NODES).map(|k| -end[k] * (q[k] - q_n[k])).sum();
@@ -226,39 +221,40 @@ fn gaps_of_flat_surfaces_are_their_distance() {
 #[test]
 fn crosspoints_keep_the_area() {
     for (meshes, dual) in Mesh::PAIRS.into_iter().flat_map(|m| [(m, false), (m, true)]) {
-        let mut plain = method(meshes, options(dual));
-        // Nodes 0, 1, 2: one edge of the surface.
-        let mut crossed = method(meshes, options(dual)).with_crosspoints(|n| [n < 3; 3]);
-        let total = |m: &mut MortarContact| {
-            m.begin_step(&base(), 0.5).unwrap();
-            m.supports()
+        let mut method = method(meshes, options(dual));
+        // Prescribed components of the slave nodes before `end`.
+        let mut total = |end: u32, components: &[usize]| {
+            let mut support = Support::new(NODES);
+            (0..end).for_each(|node| components.iter().for_each(|&c| support.prescribe(node, c)));
+            let step = Step { reach: 0.5, support: &support, ..Step::new(&base(), ContactRule::EndPoint, 0.0) };
+            method.begin(&step).unwrap();
+            let mut gaps = [0.0; SLAVE];
+            method.complementarity_gaps(&base(), &[false; SLAVE], &mut gaps).unwrap();
+            (method.supports(), gaps)
         };
-        let (a, b) = (total(&mut plain), total(&mut crossed));
+        // Nodes 0, 1, 2: one edge of the surface.
+        let ((a, _), (b, gaps)) = (total(0, &[]), total(3, &[0, 1, 2]));
         assert!((a.iter().sum::<f64>() - b.iter().sum::<f64>()).abs() < 1e-13);
         assert!(b[..3].iter().all(|s| *s == 0.0), "{b:?}");
-        let mut gaps = [0.0; SLAVE];
-        crossed.complementarity_gaps(&base(), &[false; SLAVE], &mut gaps).unwrap();
         assert!(gaps[..3].iter().all(|g| g.is_infinite()));
         // What matters is the motion along the normal, here z.
-        let mut normal = method(meshes, options(dual)).with_crosspoints(|n| [false, false, n < 3]);
-        assert_eq!(total(&mut normal), b);
-        let mut tangential = method(meshes, options(dual)).with_crosspoints(|n| [n < 3, n < 3, false]);
-        assert_eq!(total(&mut tangential), a);
-        // A rigid tool keeps its multipliers.
-        let mut tool = method(meshes, options(dual)).with_crosspoints(|n| [n < SLAVE as u32; 3]);
-        assert_eq!(total(&mut tool), a);
+        assert_eq!(total(3, &[2]).0, b);
+        assert_eq!(total(3, &[0, 1]).0, a);
+        // A rigid tool keeps its multipliers, and so does everybody as soon as the support is gone.
+        assert_eq!(total(SLAVE as u32, &[0, 1, 2]).0, a);
+        assert_eq!(total(0, &[]).0, a);
     }
 }
 
 /// A penetration at the start of a step is kept in dynamics and closed in statics, an open gap is closed in both.
 #[test]
-fn penetrations_of_the_start_are_kept_if_asked_for() {
+fn penetrations_of_the_start_are_kept_in_dynamics() {
     let meshes = Mesh::PAIRS[3];
-    let gaps_from = |keeps: bool, start: f64, end: f64| {
-        let mut method = method(meshes, MortarOptions { keeps_penetration: keeps, ..options(false) });
-        method.set_rule(ContactRule::EnergyMomentum, 0.1);
+    let gaps_from = |rates: bool, start: f64, end: f64| {
+        let mut method = method(meshes, options(false));
         let zero = vec![0.0; 3 * NODES];
-        method.begin_step(&lifted(&zero, start), 0.5).unwrap();
+        let q_n = lifted(&zero, start);
+        method.begin(&Step { reach: 0.5, rates, ..Step::new(&q_n, ContactRule::EnergyMomentum, 0.1) }).unwrap();
         method.renew(&lifted(&zero, end), &[], &[], &[false; SLAVE], false).unwrap();
         let mut gaps = [0.0; SLAVE];
         method.complementarity_gaps(&lifted(&zero, end), &[true; SLAVE], &mut gaps).unwrap();

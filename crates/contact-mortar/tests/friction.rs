@@ -9,10 +9,10 @@ use nalgebra::{Rotation3, Unit, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_contact::{Constraint, ContactError, ContactRule, History, Report, StepConfiguration};
+use stoss_contact::{Constraint, ContactError, ContactRule, History, Report, Step, StepConfiguration};
 use stoss_contact_mortar::segmentation::GapRange;
 use stoss_contact_mortar::{
-    Force, Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure, TriangleRule,
+    Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure, TriangleRule,
     facet_integrals, segment_surfaces,
 };
 
@@ -77,8 +77,8 @@ fn set(p: &[f64]) -> Vec<bool> {
 }
 
 fn begin(method: &mut MortarContact, rule: ContactRule, q_n: &[f64]) {
-    method.set_rule(rule, 0.1);
-    method.begin_step(q_n, 0.5).unwrap();
+    let rates = rule != ContactRule::EndPoint;
+    method.begin(&Step { reach: 0.5, rates, ..Step::new(q_n, rule, 0.1) }).unwrap();
 }
 
 /// Does a whole step with given positions and pressures.
@@ -198,7 +198,7 @@ proptest! {
         let stick = if exact { Stick::Multiplier } else { Stick::Penalty };
         // With integrals that move the midpoint rules leave the derivatives of their weights out.
         let integrals = if rule == ContactRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
-        let options = MortarOptions { integrals, force: Force::FixedWeights, ..options(dual) };
+        let options = MortarOptions { integrals, ..options(dual) };
         let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap();
         let mut plain = method(meshes, options);
         let mut method = plain.clone().with_friction(friction, measure(of, rule)).unwrap();
@@ -375,11 +375,10 @@ fn what_has_no_friction_is_refused() {
     let refused = |error: ContactError| matches!(error, ContactError::FrictionUnavailable { .. });
     let mut yang = method(meshes, options(false)).with_friction(friction(), SlipMeasure::Yang).unwrap();
     let q = sheets::base();
-    yang.set_rule(ContactRule::EndPoint, 0.1);
-    yang.begin_step(&q, 0.5).unwrap();
-    yang.set_rule(ContactRule::Midpoint, 0.1);
-    assert!(refused(yang.begin_step(&q, 0.5).unwrap_err()));
+    yang.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::EndPoint, 0.1) }).unwrap();
+    assert!(refused(yang.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::Midpoint, 0.1) }).unwrap_err()));
     let mut objective = method(meshes, options(false)).with_friction(friction(), SlipMeasure::Objective).unwrap();
-    objective.set_rule(ContactRule::EndPointMean, 0.1);
-    assert!(refused(objective.begin_step(&q, 0.5).unwrap_err()));
+    assert!(refused(
+        objective.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::EndPointMean, 0.1) }).unwrap_err()
+    ));
 }

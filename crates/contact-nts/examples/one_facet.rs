@@ -5,7 +5,7 @@
 //!
 //! `cargo run --example one_facet -p stoss-contact-nts`
 
-use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, Report, StepConfiguration};
+use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, Report, Step, StepConfiguration};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
 /// Four nodes of the master, whose facet looks up, and four of a small facet of the slave above it, of which the first is watched.
@@ -22,13 +22,12 @@ fn main() -> Result<(), ContactError> {
     let options = NodeToSurfaceOptions { constraint: ConstraintForm::Modified, ..NodeToSurfaceOptions::default() };
     let mut contact = NodeToSurface::new("pair", &[[4u32, 5, 6, 7]], &[[0u32, 1, 2, 3]], &reference, options)?;
     let (rule, pressure) = (ContactRule::EnergyMomentum, 20.0);
-    contact.set_rule(rule, 0.1);
     let (pressures, active) = ([pressure, 0.0, 0.0, 0.0], [true, false, false, false]);
     println!("gap before, after      force on the node                     resultant  moment   work / (p A dg) - 1");
     let q_n = positions([0.4, 0.3, 0.02], 0.0);
     for (slave, lift) in [([0.4, 0.3, 0.01], 0.0), ([0.5, 0.5, 0.03], 0.2), ([0.7, 0.2, -0.02], -0.2)] {
         let q_np1 = positions(slave, lift);
-        contact.begin_step(&q_n, 1.0)?;
+        contact.begin(&Step { reach: 1.0, ..Step::new(&q_n, rule, 0.1) })?;
         contact.repair(&q_np1, &active)?;
         let gap = |q: &[f64]| -> Result<f64, ContactError> { Ok(contact.report(q)?[0].gap.unwrap_or(f64::NAN)) };
         let gaps = [gap(&q_n)?, gap(&q_np1)?];

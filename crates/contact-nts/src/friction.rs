@@ -19,8 +19,8 @@ use crate::dual::{Dual, Scalar};
 use crate::kinematics::{Gap, LOCAL, LocalMatrix};
 use nalgebra::Vector3;
 use stoss_contact::dual::{V3, cross, dot, unit};
-use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep, PointIteration};
-use stoss_contact::{ContactRule, SlotFriction};
+use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep, PointIteration, stick_compliance};
+use stoss_contact::{ContactRule, SlotFriction, Step};
 use stoss_geometry::Patch;
 use stoss_reference_element::Nodal;
 
@@ -40,12 +40,24 @@ pub(crate) struct SurfaceFriction {
     pub rounds: u32,
     /// Of the stick of each point, in multiples of one over the stiffness.
     pub compliance: Vec<f64>,
+    /// Whether all points have one, whatever else acts on them.
+    pub is_compliant: bool,
 }
 
 impl SurfaceFriction {
     pub fn new(friction: Friction, slots: usize) -> Self {
-        let points = vec![PointHistory::default(); slots];
-        Self { friction, rule: ContactRule::EndPoint, step_size: 0.0, points, rounds: 0, compliance: vec![0.0; slots] }
+        let (points, compliance) = (vec![PointHistory::default(); slots], vec![0.0; slots]);
+        let (rule, step_size, rounds) = (ContactRule::EndPoint, 0.0, 0);
+        Self { friction, rule, step_size, points, rounds, compliance, is_compliant: false }
+    }
+
+    /// Begins a step of the points of these nodes.
+    pub fn begin(&mut self, nodes: &[u32], step: &Step<'_>) {
+        (self.rule, self.step_size) = (step.rule, step.dt);
+        self.friction.begin(step.dt, step.rates);
+        for (compliance, &node) in self.compliance.iter_mut().zip(nodes) {
+            *compliance = stick_compliance(self.is_compliant || step.support.may_hold(node));
+        }
     }
 }
 

@@ -32,7 +32,8 @@ impl NormalEnforcement {
         Ok(Self { enforcement, rule, multipliers, committed, rounds: 0, stiffening })
     }
 
-    pub fn begin_step(&mut self) {
+    pub fn begin(&mut self, rule: ContactRule) {
+        self.rule = rule;
         self.multipliers.copy_from_slice(&self.committed);
         (self.rounds, self.stiffening) = (0, Stiffening::default());
     }

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, History, Report, StepConfiguration,
+    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, History, Report, Step, StepConfiguration,
 };
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
@@ -212,7 +212,7 @@ proptest! {
 fn other_rules_are_refused() {
     let mut m = CoordinateAugmented::new(standard(FACETS), AugmentedOptions::default());
     let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, -0.1]);
-    m.begin_step(&q, 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&q, ContactRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
     let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::StartPoint };
     let error = m.assemble(step, &[1.0, 0.0, 0.0, 0.0], &ACTIVE, false, &mut |_| {}).unwrap_err();
@@ -226,7 +226,7 @@ fn a_slot_without_a_facet_has_identity_rows() {
         let mut m =
             CoordinateAugmented::new(standard(FACETS), AugmentedOptions { reduction, ..AugmentedOptions::default() });
         let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 50.0]);
-        m.begin_step(&q, 1.0).unwrap();
+        m.begin(&Step { reach: 1.0, ..Step::new(&q, ContactRule::EndPoint, 0.0) }).unwrap();
         let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::Midpoint };
         let mut visits = 0;
         m.assemble(step, &[2.0, 0.0, 0.0, 0.0], &ACTIVE, true, &mut |local| {

@@ -4,7 +4,7 @@ use crate::common::*;
 use proptest::prelude::*;
 use stoss_contact::friction::MAX_AUGMENTATIONS;
 use stoss_contact::{
-    Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History, SearchOptions,
+    Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History, SearchOptions, Step,
 };
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
@@ -40,8 +40,7 @@ fn stored(m: &NodeToSurface, q: &[f64], active: &[bool]) -> f64 {
 #[test]
 fn a_spring_has_the_pressure_of_its_depth() {
     let mut m = spring();
-    m.set_rule(ContactRule::EndPoint, 0.1);
-    m.begin_step(&at(0.4, 0.05), 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, 0.05), ContactRule::EndPoint, 0.1) }).unwrap();
     m.repair(&at(0.4, -0.02), &ACTIVE).unwrap();
     assert!((pressure(&m, &at(0.4, 0.05), &at(0.4, -0.02), ContactRule::EndPoint) - 0.6).abs() < 1e-13);
     // Closing in a midpoint scheme: energy STIFFNESS 0.02^2 / 2 over the way 0.07.
@@ -53,13 +52,12 @@ fn a_spring_has_the_pressure_of_its_depth() {
     assert!((stored(&m, &at(0.4, -0.02), &ACTIVE) - energy).abs() < 1e-15 && stored(&m, &at(0.4, -0.02), &OPEN) == 0.0);
     // It goes on with its depth in the next step.
     m.commit(&at(0.4, -0.02), &[0.6, 0.0, 0.0, 0.0], &ACTIVE);
-    m.set_rule(ContactRule::EnergyMomentum, 0.1);
-    m.begin_step(&at(0.4, -0.02), 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, -0.02), ContactRule::EnergyMomentum, 0.1) }).unwrap();
     assert!((pressure(&m, &at(0.4, -0.02), &at(0.4, -0.04), ContactRule::EnergyMomentum) - 0.9).abs() < 1e-13);
     // Out again: it stays closed for this step, which has the rest of the spring's force, and opens in the next one.
     assert_eq!(gap(&m, &at(0.4, 0.01), &ACTIVE), 0.0);
     m.commit(&at(0.4, 0.01), &[0.1, 0.0, 0.0, 0.0], &ACTIVE);
-    m.begin_step(&at(0.4, 0.01), 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, 0.01), ContactRule::EnergyMomentum, 0.1) }).unwrap();
     assert!((gap(&m, &at(0.4, 0.02), &ACTIVE) - 0.02).abs() < 1e-13);
     assert!((gap(&m, &at(0.4, -0.02), &OPEN) + 0.02).abs() < 1e-13, "closes at zero, not at the old depth");
 }
@@ -85,8 +83,7 @@ proptest! {
         let mut m = spring();
         let mut before = 0.0;
         for pair in path.windows(2) {
-            m.set_rule(ContactRule::EnergyMomentum, 0.1);
-            m.begin_step(&pair[0], 2.0).unwrap();
+            m.begin(&Step { reach: 2.0, ..Step::new(&pair[0], ContactRule::EnergyMomentum, 0.1) }).unwrap();
             m.repair(&pair[1], &ACTIVE).unwrap();
             let p = pressure(&m, &pair[0], &pair[1], ContactRule::EnergyMomentum);
             let residual = assembled(&m, &pair[0], &pair[1], p, ContactRule::EnergyMomentum, false).0;
@@ -105,9 +102,8 @@ proptest! {
 fn augmented_multipliers_close_exactly() {
     for rule in RULES {
         let mut m = enforced(FACETS, Enforcement::Augmented(STIFFNESS));
-        m.set_rule(rule, 0.1);
         let start = at(0.4, 0.05);
-        m.begin_step(&start, 1.0).unwrap();
+        m.begin(&Step { reach: 1.0, ..Step::new(&start, rule, 0.1) }).unwrap();
         let (push, spring) = (2.0, 5.0);
         let mut z = -0.1;
         m.repair(&at(0.4, z), &ACTIVE).unwrap();
@@ -137,8 +133,7 @@ fn augmented_multipliers_close_exactly() {
         other.load_history(&m.save_history()).unwrap();
         assert!(spring_history_differs(&m));
         for m in [&mut m, &mut other] {
-            m.set_rule(rule, 0.1);
-            m.begin_step(&at(0.4, z), 1.0).unwrap();
+            m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, z), rule, 0.1) }).unwrap();
             let lambda = -STIFFNESS * row(m, &at(0.4, z), &at(0.4, 0.0), 0.0, rule);
             assert!((lambda - p).abs() < 1e-12);
         }

@@ -5,7 +5,9 @@ use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History, Report};
+use stoss_contact::{
+    Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History, Report, Step,
+};
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_reference_element::FacetKind;
@@ -143,7 +145,8 @@ proptest! {
             0 => Arc::new(StaticDynamic::new(0.03, 0.01, 2.0).unwrap()),
             k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
         };
-        let m = path.run(with_law(path.meshes, law, Stick::Multiplier, path.stepping).with_compliant_stick(|_| compliant));
+        let m = with_law(path.meshes, law, Stick::Multiplier, path.stepping);
+        let m = path.run(if compliant { m.with_compliant_stick() } else { m });
         let x: Vec<f64> = path.q[2].iter().chain(&[PRESSURE]).chain(&multiplier).copied().collect();
         let (n, auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
         let (_, tangent) = assembled_with(&m, &path.q[1], path.rule, &x, &auxiliaries, true);
@@ -362,8 +365,7 @@ fn on_a_flat_surface_edges_do_not_matter() {
     for rule in RULES {
         let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::B);
         let q_0 = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
-        m.set_rule(rule, STEP);
-        m.begin_step(&q_0, 10.0).unwrap();
+        m.begin(&Step { reach: 10.0, ..Step::new(&q_0, rule, STEP) }).unwrap();
         let area = m.slot_weight(0);
         let mut from = q_0;
         // Closed form: return mapping of plain vectors (theory/friction#eq-return), over no edge, one edge, several.
@@ -387,7 +389,7 @@ fn on_a_flat_surface_edges_do_not_matter() {
             assert!((w.stored - area * stored).abs() < 1e-12);
             assert!((w.dissipated - area * (slip_work(tau) + before - stored)).abs() < 1e-12);
             m.commit(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
-            m.begin_step(&q, 10.0).unwrap();
+            m.begin(&Step { reach: 10.0, ..Step::new(&q, rule, STEP) }).unwrap();
             (from, here) = (q, to);
         }
     }
@@ -403,11 +405,10 @@ fn traction_turns_with_the_surface_over_edges() {
                 let z = if x < 1.0 { 0.0 } else { (x - 1.0) * heights[2] };
                 positions(&heights, [x, 0.3, z])
             };
-            m.set_rule(rule, STEP);
-            m.begin_step(&positions(&heights, [0.94, 0.3, 0.1]), 1.0).unwrap();
+            m.begin(&Step { reach: 1.0, ..Step::new(&positions(&heights, [0.94, 0.3, 0.1]), rule, STEP) }).unwrap();
             m.repair(&on(0.98), &ACTIVE).unwrap();
             m.commit(&on(0.98), &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
-            m.begin_step(&on(0.98), 1.0).unwrap();
+            m.begin(&Step { reach: 1.0, ..Step::new(&on(0.98), rule, STEP) }).unwrap();
             let area = m.slot_weight(0);
             let traction = |w: ContactWork| (2.0 * PENALTY * w.stored / area).sqrt();
             let before = traction(work(&m, &on(0.98), PRESSURE, &ACTIVE));
@@ -419,7 +420,7 @@ fn traction_turns_with_the_surface_over_edges() {
             assert!((after - before - PENALTY * length).abs() < 0.1 * PENALTY * length, "{rule:?} {before} {after}");
             // Beyond the edge the next step begins with the traction that this one ended with.
             m.commit(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
-            m.begin_step(&q, 1.0).unwrap();
+            m.begin(&Step { reach: 1.0, ..Step::new(&q, rule, STEP) }).unwrap();
             assert!((traction(work(&m, &q, PRESSURE, &ACTIVE)) - after).abs() < 1e-12 * after);
         }
     }
@@ -428,19 +429,18 @@ fn traction_turns_with_the_surface_over_edges() {
 #[test]
 fn a_node_that_comes_back_begins_anew() {
     let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
-    m.set_rule(ContactRule::EndPoint, STEP);
     let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
     let pressures = [PRESSURE, 0.0, 0.0, 0.0];
-    m.begin_step(&above, 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&above, ContactRule::EndPoint, STEP) }).unwrap();
     m.repair(&flat([0.42, 0.3]), &ACTIVE).unwrap();
     m.commit(&flat([0.42, 0.3]), &pressures, &ACTIVE);
-    m.begin_step(&flat([0.42, 0.3]), 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&flat([0.42, 0.3]), ContactRule::EndPoint, STEP) }).unwrap();
     assert!(work(&m, &flat([0.42, 0.3]), PRESSURE, &ACTIVE).stored > 0.0);
     // Open in the next step: what was stored is lost; closed again in the one after: only the new slip counts.
     m.repair(&above, &OPEN).unwrap();
     assert!(work(&m, &above, 0.0, &OPEN).dissipated > 0.0);
     m.commit(&above, &[0.0; 4], &OPEN);
-    m.begin_step(&above, 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&above, ContactRule::EndPoint, STEP) }).unwrap();
     assert_eq!(work(&m, &above, 0.0, &OPEN), ContactWork { closing: None, ..ContactWork::default() });
     let q = flat([0.41, 0.3]);
     m.repair(&q, &ACTIVE).unwrap();
@@ -452,21 +452,20 @@ fn a_node_that_comes_back_begins_anew() {
 #[test]
 fn the_report_is_that_of_the_last_accepted_step() {
     let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
-    m.set_rule(ContactRule::EndPoint, STEP);
     let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
     let on = flat([0.42, 0.3]);
-    m.begin_step(&above, 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&above, ContactRule::EndPoint, STEP) }).unwrap();
     m.repair(&on, &ACTIVE).unwrap();
     m.commit(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
     let accepted = m.report(&on).unwrap()[0].friction;
     assert!(accepted.is_some());
     // Attempts with a facet before and without one.
     for reach in [1.0, 0.5] {
-        m.begin_step(&on, reach).unwrap();
+        m.begin(&Step { reach, ..Step::new(&on, ContactRule::EndPoint, STEP) }).unwrap();
         m.repair(&flat([0.9, 0.3]), &ACTIVE).unwrap();
         assert_eq!(m.report(&on).unwrap()[0].friction, accepted);
     }
-    m.begin_step(&on, 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&on, ContactRule::EndPoint, STEP) }).unwrap();
     m.repair(&above, &OPEN).unwrap();
     m.commit(&above, &[0.0; 4], &OPEN);
     assert_eq!(m.report(&above).unwrap()[0].friction, None);
@@ -475,8 +474,11 @@ fn the_report_is_that_of_the_last_accepted_step() {
 #[test]
 fn history_goes_through_bytes() {
     let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
-    m.set_rule(ContactRule::Midpoint, STEP);
-    m.begin_step(&positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]), 1.0).unwrap();
+    m.begin(&Step {
+        reach: 1.0,
+        ..Step::new(&positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]), ContactRule::Midpoint, STEP)
+    })
+    .unwrap();
     let on = flat([0.5, 0.33]);
     m.repair(&on, &ACTIVE).unwrap();
     m.commit(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
@@ -486,8 +488,7 @@ fn history_goes_through_bytes() {
     assert_eq!(other.save_history(), bytes);
     let next = flat([0.52, 0.33]);
     let both = [&mut m, &mut other].map(|m| {
-        m.set_rule(ContactRule::Midpoint, STEP);
-        m.begin_step(&on, 1.0).unwrap();
+        m.begin(&Step { reach: 1.0, ..Step::new(&on, ContactRule::Midpoint, STEP) }).unwrap();
         assembled(m, &on, &next, PRESSURE, ContactRule::Midpoint, true)
     });
     assert_eq!(both[0], both[1]);
@@ -505,7 +506,7 @@ fn what_has_no_friction_says_so() {
     assert!(matches!(modified.with_friction(friction()), Err(ContactError::FrictionUnavailable { .. })));
     let mut m = standard(FACETS).with_friction(friction()).unwrap();
     let q = flat([0.4, 0.3]);
-    m.begin_step(&q, 1.0).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&q, ContactRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
     let step = stoss_contact::StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPointMean };
     let error = m.assemble(step, &[1.0, 0.0, 0.0, 0.0], &ACTIVE, false, &mut |_| ()).unwrap_err();
@@ -522,8 +523,7 @@ fn augmented_multipliers_stick_exactly() {
             let law = Arc::new(Coulomb::new(bound / PRESSURE).unwrap());
             let mut m = with_law(QUADS, law, Stick::Augmented, MidpointFriction::C);
             let (start, target) = (flat([0.4, 0.3]), 0.9);
-            m.set_rule(rule, STEP);
-            m.begin_step(&start, 1.0).unwrap();
+            m.begin(&Step { reach: 1.0, ..Step::new(&start, rule, STEP) }).unwrap();
             m.repair(&start, &ACTIVE).unwrap();
             let area = m.slot_weight(0);
             let mut x = 0.45;
@@ -586,8 +586,7 @@ fn the_slip_is_that_of_the_coordinates_to_second_order() {
             end[3 * SLAVE + i] += size * d;
         }
         let mut m = with_coulomb(QUADS, 1e3, MidpointFriction::C);
-        m.set_rule(ContactRule::EndPoint, STEP);
-        m.begin_step(&q, 1.0).unwrap();
+        m.begin(&Step { reach: 1.0, ..Step::new(&q, ContactRule::EndPoint, STEP) }).unwrap();
         m.repair(&end, &ACTIVE).unwrap();
         let (residual, _) = assembled(&m, &q, &end, 0.0, ContactRule::EndPoint, false);
         assert!(residual[3 * SLAVE..3 * SLAVE + 3].iter().all(|r| *r == 0.0), "no pressure, no friction");

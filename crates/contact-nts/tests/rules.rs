@@ -4,7 +4,7 @@
 use crate::common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, ContactRule, FacetNodes, SearchOptions};
+use stoss_contact::{Constraint, ContactMethod, ContactRule, FacetNodes, SearchOptions, Step};
 use stoss_contact_nts::kinematics::Gap;
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_geometry::Patch;
@@ -56,7 +56,7 @@ fn step_on(meshes: [Mesh; 2]) -> impl Strategy<Value = Case> {
             if in_contact_at_n {
                 in_contact(&mut m, &q_n);
             } else {
-                m.begin_step(&q_n, 20.0).unwrap();
+                m.begin(&Step { reach: 20.0, ..Step::new(&q_n, ContactRule::EndPoint, 0.0) }).unwrap();
             }
             m.repair(&q_1, &ACTIVE).unwrap();
             let mut nodes = Vec::new();

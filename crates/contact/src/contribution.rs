@@ -5,8 +5,9 @@
 /// The constraint row is `-A` times the gap at `q_np1` (less the gap that it refers to) under every rule, for pressures that are multipliers;
 /// otherwise see [`crate::Enforcement`]. The forces
 /// of every rule have no resultant; about which configuration they have no moment is said for each.
+///
+/// Exhaustive on purpose: a new rule is a compile error in every method that has to decide what to do under it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum ContactRule {
     /// `G = grad g(q_n)`, constant in the step (variational midpoint scheme: theory/integrators#eq-variational). No moment about `q_n`.
     StartPoint,

@@ -22,6 +22,7 @@ mod position;
 mod potential;
 mod report;
 pub mod search;
+mod step;
 pub mod surface;
 mod surface_tree;
 
@@ -38,6 +39,7 @@ pub use report::{
     ContactWork, Coverage, JointCoordinate, JointReport, JointTorques, Report, SlotFriction, SlotReport, SupportedNode,
 };
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
+pub use step::{Hold, Step, Support};
 pub use stoss_reference_element::{FacetKind, FacetNodes};
 pub use surface::{ContactSurface, NonManifoldEdge};
 pub use surface_tree::SurfaceTree;

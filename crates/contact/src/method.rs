@@ -1,13 +1,16 @@
 //! The traits of a contact discretisation.
 
-use crate::{Auxiliary, ContactError, ContactRule, ContactWork, LocalContribution, Report, StepConfiguration};
+use crate::{
+    Auxiliary, ContactError, ContactRule, ContactWork, Hold, LocalContribution, Report, Step, StepConfiguration,
+};
 
 /// Equations with one multiplier each, and the forces of these. A constraint that is nothing else is bilateral: its slots are active from the first step to the
 /// last, whatever the sign of their multipliers (mesh ties, joints).
 ///
 /// # Protocol
-/// `set_rule`, `set_velocity` and then `begin_step(q_n)` once for every attempted step (it may be repeated with another step size); then any number of
-/// `renew` and `assemble`; `q_n` never changes in between. There is no undo: `begin_step` forgets what an attempt left.
+/// `begin` once for every attempted step (it may be repeated with another step size); then any number of `renew` and `assemble`, with the positions `q_n` and the rule of that step. There
+/// is no undo: `begin` forgets what an attempt left. What depends on the scheme, on whether there is inertia, on what is prescribed or on what else acts is decided there, step by step: a run may have
+/// stages in which it is different.
 ///
 /// A *slot* is a constraint with one multiplier; their number is constant for a run, and a node may have several. Slots that are not active contribute nothing.
 pub trait Constraint: Report {
@@ -21,22 +24,18 @@ pub trait Constraint: Report {
     fn is_symmetric(&self, _rule: ContactRule) -> bool {
         false
     }
-    /// Rule and size of the step that begins, for methods with history.
-    fn set_rule(&mut self, _rule: ContactRule, _step_size: f64) {}
-    /// Beginning and end of the step, for constraints that depend on time; comes with `set_rule`.
-    fn set_times(&mut self, _time_n: f64, _time_np1: f64) {}
-    /// Whether the step has inertia, thus velocities; comes with `set_rule`. In statics nothing is viscous.
-    fn set_has_rates(&mut self, _has_rates: bool) {}
     /// Tells which nodes are carried by others, and with which weights: carriers and weights of a node, if it has any. Their positions are given with
     /// all others; a search may know from the carriers alone how a surface has moved.
     fn set_carriers<'a>(&mut self, _of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {}
-    /// Velocities at `q_n` (`3 * nodes`), for methods that look ahead; comes before `begin_step` and holds for that one only.
-    fn set_velocity(&mut self, _v_n: &[f64]) {}
-    /// Search and projection at `q_n`; `reach` is the largest distance that a node is expected to move relative to the
-    /// master in the step (candidates farther away need no pairing).
-    fn begin_step(&mut self, _q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
+    /// Begins a step: search and projection at its start, and all that is constant in it. Nothing by default.
+    ///
+    /// # Errors
+    /// A rule that the method does not have ([`ContactError::RuleUnavailable`]), and what search and projection refuse.
+    fn begin(&mut self, _step: &Step<'_>) -> Result<(), ContactError> {
         Ok(())
     }
+    /// Tells of every node that it joins what it does to it while it acts, once a node, for [`crate::Support`]. Nothing by default.
+    fn holds(&self, _visit: &mut dyn FnMut(u32, Hold)) {}
     /// Renews what follows the iterate by itself, for instance integrals over moving overlaps; called before every `assemble` with its
     /// `q_np1`, pressures and auxiliaries. What `augment`, `work` and `commit` need of the last ones the method keeps. Returns whether the stencils
     /// of active slots changed. `want_tangent` tells whether derivatives will be needed.
@@ -145,7 +144,7 @@ pub trait ContactMethod: Constraint + History {
     fn has_friction(&self) -> bool {
         false
     }
-    /// Nodes and slots of contributions that are not active and may well become so in this step; called after `begin_step`. A hint: the
+    /// Nodes and slots of contributions that are not active and may well become so in this step; called after `begin`. A hint: the
     /// matrix gets room for them, so that no symbolic work is needed when they close. None by default.
     fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
     /// `gamma` of theory/constraints#eq-complementarity for every slot at `q_np1`: for an active slot the value of its constraint function, for an inactive one the

@@ -1,7 +1,7 @@
 //! Contact by potentials: forces with an energy and no multiplier.
 
 use crate::{
-    Constraint, ContactError, ContactRule, ContactWork, LocalContribution, Report, SlotReport, StepConfiguration,
+    Constraint, ContactError, ContactRule, ContactWork, LocalContribution, Report, SlotReport, Step, StepConfiguration,
 };
 
 /// What two bodies do to each other at the end of a step, of potentials that act between many bodies.
@@ -70,7 +70,7 @@ pub struct SurfaceForce {
 /// Forces that have an energy `V(q)` and no multiplier: penalties, barriers.
 ///
 /// # Protocol
-/// `set_rule`, `set_has_rates`, `set_velocity` and then `begin_step(q_n)` once for every attempted step (it may be repeated), then any number of `renew` and `assemble`, `longest_step` in between; `work`, then `commit` once when the step was accepted.
+/// `begin` once for every attempted step (it may be repeated), then any number of `renew` and `assemble`, `longest_step` in between; `work`, then `commit` once when the step was accepted.
 ///
 /// The balance of energy stays exact under [`ContactRule::EnergyMomentum`] if the force of a step does the work `V(q_n) - V(q_np1)`; both momenta stay if it has
 /// neither resultant nor moment about `(q_n + q_np1)/2`.
@@ -101,14 +101,11 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     fn friction_along(&self, _part: f64) -> f64 {
         0.0
     }
-    /// Search at `q_n` (`3 * nodes`); `reach` is the largest distance that two surfaces are expected to approach each other in the step.
-    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError>;
-    /// Rule and size of the step that begins.
-    fn set_rule(&mut self, _rule: ContactRule, _step_size: f64) {}
-    /// Whether the step has inertia, thus velocities.
-    fn set_has_rates(&mut self, _has_rates: bool) {}
-    /// Velocities at `q_n` (`3 * nodes`), for those that look ahead.
-    fn set_velocity(&mut self, _v_n: &[f64]) {}
+    /// Begins a step: search at its start.
+    ///
+    /// # Errors
+    /// A rule that the potential does not have ([`ContactError::RuleUnavailable`]), and what the search refuses.
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError>;
     /// Follows the iterate; comes before every `assemble` with its `q_np1`. Returns whether the stencils changed.
     fn renew(&mut self, _q_np1: &[f64]) -> Result<bool, ContactError> {
         Ok(false)
@@ -126,7 +123,7 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
     fn longest_step(&mut self, _q: &[f64], _increment: &[f64]) -> f64 {
         1.0
     }
-    /// Nodes of contributions that may well come in the step; called after `begin_step`. A hint, as that of a contact method.
+    /// Nodes of contributions that may well come in the step; called after `begin`. A hint, as that of a contact method.
     fn candidates(&self, _visit: &mut dyn FnMut(&[u32])) {}
     /// Nodes of every contribution, in the order of `assemble`; constant until `renew` says otherwise.
     fn stencils(&self, visit: &mut dyn FnMut(&[u32]));
@@ -210,20 +207,8 @@ impl Constraint for PotentialConstraint {
         self.0.is_symmetric(rule)
     }
 
-    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
-        self.0.begin_step(q_n, reach)
-    }
-
-    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
-        self.0.set_rule(rule, step_size);
-    }
-
-    fn set_has_rates(&mut self, has_rates: bool) {
-        self.0.set_has_rates(has_rates);
-    }
-
-    fn set_velocity(&mut self, v_n: &[f64]) {
-        self.0.set_velocity(v_n);
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        self.0.begin(step)
     }
 
     fn renew(

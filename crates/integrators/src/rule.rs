@@ -1,8 +1,9 @@
 //! The equations of one step of a scheme, as data.
+//!
+//! The rules are exhaustive on purpose: a new one is a compile error wherever somebody has to decide what to do under it.
 
 /// Configuration at which the forces `F(q)` of a step are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum ForceRule {
     /// At `q_{n+theta} = (1 - theta) q_n + theta q_np1`: 0 the start, 1/2 the midpoint, 1 the end of the step.
     Configuration {
@@ -32,7 +33,6 @@ impl ForceRule {
 
 /// Configuration at which the constraint gradients `G(q)` of a step are evaluated. The constraint itself is always that of `q_np1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum GradientRule {
     /// At `q_n`.
     StartPoint,

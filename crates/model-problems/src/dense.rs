@@ -111,7 +111,7 @@ impl SecondOrderSystem for Dense<'_> {
                     self.problem.add_stiffness(&self.point, weight * theta, &mut self.block);
                 }
             }
-            _ => {
+            ForceRule::DiscreteGradient => {
                 self.problem.add_discrete_force(step.q_n, step.q_np1, out);
                 if let Some(weight) = tangent {
                     self.problem.add_discrete_stiffness(step.q_n, step.q_np1, weight, &mut self.block);
@@ -144,7 +144,7 @@ impl SecondOrderSystem for Dense<'_> {
             GradientRule::EndPoint => &[(step.q_np1, 1.0, 1.0)],
             GradientRule::EndPointMean => &[(step.q_n, 0.5, 0.0), (step.q_np1, 0.5, 1.0)],
             // Exact discrete gradient of what is at most quadratic.
-            _ => &[(&mid, 1.0, 0.5)],
+            GradientRule::Midpoint | GradientRule::DiscreteGradient => &[(&mid, 1.0, 0.5)],
         };
         for &(place, share, slope) in places {
             self.add_gradient(place, share, out);

@@ -3,7 +3,7 @@
 use crate::compliance::{Compliance, Weights};
 use crate::quadratic::{Evaluation, Quadratics};
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, History, LocalContribution, Report, SlotReport, StepConfiguration,
+    Constraint, ContactError, ContactRule, History, LocalContribution, Report, SlotReport, Step, StepConfiguration,
 };
 
 /// Equations of the same vectors: each of the functions is to be zero.
@@ -30,7 +30,7 @@ pub(crate) fn gradient_fraction(rule: ContactRule) -> f64 {
     match rule {
         ContactRule::StartPoint => 0.0,
         ContactRule::EndPoint => 1.0,
-        _ => 0.5,
+        ContactRule::EndPointMean | ContactRule::Midpoint | ContactRule::EnergyMomentum => 0.5,
     }
 }
 
@@ -149,8 +149,9 @@ impl Constraint for ConstraintSet {
         rule == ContactRule::EndPoint
     }
 
-    fn set_rule(&mut self, _rule: ContactRule, step_size: f64) {
-        self.compliance.begin(step_size);
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        self.compliance.begin(step.dt);
+        Ok(())
     }
 
     fn renew(

@@ -18,7 +18,7 @@ impl GradientAt {
     pub fn of(rule: ForceRule) -> Self {
         match rule {
             ForceRule::Configuration { theta } => Self::Configuration(theta),
-            _ => Self::Discrete,
+            ForceRule::DiscreteGradient => Self::Discrete,
         }
     }
 }

@@ -125,7 +125,7 @@ impl Part for ElasticSupport {
         // Of a quadratic energy the gradient at the midpoint is the discrete one.
         let theta = match step.rule {
             ForceRule::Configuration { theta } => theta,
-            _ => 0.5,
+            ForceRule::DiscreteGradient => 0.5,
         };
         let Foundation { axes, stiffness, damping } = self.foundation;
         let mut local = LocalForce::default();

@@ -53,7 +53,7 @@ impl Part for Cloud {
     fn assemble(&self, step: PartStep<'_>, want: bool, visit: &mut dyn FnMut(&LocalForce)) -> Result<(), PartError> {
         let at = match step.rule {
             ForceRule::Configuration { theta } => GradientAt::Configuration(theta),
-            _ => GradientAt::Discrete,
+            ForceRule::DiscreteGradient => GradientAt::Discrete,
         };
         let mut kernel = Kernel::default();
         for s in &self.springs {

@@ -1,7 +1,7 @@
 //! Forces and tangents of joints against differences, resultants, moments and work, at random states.
 
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactRule, History, LocalContribution, Report, StepConfiguration};
+use stoss_contact::{Constraint, ContactRule, History, LocalContribution, Report, Step, StepConfiguration};
 use stoss_multibody::{
     CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, Pretension,
     RigidBody, RigidMass,
@@ -73,10 +73,7 @@ fn options(which: usize) -> CoordinateOptions {
 }
 
 fn begin(joint: &mut Joint, q_n: &[f64], rule: ContactRule) {
-    joint.set_rule(rule, 0.05);
-    joint.set_times(0.0, 0.05);
-    joint.set_has_rates(true);
-    joint.begin_step(q_n, 0.0).unwrap();
+    joint.begin(&Step::new(q_n, rule, 0.05)).unwrap();
 }
 
 fn assemble(joint: &Joint, q: [&[f64]; 2], rule: ContactRule, multipliers: &[f64], tangent: bool) -> LocalContribution {

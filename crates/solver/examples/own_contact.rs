@@ -6,7 +6,7 @@
 
 use std::error::Error;
 use std::sync::Arc;
-use stoss_contact::{ContactError, ContactRule, ContactSurface, LocalContribution, Potential, StepConfiguration};
+use stoss_contact::{ContactError, ContactRule, ContactSurface, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
@@ -60,8 +60,8 @@ impl Potential for PenaltyPlane {
     fn conserves_angular_momentum(&self) -> bool {
         false
     }
-    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
-        self.near = (0..self.surface.nodes().len()).filter(|&local| self.gap(local, q_n) < reach).collect();
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        self.near = (0..self.surface.nodes().len()).filter(|&local| self.gap(local, step.q_n) < step.reach).collect();
         Ok(())
     }
     fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {

@@ -55,7 +55,6 @@ impl Charges {
                 let d = std::array::from_fn(|i| r_0[i] + r_1[i]);
                 Ok((-c / (l_0 * l_1 * sum), d, 1.0, r_1.map(|r| slope * r / l_1)))
             }
-            rule => Err(PartError { part: self.name().into(), reason: format!("has no force for {rule:?}") }),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::Coupling;
 use crate::numbering::Numbering;
-use stoss_contact::{ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{ContactRule, LocalContribution, Step, StepConfiguration};
 use stoss_linalg::NONE;
 
 /// Part of the length of a joint by which free components are moved to see which of its rows depend on them.
@@ -12,7 +12,8 @@ const SMALLEST_DEPENDENCE: f64 = 1.0e-9;
 
 /// Which rows of a joint depend on components that are free, or on its own multipliers; `None` if it cannot be evaluated. Where of a node some components are held
 /// and others are not, an equation may be about those that are held alone.
-pub(crate) fn depends_on_free(method: &mut Coupling, numbering: &Numbering, q: &[f64]) -> Option<Vec<bool>> {
+pub(crate) fn depends_on_free(method: &mut Coupling, numbering: &Numbering, begins: &Step<'_>) -> Option<Vec<bool>> {
+    let q = begins.q_n;
     let count = method.slot_count();
     let by = PROBED * method.length_scale();
     let moved = |phase: f64| -> Vec<f64> {
@@ -32,7 +33,7 @@ pub(crate) fn depends_on_free(method: &mut Coupling, numbering: &Numbering, q: &
                 .for_each(|(k, &slot)| rows[slot as usize] += local.residual[coordinates + k]);
         };
         let (multipliers, all) = (vec![multiplier; count], vec![true; count]);
-        method.begin_step(q, 0.0).ok()?;
+        method.begin(begins).ok()?;
         method.assemble_with(step, &multipliers, &auxiliaries, &all, false, &mut add).ok()?;
         Some(rows)
     };

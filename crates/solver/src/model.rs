@@ -5,9 +5,9 @@ use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, T
 use std::collections::BTreeMap;
 use std::ops::Range;
 use stoss_contact::{
-    Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork,
-    LocalContribution, Potential, PotentialConstraint, Report, SlotReport, StepConfiguration, SurfaceForce,
-    SurfaceNode,
+    Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Hold,
+    LocalContribution, Potential, PotentialConstraint, Report, SlotReport, Step, StepConfiguration, Support,
+    SurfaceForce, SurfaceNode,
 };
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_part::Part;
@@ -389,7 +389,7 @@ impl Potential for Nothing {
     fn length_scale(&self) -> f64 {
         1.0
     }
-    fn begin_step(&mut self, _q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
+    fn begin(&mut self, _step: &Step<'_>) -> Result<(), ContactError> {
         Ok(())
     }
     fn stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
@@ -459,6 +459,33 @@ impl Model {
     /// nothing new: the middle of a face without a node there.
     pub fn follows_its_face(&self, node: u32) -> bool {
         self.traces.get(&node).is_some_and(Option::is_none)
+    }
+
+    /// What is known of the motion of nodes without asking the equations, from the prescriptions of which `acts` says that they act and the couplings that are not switched off.
+    pub fn support(&self, acts: impl Fn(usize) -> bool) -> Support {
+        let mut support = Support::new(self.node_count());
+        for (_, prescription) in self.prescriptions.iter().enumerate().filter(|(p, _)| acts(*p)) {
+            for &node in &prescription.nodes {
+                prescription.components.iter().for_each(|&c| support.prescribe(node, usize::from(c)));
+            }
+        }
+        // A node that others carry is where they are.
+        for &node in self.embedding.nodes() {
+            let carriers = self.embedding.carriers(node).unwrap_or_default();
+            for component in 0..3 {
+                if carriers.iter().all(|&(carrier, _)| support.prescribed(carrier)[component]) {
+                    support.prescribe(node, component);
+                }
+            }
+        }
+        self.traces
+            .keys()
+            .filter(|&&node| self.follows_its_face(node))
+            .for_each(|&node| support.hold(node, Hold::Wholly));
+        for pair in &self.contacts {
+            pair.method.holds(&mut |node, how| support.hold(node, how));
+        }
+        support
     }
 
     /// Whether all of these nodes are carried by rigid parts: embedded, and no vertices of traces, which deform with their faces.

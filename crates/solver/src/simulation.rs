@@ -11,6 +11,7 @@ mod sudden;
 mod warnings;
 
 pub use stage::Stage;
+use start::at_rest;
 
 use crate::Departure;
 use crate::assembly::System;
@@ -18,12 +19,13 @@ use crate::control::Clock;
 use crate::held::depends_on_free;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::stabilise::Stabilisation;
+use crate::switches::Acting;
 use crate::{
     Balance, Decision, FailedAttempt, LoadKind, Model, Release, SimulationError, Stabilise, StepControl, StepError,
     StepRecord, Switches, Timings,
 };
 use std::collections::BTreeMap;
-use stoss_contact::{SlotReport, SurfaceForce};
+use stoss_contact::{SlotReport, Step as ContactStep, Support, SurfaceForce};
 use stoss_integrators::{Scheme, State, StepRule};
 use stoss_linalg::{AutoSolver, LinearSolver, SolverStatistics};
 use stoss_newton::NewtonOptions;
@@ -135,6 +137,8 @@ pub struct Simulation {
     stored: Vec<[f64; 2]>,
     /// (component, prescription, column), sorted.
     prescribed: Vec<(u32, u32, u32)>,
+    /// What couplings are told of what acts.
+    support: Support,
     departures: Vec<Departure>,
     sudden: Vec<usize>,
     reactions: Vec<f64>,
@@ -149,6 +153,11 @@ pub struct Simulation {
     /// Of the step that was tried last.
     failures: Vec<FailedAttempt>,
     solves: u64,
+}
+
+/// What couplings are told of what acts; nothing if there are none.
+fn support(model: &Model, acting: &Acting) -> Support {
+    if model.contacts.is_empty() { Support::default() } else { model.support(|p| acting.prescriptions[p]) }
 }
 
 impl Simulation {
@@ -175,6 +184,7 @@ impl Simulation {
             }
         }
         let prescribed = model.prescribed_components(&acting)?;
+        let support = support(&model, &acting);
         let components = model.reference.len();
         let dynamic = settings.scheme.is_some();
         let has_mass = dynamic || later_dynamics;
@@ -218,6 +228,7 @@ impl Simulation {
             moved: BTreeMap::new(),
             pushed: Vec::new(),
             prescribed,
+            support,
             departures: Vec::new(),
             sudden: Vec::new(),
             system,
@@ -248,7 +259,7 @@ impl Simulation {
             simulation.state.v = v;
         }
         simulation.set_prescribed_positions_at_start();
-        simulation.set_bilateral();
+        simulation.set_bilateral()?;
         simulation.start_at_sliding_supports();
         simulation.complete_initial_state()?;
         if !dynamic {
@@ -264,13 +275,16 @@ impl Simulation {
     }
 
     /// Activates the slots of all bilateral constraints that act, but for those that nothing which can move enters: they determine nothing.
-    fn set_bilateral(&mut self) {
-        let (embedding, numbering) = (&self.model.embedding, &self.system.numbering);
+    fn set_bilateral(&mut self) -> Result<(), StepError> {
+        let (embedding, numbering, dt) = (&self.model.embedding, &self.system.numbering, self.clock.dt());
+        let begins = ContactStep { end: self.state.time + dt, support: &self.support, ..at_rest(&self.state, dt) };
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
             if !pair.method.is_bilateral() || pair.method.is_off() {
                 continue;
             }
             active.fill(true);
+            // Which slots a tie has depends on what is prescribed.
+            pair.method.begin(&begins)?;
             // A constraint may hand out its nodes one by one.
             let mut can_move = vec![false; active.len()];
             let mut in_part = false;
@@ -280,22 +294,23 @@ impl Simulation {
                 in_part |= nodes.iter().any(|&node| numbering.is_held_in_part(node));
             });
             in_part &= pair.method.joint(&self.state.q, &vec![0.0; active.len()]).is_some();
-            if in_part && let Some(depends) = depends_on_free(&mut pair.method, numbering, &self.state.q) {
+            if in_part && let Some(depends) = depends_on_free(&mut pair.method, numbering, &begins) {
                 can_move.iter_mut().zip(depends).for_each(|(can, depends)| *can &= depends);
             }
             active.copy_from_slice(&can_move);
         }
         self.drop_dependent_directions();
+        Ok(())
     }
 
     /// Activates slots whose node touches the master, see [`TOUCHING`].
     fn close_touching(&mut self) -> Result<(), StepError> {
-        let q = &self.state.q;
+        let (q, dt) = (&self.state.q, self.clock.dt());
         let (embedding, numbering) = (&self.model.embedding, &self.system.numbering);
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
             let Some(method) = pair.method.as_contact_mut() else { continue };
             let near = TOUCHING * method.length_scale();
-            method.begin_step(q, near)?;
+            method.begin(&ContactStep { reach: near, support: &self.support, ..at_rest(&self.state, dt) })?;
             let mut gaps = vec![0.0; active.len()];
             method.complementarity_gaps(q, active, &mut gaps)?;
             for (active, gap) in active.iter_mut().zip(gaps) {
@@ -551,7 +566,8 @@ impl Simulation {
         let length = lengths.chain(model.contacts.iter().map(|pair| pair.method.length_scale())).fold(0.0, f64::max);
         let small = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION;
         let mut force = 0.0;
-        for load in &model.loads {
+        let acting = model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
+        for (load, _) in acting {
             let LoadKind::Dead { patterns } = &load.kind else { continue };
             for (column, pattern) in patterns.iter().enumerate() {
                 let sum: f64 = pattern.iter().map(|(_, unit)| unit.abs()).sum();

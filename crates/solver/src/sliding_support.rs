@@ -2,7 +2,7 @@
 
 use crate::Table;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, ContactWork, History, LocalContribution, Report, SlotReport,
+    Constraint, ContactError, ContactRule, ContactWork, History, Hold, LocalContribution, Report, SlotReport, Step,
     StepConfiguration, SupportedNode,
 };
 
@@ -131,12 +131,13 @@ impl Constraint for SlidingSupport {
         true
     }
 
-    fn set_times(&mut self, time_n: f64, time_np1: f64) {
-        self.times = [time_n, time_np1];
+    fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
+        self.nodes.iter().for_each(|&(node, _)| visit(node, Hold::Partly));
     }
 
-    fn set_has_rates(&mut self, has_rates: bool) {
-        self.has_rates = has_rates;
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        (self.times, self.has_rates) = ([step.time, step.end], step.rates);
+        Ok(())
     }
 
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
@@ -221,6 +222,10 @@ mod tests {
         SlidingSupport::new("cut", &[1, 0], [3.0, 0.0, -4.0], table, &REFERENCE, 1.0).unwrap()
     }
 
+    fn dynamics(dt: f64) -> Step<'static> {
+        Step::new(&REFERENCE, ContactRule::EnergyMomentum, dt)
+    }
+
     fn contributions(support: &SlidingSupport, q: &[f64], multipliers: &[f64]) -> Vec<LocalContribution> {
         let mut list = Vec::new();
         let step = StepConfiguration { q_n: &REFERENCE, q_np1: q, rule: ContactRule::EnergyMomentum };
@@ -232,7 +237,7 @@ mod tests {
     #[test]
     fn the_tangent_is_the_derivative() {
         let mut support = support();
-        support.set_times(0.5, 1.0);
+        support.begin(&Step { time: 0.5, ..dynamics(1.0) }).unwrap();
         let (q, p) = ([0.3, 0.1, -0.2, 1.4, 0.3, 0.9], [0.7, -1.2]);
         let here = contributions(&support, &q, &p);
         for (k, local) in here.iter().enumerate() {
@@ -255,8 +260,7 @@ mod tests {
     #[test]
     fn work_is_that_of_the_motion() {
         let mut support = support();
-        support.set_times(0.0, 1.0);
-        support.set_has_rates(true);
+        support.begin(&dynamics(1.0)).unwrap();
         let d = [0.6, 0.0, -0.8];
         let u = 0.2;
         let q: Vec<f64> =
@@ -272,12 +276,12 @@ mod tests {
         assert!((told - 2.0 * u).abs() < 1e-15 && (work - told).abs() < 1e-14, "{told} {work}");
         assert!(support.moves());
         // In statics by the mean of the forces.
-        support.set_has_rates(false);
+        support.begin(&Step { rates: false, ..dynamics(1.0) }).unwrap();
         support.commit(&q, &[1.0, 1.0], &[true, false]);
         let saved = support.save_history();
         let mut other = self::support();
         other.load_history(&saved).unwrap();
-        other.set_times(0.0, 1.0);
+        other.begin(&Step { rates: false, ..dynamics(1.0) }).unwrap();
         assert!((other.work(&q, &p, &[true; 2]).unwrap().driven - 0.5 * (4.0 - 1.0) * u).abs() < 1e-15);
         assert!(other.load_history(&saved[1..]).is_err());
     }

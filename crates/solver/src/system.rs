@@ -19,8 +19,7 @@ const FROM_ZERO: u32 = 2;
 pub(crate) fn stress_rule(rule: ForceRule) -> StressRule {
     match rule {
         ForceRule::Configuration { theta } => StressRule::Configuration { theta },
-        // The rules are not to be extended without their stress; the energy-momentum stress is the safe one.
-        _ => StressRule::EnergyMomentum,
+        ForceRule::DiscreteGradient => StressRule::EnergyMomentum,
     }
 }
 
@@ -31,7 +30,7 @@ pub fn contact_rule(rule: GradientRule) -> ContactRule {
         GradientRule::Midpoint => ContactRule::Midpoint,
         GradientRule::EndPoint => ContactRule::EndPoint,
         GradientRule::EndPointMean => ContactRule::EndPointMean,
-        _ => ContactRule::EnergyMomentum,
+        GradientRule::DiscreteGradient => ContactRule::EnergyMomentum,
     }
 }
 

@@ -137,12 +137,10 @@ fn patches_on_all_facets_are_uniform() {
             blocks.prescribe(1, "left", 0, 0.0);
             blocks.prescribe(1, "front", 1, 0.0);
             blocks.prescribe(1, "top", 2, -0.2);
-            let options = MortarOptions { space, force: Force::FixedWeights, ..MortarOptions::default() };
+            let options = MortarOptions { space, ..MortarOptions::default() };
             let meshes = if upper_is_slave { [Mesh::Quads, mesh] } else { [mesh, Mesh::Quads] };
             let q = blocks.model.reference.clone();
             let method = mortar(&blocks.surfaces(upper_is_slave), meshes, &q, options);
-            let mut method = method.with_crosspoints(|n| blocks.prescribed(n));
-            method.set_rule(ContactRule::EndPoint, 0.5);
             let (simulation, _) = run(blocks.simulation(Coupling::contact(method), 0.5, 1.0));
             let uneven = uneven(&simulation);
             println!("{meshes:?} {space:?}: uneven by {uneven:.1e}");
@@ -161,10 +159,8 @@ fn ties_of_all_facets_keep_the_ledger() {
         let [slave, master] = blocks.surfaces(k % 2 == 0);
         let space = if k % 2 == 0 { MultiplierSpace::Standard } else { MultiplierSpace::Dual };
         let (q, options) = (blocks.model.reference.clone(), TieOptions { space, ..TieOptions::default() });
-        let mut tie =
-            MeshTie::new("tie", &meshes[0].of(&slave), &meshes[1].of(&master), &q, |_| false, options).unwrap();
+        let tie = MeshTie::new("tie", &meshes[0].of(&slave), &meshes[1].of(&master), &q, |_| false, options).unwrap();
         assert!((tie.tied_share() - 1.0).abs() < 1e-12);
-        tie.set_rule(ContactRule::EnergyMomentum, 5e-3);
         let (_, records) = run(blocks.simulation(Coupling::bilateral(tie), 5e-3, 0.2));
         check_ledger(&format!("tie {meshes:?} {space:?}"), &records);
     }
@@ -197,9 +193,8 @@ fn mortar_impacts_of_all_facets_keep_the_ledger() {
     for (k, meshes) in Mesh::PAIRS.into_iter().enumerate() {
         let blocks = impact();
         let space = if k % 2 == 0 { MultiplierSpace::Standard } else { MultiplierSpace::Dual };
-        let options = MortarOptions { space, keeps_penetration: true, ..MortarOptions::default() };
-        let mut method = mortar(&blocks.surfaces(k < 3), meshes, &blocks.model.reference, options);
-        method.set_rule(ContactRule::EnergyMomentum, 2e-3);
+        let options = MortarOptions { space, ..MortarOptions::default() };
+        let method = mortar(&blocks.surfaces(k < 3), meshes, &blocks.model.reference, options);
         let (_, records) = run(blocks.simulation(Coupling::contact(method), 2e-3, 0.1));
         check_ledger(&format!("mortar {meshes:?} {space:?}"), &records);
     }
@@ -212,9 +207,7 @@ fn node_to_surface_impacts_of_all_facets_keep_the_ledger() {
         let [slave, master] = blocks.surfaces(true);
         let options = NodeToSurfaceOptions { search: SearchOptions::default(), ..NodeToSurfaceOptions::default() };
         let q = &blocks.model.reference;
-        let mut method =
-            NodeToSurface::new("contact", &meshes[0].of(&slave), &meshes[1].of(&master), q, options).unwrap();
-        method.set_rule(ContactRule::EnergyMomentum, 2e-3);
+        let method = NodeToSurface::new("contact", &meshes[0].of(&slave), &meshes[1].of(&master), q, options).unwrap();
         let (_, records) = run(blocks.simulation(Coupling::contact(method), 2e-3, 0.1));
         check_ledger(&format!("nts {meshes:?}"), &records);
     }

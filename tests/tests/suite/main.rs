@@ -40,6 +40,7 @@ mod slow_contact;
 mod solid_probes;
 mod statics;
 mod support;
+mod switched;
 mod switched_springs;
 mod tie;
 mod whole_runs;

@@ -12,8 +12,8 @@ use crate::{Friction, Interaction, Interactions, Layer, PairStart, Skin, StepFor
 use nalgebra::Vector3;
 use springs::Spring;
 use stoss_contact::{
-    BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, StepConfiguration, SurfaceForce,
-    SurfaceNode,
+    BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, Step, StepConfiguration,
+    SurfaceForce, SurfaceNode,
 };
 use stoss_geometry::closest;
 
@@ -50,7 +50,6 @@ pub struct GeneralContact {
     rule: ContactRule,
     step_size: f64,
     has_rates: bool,
-    velocity: Vec<f64>,
     /// Positions of the points at the start of the step and at the iterate.
     x_n: Vec<Vector3<f64>>,
     x: Vec<Vector3<f64>>,
@@ -100,7 +99,6 @@ impl GeneralContact {
             rule: ContactRule::EndPoint,
             step_size: 0.0,
             has_rates: false,
-            velocity: Vec::new(),
             x_n: Vec::new(),
             x: Vec::new(),
             increment: Vec::new(),
@@ -255,31 +253,19 @@ impl Potential for GeneralContact {
         self.line.iter().map(|line| line.energy(part)).sum()
     }
 
-    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
-        self.rule = rule;
-        self.step_size = step_size;
-    }
-
-    fn set_has_rates(&mut self, has_rates: bool) {
-        self.has_rates = has_rates;
-    }
-
-    fn set_velocity(&mut self, v_n: &[f64]) {
-        self.velocity.clear();
-        self.velocity.extend_from_slice(v_n);
-    }
-
-    fn begin_step(&mut self, q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        let Step { q_n, v_n, .. } = *step;
+        (self.rule, self.step_size, self.has_rates) = (step.rule, step.dt, step.rates);
         if !matches!(self.rule, ContactRule::EnergyMomentum | ContactRule::EndPoint) {
             return Err(ContactError::RuleUnavailable { method: "general", rule: format!("{:?}", self.rule) });
         }
         if let Some(springs) = self.next_springs.take() {
             self.springs = springs;
         }
-        let Self { skin, rules, proximity, x_n, x, velocity, step_size, .. } = self;
+        let Self { skin, rules, proximity, x_n, x, step_size, .. } = self;
         skin.place(q_n, x_n);
         x.clone_from(x_n);
-        let motion = |p: u32| if velocity.is_empty() { Vector3::zeros() } else { skin.at(p, velocity) * *step_size };
+        let motion = |p: u32| if v_n.is_empty() { Vector3::zeros() } else { skin.at(p, v_n) * *step_size };
         proximity.begin(skin, rules, x_n, motion);
         self.renew_starts();
         self.proximity.keep(&self.inside_n);

@@ -27,6 +27,8 @@ pub(crate) struct SurfaceFriction {
     pub points: Vec<PointHistory>,
     /// Of the stick of each node, in multiples of one over the stiffness.
     pub compliance: Vec<f64>,
+    /// Whether all nodes have one, whatever else acts on them.
+    pub is_compliant: bool,
     /// Nodes of which less than [`SLIVER`] is covered at the start of a step of the end point. Exact stick is replaced by a spring that forgets there: the
     /// slip of a sliver at the rim of the master is the motion of the rim, and a multiplier would need a traction out of all proportion to hold it.
     pub slivers: Vec<bool>,

@@ -3,11 +3,10 @@
 use super::integrate::MARGIN;
 use super::{CARRIED, MortarContact, NO_PENETRATION};
 use crate::friction::Scratch;
-use crate::options::Force;
 use crate::positions::Positions;
 use crate::state::{Integrated, Need, StepState};
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactRule, LocalContribution, StepConfiguration, multipliers_of,
+    Auxiliary, Constraint, ContactError, ContactRule, Hold, LocalContribution, Step, StepConfiguration, multipliers_of,
 };
 use stoss_segmentation::GapRange;
 
@@ -20,12 +19,6 @@ impl Constraint for MortarContact {
         self.surfaces.rows[slot].area
     }
 
-    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
-        self.rule = rule;
-        self.step_size = step_size;
-        self.set_friction_step(step_size);
-    }
-
     fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
         self.surfaces.master.set_carriers(of);
         if self.surfaces.master.carriers().is_some() {
@@ -33,13 +26,14 @@ impl Constraint for MortarContact {
         }
     }
 
-    fn set_velocity(&mut self, v_n: &[f64]) {
-        self.velocity.clear();
-        self.velocity.extend_from_slice(v_n);
+    fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
+        let nodes = self.surfaces.slave.nodes().iter().chain(self.surfaces.master.nodes());
+        nodes.for_each(|&node| visit(node, Hold::Surface));
     }
 
-    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
-        let velocity = std::mem::take(&mut self.velocity);
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        self.take(step);
+        let Step { q_n, v_n: velocity, reach, .. } = *step;
         self.tree.update(&self.surfaces.master, q_n);
         let surfaces = &self.surfaces;
         let factors = self.factors();
@@ -48,7 +42,7 @@ impl Constraint for MortarContact {
         let with_facets = self.friction.is_some();
         let crosspoints = surfaces.handing_over(None);
         let predicted = |part: f64| {
-            let ahead = Positions::Ahead(q_n, part * self.step_size, &velocity);
+            let ahead = Positions::Ahead(q_n, part * self.step_size, velocity);
             let q = if velocity.is_empty() { q_n.into() } else { ahead };
             surfaces.integrate(&candidates, q, &values, &crosspoints, &[], with_facets && self.is_frozen())
         };
@@ -64,8 +58,8 @@ impl Constraint for MortarContact {
         let carried: Vec<bool> =
             rows.map(|(k, row)| seen.iter().all(|of| of.slots[k].opposite > CARRIED * row.area)).collect();
         // In statics no energy is at stake, and constant pressures stay exact.
-        let hands_over = self.options.force == Force::FixedWeights && self.rule == ContactRule::EndPoint;
-        let without = if hands_over { surfaces.handing_over(Some(&carried)) } else { crosspoints.clone() };
+        let without =
+            if self.has_fixed_weights() { surfaces.handing_over(Some(&carried)) } else { crosspoints.clone() };
         if without != crosspoints {
             start = surfaces.integrate(&candidates, q_n.into(), &values, &without, &[], with_facets)?;
         }
@@ -74,7 +68,7 @@ impl Constraint for MortarContact {
         let gap: Vec<Option<f64>> =
             weights.slots.iter().map(|slot| if slot.opposite > 0.0 { slot.gap(q_n) } else { None }).collect();
         let reference = gap.iter().zip(&surfaces.rows).map(|(gap, row)| match gap {
-            Some(gap) if self.options.keeps_penetration && !frozen && *gap < -no_penetration * row.area => *gap,
+            Some(gap) if self.has_rates && !frozen && *gap < -no_penetration * row.area => *gap,
             _ => 0.0,
         });
         let reference = reference.collect();

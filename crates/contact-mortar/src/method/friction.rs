@@ -4,11 +4,11 @@ use super::MortarContact;
 use crate::friction::{
     FrictionState, MaterialFrames, NodeFriction, PointHistory, SLIVER, Scratch, SlipMeasure, SurfaceFriction,
 };
-use crate::rows::Row;
 use crate::slot::Slot;
-use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
+use crate::state::Surfaces;
+use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliance};
 use stoss_contact::{
-    ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration, position,
+    ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, Step, StepConfiguration, position,
 };
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
@@ -27,38 +27,47 @@ impl MortarContact {
     ///
     /// # Errors
     /// [`ContactError::FrictionUnavailable`] with the modified constraint: its nodes bounce at every step, so that nothing sticks.
-    /// `begin_step` refuses the other rules, and [`SlipMeasure::Yang`] under those whose integrals stay.
+    /// `begin` refuses the other rules, and [`SlipMeasure::Yang`] under those whose integrals stay.
     pub fn with_friction(mut self, friction: Friction, measure: SlipMeasure) -> Result<Self, ContactError> {
         let count = self.surfaces.rows.len();
         let (points, compliance) = (vec![PointHistory::default(); count], vec![0.0; count]);
         let slivers = vec![false; count];
-        let (step_size, rounds) = (0.0, 0);
+        let (step_size, rounds, is_compliant) = (0.0, 0, false);
         // Before the first step these are the reference positions.
         let frames = MaterialFrames::new(&self.surfaces.slave, &self.step.q_n);
-        self.friction =
-            Some(SurfaceFriction { friction, measure, frames, step_size, rounds, points, compliance, slivers });
+        self.friction = Some(SurfaceFriction {
+            friction,
+            measure,
+            frames,
+            step_size,
+            rounds,
+            points,
+            compliance,
+            is_compliant,
+            slivers,
+        });
         Ok(self)
     }
 
-    /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] at slave nodes of which `is_held` says that
-    /// supports or other contacts may determine their motion; to be called after [`Self::with_friction`].
+    /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] everywhere, and not only where supports or other contacts may determine the motion
+    /// of a node ([`stoss_contact::Support::may_hold`]) or the node has several rows; to be called after [`Self::with_friction`].
     #[must_use]
-    pub fn with_compliant_stick(mut self, is_held: impl Fn(u32) -> bool) -> Self {
+    pub fn with_compliant_stick(mut self) -> Self {
         if let Some(surface) = &mut self.friction {
-            let nodes = self.surfaces.slave.nodes();
-            let compliances = stick_compliances(nodes, is_held);
-            // Where a node has several rows, what one says along its face another may say across its own.
-            let shared = stick_compliances(nodes, |_| true);
-            let of_row = |row: &Row| if row.shared { shared[row.local] } else { compliances[row.local] };
-            surface.compliance = self.surfaces.rows.iter().map(of_row).collect();
+            surface.is_compliant = true;
         }
         self
     }
 
-    pub(crate) fn set_friction_step(&mut self, step_size: f64) {
-        if let Some(surface) = &mut self.friction {
-            surface.step_size = step_size;
-            surface.friction.begin(step_size);
+    pub(crate) fn begin_friction_step(&mut self, step: &Step<'_>) {
+        let Some(surface) = &mut self.friction else { return };
+        surface.step_size = step.dt;
+        surface.friction.begin(step.dt, step.rates);
+        let Surfaces { slave, rows, .. } = &self.surfaces;
+        for (compliance, row) in surface.compliance.iter_mut().zip(rows) {
+            // Where a node has several rows, what one says along its face another may say across its own.
+            let may_be_held = surface.is_compliant || row.shared || step.support.may_hold(slave.nodes()[row.local]);
+            *compliance = stick_compliance(may_be_held);
         }
     }
 
@@ -74,7 +83,7 @@ impl MortarContact {
                 ))
             }
             ContactRule::Midpoint | ContactRule::EnergyMomentum => None,
-            rule => Some(format!("the rule {rule:?}")),
+            rule @ (ContactRule::StartPoint | ContactRule::EndPointMean) => Some(format!("the rule {rule:?}")),
         };
         if let Some(what) = what {
             return Err(ContactError::FrictionUnavailable { what });

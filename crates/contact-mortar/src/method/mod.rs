@@ -15,7 +15,7 @@ mod tunnelling;
 use crate::MortarError;
 use crate::factors::Factors;
 use crate::friction::SurfaceFriction;
-use crate::options::{Integrals, MortarOptions};
+use crate::options::{Integrals, MortarOptions, NEARNESS};
 use crate::rows::rows;
 use crate::sharp_edges::{has_sharp_edges, smooth_parts, unit_normals};
 use crate::slot::Slot;
@@ -23,7 +23,7 @@ use crate::state::{Integrated, StepState, Surfaces};
 use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickness};
 use crate::weights::Integration;
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, ContactSurface, FacetNodes, SurfaceTree};
+use stoss_contact::{ContactError, ContactRule, ContactSurface, FacetNodes, Step, Support, SurfaceTree};
 use stoss_segmentation::FacetSegmentation;
 
 /// Penetration at which points take no part any more, in lengths of slave facets, where a surface has sharp edges or both sides of its body: beyond that other sides
@@ -44,8 +44,16 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 /// [`ContactRule::Midpoint`] and [`ContactRule::EnergyMomentum`] the discrete gradient about the middle of the step: it has neither resultant nor moment about `q_m`, for
 /// any gap, and its work is the change of the weighted gap. So the energy changes by what closing gaps cost, `p Phi_A(q_n)`, and by nothing else.
 ///
-/// A row of which less than a fiftieth is opposite the master at the start of a step carries no multiplier in it. A slave node whose motion along the normal is prescribed
-/// beside free ones gets no multiplier ([`MortarContact::with_crosspoints`]).
+/// A row of which less than a fiftieth is opposite the master at the start of a step carries no multiplier in it.
+///
+/// What a step decides ([`Step`], anew at each `begin`):
+/// * with rates a penetration that a node has at its start is kept, for to push it out would give energy; in statics gaps are closed;
+/// * under [`ContactRule::EndPoint`] the force of dynamics is the gradient of the weighted gap, which does no work on a closed row. Statics has the gradient at fixed weights: where facets are large against
+///   the depth the other one has limit points, at which nodes slide out of the overlap instead of carrying;
+/// * [`MortarOptions::nearness`], where it is not given;
+/// * crosspoints: slave nodes whose motion along their normal is given by something else that acts at present ([`stoss_contact::Support::given`]), on facets that have other nodes too, have no multiplier. Their functions go to
+///   the other nodes of the facet: beside a finer master they would be harmless, beside a coarser one there would be more pressures than motions. A surface that is given as a whole (a rigid tool)
+///   keeps its multipliers.
 #[derive(Clone, Debug)]
 pub struct MortarContact {
     name: String,
@@ -55,10 +63,12 @@ pub struct MortarContact {
     pub(crate) options: MortarOptions,
     pub(crate) rule: ContactRule,
     step_size: f64,
+    /// Whether the step has inertia.
+    has_rates: bool,
+    /// Whether a surface has sharp edges.
+    is_sharp: bool,
     /// Stress per length, see [`MortarContact::with_stiffness`].
     pub(crate) stiffness: f64,
-    /// Velocities at the start of the next step; empty if not known.
-    velocity: Vec<f64>,
     pub(crate) step: StepState,
     /// At the end of the step, and at its middle where the rule asks for it. With frozen integrals both have the weights of the step.
     pub(crate) end: Integrated,
@@ -88,7 +98,7 @@ impl MortarContact {
         let factors = Factors {
             facing: true,
             deepest: if sharp || thinner.is_finite() { thinner.min(DEEPEST * h) } else { f64::INFINITY },
-            nearness: if sharp { options.nearness / h } else { 0.0 },
+            nearness: if sharp { options.nearness.unwrap_or_default() / h } else { 0.0 },
         };
         let integration = Integration { space: options.space, rule: options.rule, factors };
         let (smooth_parts, smooth_part_count) = smooth_parts(&master, &master_normals);
@@ -100,8 +110,9 @@ impl MortarContact {
             surfaces: Surfaces { slave, master, rows, smooth_parts, smooth_part_count, normals, without, integration },
             rule: ContactRule::EndPoint,
             step_size: 0.0,
+            has_rates: false,
+            is_sharp: sharp,
             stiffness: 0.0,
-            velocity: Vec::new(),
             step: StepState { q_n: reference.to_vec(), ..StepState::default() },
             end: Integrated::default(),
             middle: Integrated::default(),
@@ -110,15 +121,22 @@ impl MortarContact {
         })
     }
 
-    /// Takes the multipliers of crosspoints away: slave nodes whose motion along their normal is prescribed, on facets that have other nodes too.
-    /// `prescribed`: which components of a global node are. Their functions go to the other nodes of the facet: beside a finer master they would be
-    /// harmless, beside a coarser one there would be more pressures than motions. A surface that is prescribed as a whole (a rigid tool) keeps its
-    /// multipliers.
-    #[must_use]
-    pub fn with_crosspoints(mut self, prescribed: impl Fn(u32) -> [bool; 3]) -> Self {
+    /// What differs from step to step beside positions.
+    fn take(&mut self, step: &Step<'_>) {
+        (self.rule, self.step_size, self.has_rates) = (step.rule, step.dt, step.rates);
+        if self.is_sharp {
+            let nearness = self.options.nearness.unwrap_or(if step.rates { 0.0 } else { NEARNESS });
+            self.surfaces.integration.factors.nearness = nearness / self.length();
+        }
+        self.surfaces.without = self.crosspoints(step.support);
+        self.begin_friction_step(step);
+    }
+
+    /// Slave nodes without a multiplier beside what else acts.
+    fn crosspoints(&self, support: &Support) -> Vec<bool> {
         let slave = &self.surfaces.slave;
         let fixed: Vec<bool> =
-            (slave.nodes().iter().enumerate()).map(|(a, &n)| self.is_held_along_normal(a, prescribed(n))).collect();
+            (slave.nodes().iter().enumerate()).map(|(a, &n)| self.is_held_along_normal(a, support.given(n))).collect();
         let mut without = vec![false; fixed.len()];
         for node in 0..fixed.len() {
             let mut beside = slave.facets_around(node).iter().flat_map(|&f| slave.local_facets()[f as usize]);
@@ -130,8 +148,7 @@ impl MortarContact {
                 facet.iter().for_each(|&n| without[n as usize] = false);
             }
         }
-        self.surfaces.without = without;
-        self
+        without
     }
 
     /// Tells the stress per length, Young's modulus over the length of a facet, that compliances are measured by. Without it there are none.
@@ -175,10 +192,12 @@ impl MortarContact {
         self.surfaces.integration.factors
     }
 
-    /// Another choice of the factors, for tests and comparisons.
+    /// Another choice of the factors, for tests and comparisons; the same in statics and dynamics.
     #[must_use]
     pub fn with_factors(mut self, factors: Factors) -> Self {
         self.surfaces.integration.factors = factors;
+        self.options.nearness = Some(factors.nearness * self.length());
+        self.is_sharp = factors.nearness > 0.0;
         self
     }
 
@@ -205,13 +224,21 @@ impl MortarContact {
         present.map(check).transpose()
     }
 
+    /// Whether forces are gradients at fixed weights.
+    pub(crate) fn has_fixed_weights(&self) -> bool {
+        self.rule == ContactRule::EndPoint && !self.has_rates
+    }
+
     pub(crate) fn is_frozen(&self) -> bool {
         self.options.integrals == Integrals::Frozen
     }
 
     /// Whether forces are evaluated at the middle of the step.
     pub(crate) fn has_middle(&self) -> bool {
-        matches!(self.rule, ContactRule::Midpoint | ContactRule::EnergyMomentum)
+        match self.rule {
+            ContactRule::StartPoint | ContactRule::EndPoint | ContactRule::EndPointMean => false,
+            ContactRule::Midpoint | ContactRule::EnergyMomentum => true,
+        }
     }
 
     /// Slots whose weights friction has: those of the middle of the step, or of the end if the rule takes forces there.

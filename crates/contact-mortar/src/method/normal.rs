@@ -2,7 +2,6 @@
 
 use super::{CARRIED, MortarContact};
 use crate::discrete::RelativeMotion;
-use crate::options::Force;
 use crate::positions::Positions;
 use crate::slot::{Evaluation, Slot, Want};
 use nalgebra::Vector3;
@@ -42,7 +41,7 @@ impl MortarContact {
         let no_normal = || ContactError::NoNormal { node: slot.nodes[0] };
         let end_point = self.rule == ContactRule::EndPoint;
         let mean_of_ends = self.rule == ContactRule::EndPointMean;
-        let has_fixed_weights = end_point && self.options.force == Force::FixedWeights;
+        let has_fixed_weights = self.has_fixed_weights();
         let want_at_end = match (has_fixed_weights, want_tangent && (end_point || mean_of_ends)) {
             (true, _) => Want::FixedWeights,
             (false, true) => Want::Hessian,

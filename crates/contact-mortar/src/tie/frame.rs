@@ -151,7 +151,7 @@ pub(super) fn response(z0: &Stage, z1: &Stage, lambda: &[f64], rule: ContactRule
     let at = match rule {
         ContactRule::StartPoint => 0.0,
         ContactRule::EndPoint => 1.0,
-        _ => 0.5,
+        ContactRule::EndPointMean | ContactRule::Midpoint | ContactRule::EnergyMomentum => 0.5,
     };
     let z = between(z0, z1, at);
     out.rule = gradients(&z);

@@ -1,9 +1,11 @@
 //! The tie as a contact discretisation whose slots do not open by themselves.
 
 use super::frame::{Stage, response};
-use super::{MeshTie, TiedNode};
+use super::{MeshTie, Slot, TiedNode};
 use nalgebra::Vector3;
-use stoss_contact::{Constraint, ContactError, ContactRule, LocalContribution, Report, SlotReport, StepConfiguration};
+use stoss_contact::{
+    Constraint, ContactError, ContactRule, Hold, LocalContribution, Report, SlotReport, Step, StepConfiguration,
+};
 
 impl TiedNode {
     pub(super) fn traction(&self, q: &[f64], multipliers: &[f64]) -> [f64; 3] {
@@ -98,14 +100,13 @@ impl Report for MeshTie {
     }
 
     fn report(&self, _: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        let report = |&(node, component): &(u32, u8)| {
-            let row = &self.nodes[node as usize].row;
+        let report = |&Slot { node, component, weight }: &Slot| {
             let normal = Vector3::ith(usize::from(component), 1.0).into();
             SlotReport {
-                node: row.node,
-                weight: row.weight,
+                node,
+                weight,
                 per_current_area: 1.0,
-                area: row.weight,
+                area: weight,
                 gap: None,
                 normal,
                 feature: "tied",
@@ -129,12 +130,23 @@ impl Constraint for MeshTie {
     }
 
     fn slot_weight(&self, slot: usize) -> f64 {
-        self.nodes[self.slots[slot].0 as usize].row.weight
+        self.slots[slot].weight
     }
 
     /// With spatial axes constraints are linear, whatever the rule.
     fn is_symmetric(&self, rule: ContactRule) -> bool {
         rule == ContactRule::EndPoint || self.nodes.iter().all(|node| node.frame.is_none())
+    }
+
+    /// Where the rows are others, slots that have none do not act: stencils leave them out.
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        self.follow_support(step.support);
+        Ok(())
+    }
+
+    fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
+        self.surfaces.iter().for_each(|&node| visit(node, Hold::Surface));
+        self.tied_nodes().for_each(|node| visit(node, Hold::Wholly));
     }
 
     fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {

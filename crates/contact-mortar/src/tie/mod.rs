@@ -33,12 +33,14 @@ mod fit;
 mod frame;
 mod method;
 mod rows;
+mod stages;
 
 use crate::{
     CheckExtent, MortarError, MortarMatrices, MultiplierSpace, SurfaceCoverage, TriangleRule, segment_surfaces,
 };
 use frame::NodeFrame;
 use rows::{ConstraintRow, constraint_rows};
+use stages::Stages;
 use stoss_contact::{ContactSurface, FacetNodes};
 use stoss_segmentation::GapRange;
 
@@ -93,13 +95,29 @@ const CLOSED: f64 = 1e-12;
 pub struct MeshTie {
     name: String,
     nodes: Vec<TiedNode>,
-    /// Node (in `nodes`) and component of each slot.
-    slots: Vec<(u32, u8)>,
+    /// Ascending by node and component.
+    slots: Vec<Slot>,
+    form: TieForm,
+    /// Whether the gap vectors are to vanish.
+    closed: bool,
+    /// If what is prescribed differs from stage to stage.
+    stages: Option<Box<Stages>>,
+    /// Global nodes of both surfaces.
+    surfaces: Vec<u32>,
     length_scale: f64,
     moved: Vec<(u32, [f64; 3])>,
     largest_gap: f64,
     covered: f64,
     area: f64,
+}
+
+/// A component of the multiplier of a slave node.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    node: u32,
+    component: u8,
+    /// [`ConstraintRow::weight`].
+    weight: f64,
 }
 
 /// A slave node with multipliers.
@@ -117,7 +135,7 @@ impl MeshTie {
     /// Ties two surfaces (facets in global node numbers, outward numbering) with the reference positions of all
     /// nodes.
     ///
-    /// `is_fixed` tells of a component (`3 * node + i`) whether its motion is given by something else. With
+    /// `is_fixed` tells of a component (`3 * node + i`) whether its motion is given by something else, in all steps alike ([`MeshTie::in_stages`] otherwise). With
     /// [`Interface::Move`] the positions in [`MeshTie::moved`] have to replace those of the reference before the
     /// bodies are integrated.
     ///
@@ -133,6 +151,40 @@ impl MeshTie {
         is_fixed: impl Fn(usize) -> bool,
         options: TieOptions,
     ) -> Result<Self, MortarError> {
+        let (tie, ..) = Self::made(name, slave, master, reference, [&is_fixed, &is_fixed], options)?;
+        Ok(tie)
+    }
+
+    /// As [`Self::new`] where a component may be prescribed in some stages of a run and free in others: `is_fixed` tells whether it is given at the start, and `is_always_fixed`
+    /// whether it is by something that is no prescription, or by one that never ends. Every step says what is prescribed in it ([`stoss_contact::Step::support`]), and slots of
+    /// components that are prescribed do not act.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn in_stages<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
+        name: &str,
+        slave: &[S],
+        master: &[M],
+        reference: &[f64],
+        is_fixed: impl Fn(usize) -> bool,
+        is_always_fixed: impl Fn(usize) -> bool,
+        options: TieOptions,
+    ) -> Result<Self, MortarError> {
+        let fixed: [&dyn Fn(usize) -> bool; 2] = [&is_fixed, &is_always_fixed];
+        let (mut tie, surfaces, matrices, q) = Self::made(name, slave, master, reference, fixed, options)?;
+        tie.stages = Some(Box::new(Stages::new(surfaces, matrices, q, fixed)));
+        Ok(tie)
+    }
+
+    /// With surfaces and integrals that it was made from, and positions at which they fit.
+    fn made<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
+        name: &str,
+        slave: &[S],
+        master: &[M],
+        reference: &[f64],
+        [is_fixed, is_always_fixed]: [&dyn Fn(usize) -> bool; 2],
+        options: TieOptions,
+    ) -> Result<(Self, [ContactSurface; 2], MortarMatrices, Vec<f64>), MortarError> {
         let slave = ContactSurface::new("slave", slave, reference)?;
         let master = ContactSurface::new("master", master, reference)?;
         slave.check_disjoint(&master)?;
@@ -143,7 +195,7 @@ impl MeshTie {
         let mut largest_gap = None;
         let mut moved = false;
         let mut pass = 0;
-        let (rows, SurfaceCoverage { covered, area, .. }) = loop {
+        let (rows, SurfaceCoverage { covered, area, .. }, matrices) = loop {
             let segments = segment_surfaces(&slave, &master, &q, range)?;
             let coverage = segments.check(&master, &q, CheckExtent::Near)?;
             if let Some(fault) = coverage.faults.first() {
@@ -153,7 +205,7 @@ impl MeshTie {
             if matrices.weights.iter().all(|w| *w <= 0.0) {
                 return Err(MortarError::Apart { reach });
             }
-            let rows = constraint_rows(&slave, &master, &matrices, &is_fixed);
+            let rows = constraint_rows(&slave, &master, &matrices, is_fixed);
             if rows.is_empty() {
                 return Err(MortarError::AllFixed);
             }
@@ -164,45 +216,55 @@ impl MeshTie {
                 moved = true;
                 pass += 1;
                 if pass == PASSES {
-                    break (rows, coverage);
+                    break (rows, coverage, matrices);
                 }
             } else {
-                break (rows, coverage);
+                break (rows, coverage, matrices);
             }
         };
         let largest_gap = largest_gap.unwrap_or(0.0);
         let closed = largest_gap <= CLOSED * length || options.interface != Interface::Keep;
         let mut tie = Self {
             name: name.to_owned(),
-            nodes: Vec::with_capacity(rows.len()),
+            nodes: Vec::new(),
             slots: Vec::new(),
+            form: options.form,
+            closed,
+            stages: None,
+            surfaces: slave.nodes().iter().chain(master.nodes()).copied().collect(),
             length_scale: length,
             moved: Vec::new(),
             largest_gap,
             covered,
             area,
         };
-        for row in rows {
-            let wanted = options.form == TieForm::FrameInvariant && row.is_free;
-            let frame = wanted.then(|| NodeFrame::new(&slave, row.local_node, &row, &q));
-            let at = tie.nodes.len() as u32;
-            let mut slots = Vec::with_capacity(3);
-            for component in (0..3).filter(|&c| row.kept[c]) {
-                slots.push(tie.slots.len() as u32);
-                tie.slots.push((at, component as u8));
-            }
-            let target = match &frame {
-                _ if closed => [0.0; 3],
-                Some(frame) => frame.values(&frame.stage(&q)),
-                None => row.gap(&q),
-            };
-            if moved {
-                let k = 3 * row.node as usize;
-                tie.moved.push((row.node, [q[k], q[k + 1], q[k + 2]]));
-            }
-            tie.nodes.push(TiedNode { row, frame, target, slots });
+        if moved {
+            let place = |node: u32| std::array::from_fn(|i| q[3 * node as usize + i]);
+            tie.moved = rows.iter().map(|row| (row.node, place(row.node))).collect();
         }
-        Ok(tie)
+        for row in &constraint_rows(&slave, &master, &matrices, is_always_fixed) {
+            let components = (0..3).filter(|&c| row.kept[c]);
+            tie.slots.extend(components.map(|c| Slot { node: row.node, component: c as u8, weight: row.weight }));
+        }
+        tie.arrange(rows, &slave, &q);
+        Ok((tie, [slave, master], matrices, q))
+    }
+
+    /// Takes these rows, at positions in which the surfaces are as they are to stay.
+    fn arrange(&mut self, rows: Vec<ConstraintRow>, slave: &ContactSurface, q: &[f64]) {
+        let node = |row: ConstraintRow| {
+            let wanted = self.form == TieForm::FrameInvariant && row.is_free;
+            let frame = wanted.then(|| NodeFrame::new(slave, row.local_node, &row, q));
+            let target = match &frame {
+                _ if self.closed => [0.0; 3],
+                Some(frame) => frame.values(&frame.stage(q)),
+                None => row.gap(q),
+            };
+            let place = |c: usize| self.slots.binary_search_by_key(&(row.node, c as u8), |s| (s.node, s.component));
+            let slots = (0..3).filter(|&c| row.kept[c]).filter_map(|c| Some(place(c).ok()? as u32)).collect();
+            TiedNode { row, frame, target, slots }
+        };
+        self.nodes = rows.into_iter().map(node).collect();
     }
 
     /// New reference positions of slave nodes; empty unless the interface had to be moved.

@@ -3,7 +3,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{Constraint, ContactRule, LocalContribution, Step, StepConfiguration};
 use stoss_contact_mortar::segmentation::Provenance;
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
 pub use stoss_testkit::meshes::{Mesh, meshes};
@@ -116,8 +116,8 @@ pub fn tangent_errors(
 ) -> Option<[f64; 2]> {
     let h = 1e-6;
     let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
-    method.set_rule(rule, 0.1);
-    method.begin_step(q_n, 0.1).unwrap();
+    let rates = rule != ContactRule::EndPoint;
+    method.begin(&Step { reach: 0.1, rates, ..Step::new(q_n, rule, 0.1) }).unwrap();
     let mut at = |x: &[f64], p: &[f64]| {
         method.renew(x, &[], &[], &active, true).unwrap();
         (assemble(method, StepConfiguration { q_n, q_np1: x, rule }, p, &active), kinds(method))

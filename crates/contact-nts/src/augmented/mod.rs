@@ -28,8 +28,8 @@ use crate::slot::{ElementNodes, Pairing};
 use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History, LocalContribution, Report,
-    SlotReport, StepConfiguration, position,
+    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History, Hold, LocalContribution,
+    Report, SlotReport, Step, StepConfiguration, position,
 };
 
 /// Coordinates at `n` on the extension of the facet of `n+1` are cut off here: any value conserves momenta, but far out the extension is
@@ -111,7 +111,9 @@ impl CoordinateAugmented {
         match rule {
             ContactRule::EndPoint => Ok(true),
             ContactRule::Midpoint | ContactRule::EnergyMomentum => Ok(false),
-            rule => Err(ContactError::RuleUnavailable { method: "coordinate augmentation", rule: format!("{rule:?}") }),
+            ContactRule::StartPoint | ContactRule::EndPointMean => {
+                Err(ContactError::RuleUnavailable { method: "coordinate augmentation", rule: format!("{rule:?}") })
+            }
         }
     }
 
@@ -234,13 +236,13 @@ impl Constraint for CoordinateAugmented {
         self.inner.set_carriers(of);
     }
 
-    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
-        let rule = if rule == ContactRule::EnergyMomentum { ContactRule::Midpoint } else { rule };
-        self.inner.set_rule(rule, step_size);
+    fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
+        self.inner.holds(visit);
     }
 
-    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
-        self.inner.begin_step(q_n, reach)
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        let rule = if step.rule == ContactRule::EnergyMomentum { ContactRule::Midpoint } else { step.rule };
+        self.inner.begin(&Step { rule, ..*step })
     }
 
     fn renew(

@@ -6,7 +6,7 @@ use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot, Slot};
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactRule, Enforcement, LocalContribution, StepConfiguration,
+    Auxiliary, Constraint, ContactError, ContactRule, Enforcement, Hold, LocalContribution, Step, StepConfiguration,
     multipliers_of, position,
 };
 
@@ -53,19 +53,19 @@ impl Constraint for NodeToSurface {
         self.search.set_carriers(of);
     }
 
-    fn set_rule(&mut self, rule: ContactRule, step_size: f64) {
-        self.normal.rule = rule;
-        if let Some(friction) = &mut self.friction {
-            friction.rule = rule;
-            friction.step_size = step_size;
-            friction.friction.begin(step_size);
-        }
+    fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
+        let nodes = self.slave.nodes().iter().chain(self.search.surface().nodes());
+        nodes.for_each(|&node| visit(node, Hold::Surface));
     }
 
-    fn begin_step(&mut self, q_n: &[f64], reach: f64) -> Result<(), ContactError> {
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        let Step { q_n, reach, rule, .. } = *step;
+        if let Some(friction) = &mut self.friction {
+            friction.begin(self.slave.nodes(), step);
+        }
         self.q_n.clear();
         self.q_n.extend_from_slice(q_n);
-        self.normal.begin_step();
+        self.normal.begin(rule);
         self.search.update(q_n, reach);
         let view = self.search.at(q_n);
         // Facets that the last step ended on, for friction only.

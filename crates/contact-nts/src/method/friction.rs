@@ -6,7 +6,7 @@ use crate::kinematics::{Gap, mean, points};
 use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot};
-use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliances};
+use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick};
 use stoss_contact::{
     ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration, position,
 };
@@ -40,12 +40,12 @@ impl NodeToSurface {
         Ok(self)
     }
 
-    /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] at slave nodes of which `is_held` says that
-    /// supports or other contacts may determine their motion; to be called after [`Self::with_friction`].
+    /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] everywhere, and not only where supports or other contacts may
+    /// determine the motion of a node ([`stoss_contact::Support::may_hold`]); to be called after [`Self::with_friction`].
     #[must_use]
-    pub fn with_compliant_stick(mut self, is_held: impl Fn(u32) -> bool) -> Self {
+    pub fn with_compliant_stick(mut self) -> Self {
         if let Some(surface) = &mut self.friction {
-            surface.compliance = stick_compliances(self.slave.nodes(), is_held);
+            surface.is_compliant = true;
         }
         self
     }
@@ -56,7 +56,9 @@ impl NodeToSurface {
         let at_end = match step.rule {
             ContactRule::EndPoint => true,
             ContactRule::Midpoint | ContactRule::EnergyMomentum => false,
-            rule => return Err(ContactError::FrictionUnavailable { what: format!("the rule {rule:?}") }),
+            rule @ (ContactRule::StartPoint | ContactRule::EndPointMean) => {
+                return Err(ContactError::FrictionUnavailable { what: format!("the rule {rule:?}") });
+            }
         };
         for (k, &node) in element.list().iter().enumerate() {
             for i in 0..3 {
@@ -105,7 +107,11 @@ impl NodeToSurface {
             ContactRule::Midpoint if !self.augmented && pairing.start != pairing.end => {
                 Slip::Work(&placed.increment[..n])
             }
-            _ => Slip::Feet(end, &element.end),
+            ContactRule::StartPoint
+            | ContactRule::EndPoint
+            | ContactRule::EndPointMean
+            | ContactRule::Midpoint
+            | ContactRule::EnergyMomentum => Slip::Feet(end, &element.end),
         };
         Ok(Some(evaluate(&FrictionElement {
             friction: &surface.friction,

@@ -55,8 +55,8 @@ impl NodeToSurface {
                 out.add_gradient(&start.gradient, &element.start, 0.5);
                 return Ok(());
             }
-            // Rules that need the midpoint.
-            _ => {}
+            // They need the midpoint.
+            ContactRule::Midpoint | ContactRule::EnergyMomentum => {}
         }
         if pairing.start == pairing.end && !self.slots[slot].relaxing {
             let kind = end.kind;

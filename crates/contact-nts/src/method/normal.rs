@@ -13,7 +13,10 @@ const CLOSE: f64 = 1.0e-8;
 const STIFFEST: f64 = 1.0e8;
 
 fn at_end(rule: ContactRule) -> bool {
-    !matches!(rule, ContactRule::Midpoint | ContactRule::EnergyMomentum)
+    match rule {
+        ContactRule::StartPoint | ContactRule::EndPoint | ContactRule::EndPointMean => true,
+        ContactRule::Midpoint | ContactRule::EnergyMomentum => false,
+    }
 }
 
 impl NodeToSurface {

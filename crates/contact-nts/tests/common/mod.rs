@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use stoss_contact::{
-    Auxiliary, Constraint, ContactMethod, ContactRule, Enforcement, FacetNodes, History, SearchOptions,
+    Auxiliary, Constraint, ContactMethod, ContactRule, Enforcement, FacetNodes, History, SearchOptions, Step,
     StepConfiguration,
 };
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
@@ -75,10 +75,10 @@ pub fn standard_on(divide: Divide<'_>, facets: u32) -> NodeToSurface {
 
 /// Puts the first node in contact at `on` and begins the next step there.
 pub fn in_contact(m: &mut NodeToSurface, on: &[f64]) {
-    m.begin_step(on, 20.0).unwrap();
+    m.begin(&Step { reach: 20.0, ..Step::new(on, ContactRule::EndPoint, 0.0) }).unwrap();
     m.repair(on, &ACTIVE).unwrap();
     m.commit(on, &[1.0, 0.0, 0.0, 0.0], &ACTIVE);
-    m.begin_step(on, 20.0).unwrap();
+    m.begin(&Step { reach: 20.0, ..Step::new(on, ContactRule::EndPoint, 0.0) }).unwrap();
 }
 
 pub fn gap(m: &NodeToSurface, q: &[f64], active: &[bool]) -> f64 {
@@ -133,12 +133,10 @@ pub fn path(facets: u32, noise: [&[f64]; 3], at: [f64; 3], first: [f64; 2], seco
 
 /// Does the first step of a [`path`], with a pressure at its end, and pairs the second one.
 pub fn second_step<M: ContactMethod>(mut m: M, q: &[Vec<f64>; 3], rule: ContactRule, dt: f64, pressure: f64) -> M {
-    m.set_rule(rule, dt);
-    m.begin_step(&q[0], 20.0).unwrap();
+    m.begin(&Step { reach: 20.0, ..Step::new(&q[0], rule, dt) }).unwrap();
     m.repair(&q[1], &ACTIVE).unwrap();
     m.commit(&q[1], &[pressure, 0.0, 0.0, 0.0], &ACTIVE);
-    m.set_rule(rule, dt);
-    m.begin_step(&q[1], 20.0).unwrap();
+    m.begin(&Step { reach: 20.0, ..Step::new(&q[1], rule, dt) }).unwrap();
     m.repair(&q[2], &ACTIVE).unwrap();
     m
 }

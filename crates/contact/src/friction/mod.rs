@@ -23,7 +23,7 @@ pub use iteration::{AugmentationRound, ConvergedPoint, MAX_AUGMENTATIONS, PointI
 pub use law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
 pub use regularised::Regularised;
 pub use static_dynamic::StaticDynamic;
-pub use step::{Friction, FrictionPoint, FrictionStep, MidpointFriction, STICK_COMPLIANCE, Stick, stick_compliances};
+pub use step::{Friction, FrictionPoint, FrictionStep, MidpointFriction, STICK_COMPLIANCE, Stick, stick_compliance};
 
 use crate::ContactError;
 

@@ -42,9 +42,9 @@ pub enum Stick {
 /// the rest; slips of such nodes are a hundred-millionth of those of springs.
 pub const STICK_COMPLIANCE: f64 = 1.0e-8;
 
-/// Compliances of the stick of slave nodes, for [`Friction::share`] and [`Friction::stored_by`]: [`STICK_COMPLIANCE`] where `is_held`, else none.
-pub fn stick_compliances(nodes: &[u32], is_held: impl Fn(u32) -> bool) -> Vec<f64> {
-    nodes.iter().map(|&node| if is_held(node) { STICK_COMPLIANCE } else { 0.0 }).collect()
+/// Compliance of the stick of a slave node, for [`Friction::share`] and [`Friction::stored_by`]: [`STICK_COMPLIANCE`] if something else may hold it, else none.
+pub fn stick_compliance(may_be_held: bool) -> f64 {
+    if may_be_held { STICK_COMPLIANCE } else { 0.0 }
 }
 
 /// Slip that an iteration leaves at a point that begins to slide, in parts of the slip of a spring with the present traction.
@@ -184,8 +184,8 @@ impl Friction {
     }
 
     /// Begins a step of a size.
-    pub fn begin(&mut self, step_size: f64) {
-        let inertia = self.inertia / (step_size * step_size);
+    pub fn begin(&mut self, step_size: f64, has_rates: bool) {
+        let inertia = if has_rates { self.inertia / (step_size * step_size) } else { 0.0 };
         self.resistance = self.body_stiffness + if inertia.is_finite() { inertia } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();
         self.stiffness = if weighs { self.penalty + inertia } else { self.penalty };

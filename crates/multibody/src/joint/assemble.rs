@@ -5,11 +5,11 @@
 //! with lengths `xi` for the coordinate.
 
 use super::coordinate_forces::{Coordinate, CoordinateStep, Torque};
-use super::{CoordinateKind, Joint};
+use super::{CoordinateKind, Joint, StepState};
 use crate::constraint::{Rows, gradient_fraction};
 use crate::quadratic::Evaluation;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, JointCoordinate, JointReport, LocalContribution, Report, SlotReport,
+    Constraint, ContactError, ContactRule, JointCoordinate, JointReport, LocalContribution, Report, SlotReport, Step,
     StepConfiguration,
 };
 
@@ -252,20 +252,11 @@ impl Constraint for Joint {
         rule == ContactRule::EndPoint && !self.coordinates.iter().any(one_sided)
     }
 
-    fn set_rule(&mut self, _rule: ContactRule, step_size: f64) {
-        self.step.dt = step_size;
-    }
-
-    fn set_times(&mut self, time_n: f64, time_np1: f64) {
-        (self.step.time_n, self.step.time_np1) = (time_n, time_np1);
-    }
-
-    fn set_has_rates(&mut self, has_rates: bool) {
-        self.step.has_rates = has_rates;
-    }
-
-    fn begin_step(&mut self, q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
-        self.begin(q_n);
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+        let Step { q_n, time, end, dt, rates, .. } = *step;
+        // Where time stands still nothing is viscous.
+        self.step = StepState { dt, time_n: time, time_np1: end, has_rates: rates && end > time };
+        self.begin_at(q_n);
         Ok(())
     }
 

@@ -180,7 +180,7 @@ impl Coordinate {
                 weights[2] = w.map(|w| 0.5 * w);
                 (second.map(|row| row.map(|s| 0.5 * s)), 2, 2)
             }
-            _ => {
+            ContactRule::StartPoint | ContactRule::EndPoint | ContactRule::Midpoint => {
                 let (w, second) = kind.derivatives(between);
                 weights[1] = w;
                 (second, 1, 1)

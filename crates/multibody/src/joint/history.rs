@@ -12,7 +12,7 @@ const SAME_TIME: f64 = 1e-9;
 
 impl Joint {
     /// State of the step that begins at `q_n`.
-    pub(super) fn begin(&mut self, q_n: &[f64]) {
+    pub(super) fn begin_at(&mut self, q_n: &[f64]) {
         self.compliance.begin(self.step.dt);
         if self.coordinates.is_empty() {
             return;

@@ -10,7 +10,7 @@ use crate::{
     StepRecord,
 };
 use std::ops::Range;
-use stoss_contact::{ContactWork, Coverage};
+use stoss_contact::{ContactWork, Coverage, Step as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, SecondOrderSystem, State, Step, StepConfiguration, StepRule, finish};
 use stoss_linalg::vector;
@@ -132,15 +132,22 @@ impl Simulation {
         let speed = self.model.embedding.largest_of(&self.system.own, &self.state.v);
         let reach = 2.0 * speed * dt;
         let end = self.clock.next_time();
-        let (model, state) = (&mut self.model, &self.state);
+        let (model, state, support) = (&mut self.model, &self.state, &self.support);
         self.timings.measure(Phase::Search, || -> Result<(), StepError> {
+            let step = ContactStep {
+                q_n: &state.q,
+                v_n: &state.v,
+                time: state.time,
+                end,
+                dt,
+                rule: contact_rule(rule.constraint.rule),
+                rates: rule.has_inertia(),
+                reach,
+                support,
+            };
             for pair in &mut model.contacts {
-                let constraint = &mut *pair.method;
-                constraint.set_rule(contact_rule(rule.constraint.rule), dt);
-                constraint.set_times(state.time, end);
-                constraint.set_has_rates(rule.has_inertia());
-                constraint.set_velocity(&state.v);
-                constraint.begin_step(&state.q, reach + 0.5 * constraint.length_scale())?;
+                let reach = reach + 0.5 * pair.method.length_scale();
+                pair.method.begin(&ContactStep { reach, ..step })?;
             }
             Ok(())
         })

@@ -1,6 +1,6 @@
 //! Checkpoints of a run, and going on from them.
 
-use super::{Simulation, Stage};
+use super::{Simulation, Stage, support};
 use crate::{Checkpoint, CheckpointError, Clock, SimulationError, StepControl, StepError};
 use std::collections::BTreeMap;
 use stoss_integrators::State;
@@ -104,10 +104,11 @@ impl Simulation {
         for (pair, &acts) in self.model.contacts.iter_mut().zip(&acting.contacts) {
             pair.method.set_acting(acts);
         }
+        self.support = support(&self.model, &acting);
         let stabilise = stage.as_ref().map(|stage| stage.stabilise);
         if let Some(stage) = stage {
             self.control = StepControl { step: stage.step, automatic: stage.automatic, end: stage.end, ..self.control };
-            self.scheme = stage.scheme;
+            (self.scheme, self.newton) = (stage.scheme, stage.newton);
         }
         self.install(acting, prescribed)?;
         self.load_histories(&checkpoint.histories)?;

@@ -1,6 +1,6 @@
 //! Stages of a run, and releases: changes of the model between two steps.
 
-use super::Simulation;
+use super::{Simulation, at_rest, support};
 use crate::Departure;
 use crate::assembly::System;
 use crate::diagnosis::node_name;
@@ -11,9 +11,10 @@ use crate::{
     Automatic, Balance, Clock, Coupling, Decision, DecisionKind, Model, Release, SimulationError, Stabilise,
     StepControl, StepError, Switches,
 };
-use stoss_contact::{ContactRule, StepConfiguration};
+use stoss_contact::{ContactRule, Step as ContactStep, StepConfiguration, Support};
 use stoss_integrators::{Scheme, State};
 use stoss_linalg::AutoSolver;
+use stoss_newton::NewtonOptions;
 use stoss_part::Part;
 
 /// A part of a run with one scheme, one step size and one set of things that act. It begins at the time and with the positions at which the one before ended.
@@ -33,6 +34,8 @@ pub struct Stage {
     pub off: Switches,
     /// Stabilisation, if it is static.
     pub stabilise: Option<Stabilise>,
+    /// Newton's settings.
+    pub newton: NewtonOptions,
 }
 
 /// Checks that a scheme can integrate a model; the reason if not.
@@ -68,6 +71,7 @@ fn has_massless_vector(part: &dyn Part) -> bool {
 struct Saved {
     acting: Acting,
     prescribed: Vec<(u32, u32, u32)>,
+    support: Support,
     departures: Vec<Departure>,
     sudden: Vec<usize>,
     /// If it was replaced, without its solver.
@@ -103,7 +107,7 @@ impl Simulation {
         self.check_stage(&stage, Some(self.state.time))?;
         let fault = |reason| SimulationError::Stage { stage: stage.name.clone(), reason };
         let acting = self.model.acting(&stage.off, &self.released).map_err(fault)?;
-        let Stage { name, scheme, step, automatic, end, off, stabilise } = stage;
+        let Stage { name, scheme, step, automatic, end, off, stabilise, newton } = stage;
         let was_dynamic = self.scheme.is_some();
         let reason = self.describe(&name, scheme.as_deref(), &off);
         let control = StepControl { step, automatic, end, ..self.control };
@@ -121,7 +125,7 @@ impl Simulation {
             self.system.stabilisation = stabilisation;
             return Err(error);
         }
-        self.control = control;
+        (self.control, self.newton) = (control, newton);
         self.set_stabilisation(stabilise);
         self.off = off;
         self.stage += 1;
@@ -217,6 +221,7 @@ impl Simulation {
         Saved {
             acting: self.system.acting.clone(),
             prescribed: self.prescribed.clone(),
+            support: self.support.clone(),
             departures: self.departures.clone(),
             sudden: self.sudden.clone(),
             system: None,
@@ -243,6 +248,7 @@ impl Simulation {
         self.system.acting = saved.acting;
         self.set_has_rates(saved.has_rates);
         self.prescribed = saved.prescribed;
+        self.support = saved.support;
         self.departures = saved.departures;
         self.sudden = saved.sudden;
         self.state = saved.state;
@@ -261,13 +267,13 @@ impl Simulation {
         self.sudden = self.sudden_loads(&acting, Some(&self.system.acting));
         self.departures = self.departures_of(&acting, Some(&self.system.acting));
         self.check_jump(&prescribed)?;
-        for c in 0..acting.contacts.len() {
-            let acts = acting.contacts[c];
-            let method = &mut self.model.contacts[c].method;
-            if acts != method.is_off() {
-                continue;
-            }
-            method.set_acting(acts);
+        let changed: Vec<usize> = (0..acting.contacts.len())
+            .filter(|&c| acting.contacts[c] == self.model.contacts[c].method.is_off())
+            .collect();
+        changed.iter().for_each(|&c| self.model.contacts[c].method.set_acting(acting.contacts[c]));
+        self.support = support(&self.model, &acting);
+        for c in changed {
+            let (acts, method) = (acting.contacts[c], &self.model.contacts[c].method);
             self.pressures[c].fill(0.0);
             self.active[c].fill(acts && method.is_bilateral());
             self.stored[c] = [0.0; 2];
@@ -276,7 +282,7 @@ impl Simulation {
             }
         }
         saved.system = self.install(acting, prescribed)?;
-        self.set_bilateral();
+        self.set_bilateral()?;
         Ok(())
     }
 
@@ -285,16 +291,17 @@ impl Simulation {
         let pair = &mut self.model.contacts[c];
         let q = &self.state.q;
         let length = pair.method.length_scale();
+        let rates = self.scheme.is_some();
+        let begins =
+            ContactStep { rates, reach: length, support: &self.support, ..at_rest(&self.state, self.clock.dt()) };
         match &mut pair.method {
             Coupling::Contact(method) => {
                 // What slid before has no meaning where the surfaces are now.
-                method.begin_step(q, length).map_err(StepError::from)?;
+                method.begin(&begins).map_err(StepError::from)?;
                 method.commit(q, &self.pressures[c], &self.active[c]);
             }
             Coupling::Bilateral(method) => {
-                method.set_rule(ContactRule::EndPoint, self.clock.dt());
-                method.set_times(self.state.time, self.state.time);
-                method.begin_step(q, length).map_err(StepError::from)?;
+                method.begin(&begins).map_err(StepError::from)?;
                 let mut farthest = (0.0, None);
                 let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
                 let weights: Vec<f64> = (0..method.slot_count()).map(|slot| method.slot_weight(slot)).collect();

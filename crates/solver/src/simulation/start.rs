@@ -4,8 +4,8 @@ use super::Simulation;
 use crate::assembly::no_auxiliaries;
 use crate::system::FeSystem;
 use crate::{ContactPair, StepError};
-use stoss_contact::{ContactRule, StepConfiguration as ContactStep};
-use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, StepConfiguration, StepRule, start};
+use stoss_contact::{ContactRule, Step as ContactStep, StepConfiguration as ContactConfiguration};
+use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, State, StepConfiguration, StepRule, start};
 use stoss_linalg::{MatrixKind, vector};
 
 /// Largest motion of a vector along the velocities, in multiples of a length of the model, over which constraint functions are differenced twice. For quadratic
@@ -83,12 +83,13 @@ impl Simulation {
 
     /// Search and integrals at the present positions, as for a step that goes nowhere.
     fn begin_contact_at_rest(&mut self, rule: StepRule) -> Result<(), StepError> {
-        self.begin_contact(self.clock.dt(), rule)?;
         let auxiliaries = no_auxiliaries(&self.model);
-        let Self { model, state, pressures, active, .. } = self;
+        let dt = self.clock.dt();
+        let Self { model, state, pressures, active, support, .. } = self;
         for (c, pair) in model.contacts.iter_mut().enumerate() {
-            pair.method.set_rule(ContactRule::EndPoint, 0.0);
-            pair.method.set_times(state.time, state.time);
+            let step = ContactStep { rates: rule.has_inertia(), support, ..at_rest(state, dt) };
+            let reach = 0.5 * pair.method.length_scale();
+            pair.method.begin(&ContactStep { reach, ..step })?;
             pair.method.renew(&state.q, &pressures[c], &auxiliaries[c], &active[c], false)?;
         }
         Ok(())
@@ -97,7 +98,7 @@ impl Simulation {
     /// Adds `G^T p` of some couplings at the present state.
     fn add_coupling_force(&self, which: impl Fn(&ContactPair) -> bool, out: &mut [f64]) -> Result<(), StepError> {
         let q = &self.state.q;
-        let step = ContactStep { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+        let step = ContactConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
         for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| which(pair)) {
             pair.method.assemble(step, &self.pressures[c], &self.active[c], false, &mut |local| {
                 for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
@@ -191,6 +192,11 @@ impl Simulation {
         }
         Ok(())
     }
+}
+
+/// A step of statics of the size `dt` in which time stands still and nothing moves.
+pub(super) fn at_rest(state: &State, dt: f64) -> ContactStep<'_> {
+    ContactStep { time: state.time, end: state.time, ..ContactStep::quasi_static(&state.q, dt) }
 }
 
 /// A bilateral constraint that is not switched off.

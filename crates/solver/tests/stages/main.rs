@@ -4,7 +4,7 @@ mod ramps;
 mod unstable;
 
 use std::sync::Arc;
-use stoss_contact::{ContactError, ContactRule, LocalContribution, Potential, StepConfiguration};
+use stoss_contact::{ContactError, ContactRule, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_nts::{NodeToSurface, NodeToSurfaceOptions};
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_integrators::{EnergyMomentum, GeneralisedAlpha, Midpoint, Scheme, Trapezoidal};
@@ -33,7 +33,8 @@ fn settings(scheme: Option<Box<dyn Scheme>>, step: f64, end: f64) -> Settings {
 }
 
 fn stage(scheme: Option<Box<dyn Scheme>>, step: f64, end: f64, off: Switches) -> Stage {
-    Stage { name: "next".into(), scheme, step, automatic: None, end, off, stabilise: None }
+    let newton = NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() };
+    Stage { name: "next".into(), scheme, step, automatic: None, end, off, stabilise: None, newton }
 }
 
 fn later(off: Switches) -> FirstStage {
@@ -542,7 +543,7 @@ impl Potential for Spring {
     fn length_scale(&self) -> f64 {
         1.0
     }
-    fn begin_step(&mut self, _q_n: &[f64], _reach: f64) -> Result<(), ContactError> {
+    fn begin(&mut self, _step: &Step<'_>) -> Result<(), ContactError> {
         Ok(())
     }
     fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {

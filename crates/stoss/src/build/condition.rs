@@ -30,27 +30,6 @@ pub(super) fn solid_facets(placed: &Placed, set: &str) -> Result<Vec<FaceNodes>,
     Ok(list.iter().map(|facet| facet.nodes.map(|n| n + placed.first_node)).collect())
 }
 
-/// Which components of all nodes have a prescribed motion; an embedded node's are if those of all of its carriers are.
-#[cfg(any(feature = "nts", feature = "mortar", feature = "multibody"))]
-pub(super) fn prescribed(model: &Model) -> Vec<bool> {
-    let mut prescribed = vec![false; model.reference.len()];
-    for prescription in &model.prescriptions {
-        for &node in &prescription.nodes {
-            for &component in &prescription.components {
-                prescribed[3 * node as usize + component as usize] = true;
-            }
-        }
-    }
-    for &node in model.embedding.nodes() {
-        let carriers = model.embedding.carriers(node).unwrap_or_default();
-        for component in 0..3 {
-            let held = carriers.iter().all(|&(carrier, _)| prescribed[3 * carrier as usize + component]);
-            prescribed[3 * node as usize + component] = held;
-        }
-    }
-    prescribed
-}
-
 /// Resolves `body.set` with a given look-up; reports and returns `None` if it does not exist or is empty.
 pub(super) fn resolve<T>(
     placed: &[Placed],

@@ -1,14 +1,15 @@
 //! Contacts of a scene: surfaces found and examined, the method made where its module is built in.
 
-use super::condition::{prescribed, resolve};
+use super::condition::resolve;
 use super::missing::not_built_in;
 use super::pair::{PairInput, finer};
+use super::phase::Phases;
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
 use crate::scene::{ContactMethod, Enforcement, Scene, split_set};
 use crate::solver::Model;
-use std::collections::BTreeSet;
+use stoss_contact::Support;
 use stoss_reference_element::FacetNodes;
 
 /// One side of a contact.
@@ -48,14 +49,14 @@ pub(super) fn contacts(
     placed: &[Placed],
     laws: &OwnLaws,
     ties: &Ties,
+    phases: &Phases,
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) -> Vec<ContactPlan> {
     let mut plans = Vec::new();
-    warnings.extend(impacts(scene));
+    warnings.extend(impacts(scene, phases));
     let mut seen: Vec<([Side; 2], &crate::scene::Contact)> = Vec::new();
-    let held = held_nodes(scene, placed, model);
     for (c, item) in scene.contacts.iter().enumerate() {
         let key = format!("contact[{c}]");
         let ([first, second], keys) = (item.surfaces(), item.surface_keys());
@@ -64,7 +65,8 @@ pub(super) fn contacts(
         let (Some(first), Some(second)) = (first, second) else { continue };
         let (mut surfaces, mut chosen) = ([first, second], None);
         if item.between.is_some() {
-            let (slave, reason) = choose_slave(model, &surfaces);
+            let support = phases.first_with(&item.label()).support(model);
+            let (slave, reason) = choose_slave(model, &support, &surfaces);
             chosen = Some(format!("{} ({reason})", item.surfaces()[slave]));
             surfaces.rotate_left(slave);
         }
@@ -94,7 +96,11 @@ pub(super) fn contacts(
             problems.add(key, item.label(), message, "remove the contact or the tie, or choose other surfaces");
             continue;
         }
-        if surfaces.iter().all(|surface| is_prescribed(model, surface)) {
+        let label = item.label();
+        let mut acting = phases.with(&label).map(|phase| phase.support(model)).peekable();
+        if acting.peek().is_some()
+            && acting.all(|support| surfaces.iter().all(|surface| is_prescribed(&support, surface)))
+        {
             let message =
                 "every node of both surfaces is prescribed in all components: no contact force could move them";
             problems.add(key, item.label(), message, "remove the contact, or free one of the surfaces");
@@ -102,7 +108,7 @@ pub(super) fn contacts(
         }
         let (bodies, facets) = ([slave.part, master.part], [&slave.facets[..], &master.facets[..]]);
         let (line, tied) = (&slave.line[..], &ties.tied);
-        let pair = PairInput { scene, placed, laws, key, item, bodies, facets, line, chosen, held: &held, tied };
+        let pair = PairInput { scene, placed, laws, phases, key, item, bodies, facets, line, chosen, tied };
         plans.extend(match item.method {
             #[cfg(feature = "nts")]
             ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),
@@ -119,11 +125,14 @@ pub(super) fn contacts(
     plans
 }
 
-/// A warning if the scheme is one that gains energy in impacts.
-fn impacts(scene: &Scene) -> Option<String> {
-    let integrator = scene.time.integrator.as_ref().filter(|_| !scene.contacts.is_empty())?;
-    let scheme = integrator.make().ok()?;
-    scheme.rule(1.0).gains_energy_in_impacts().then(|| {
+/// A warning if a scheme under which a contact acts is one that gains energy in impacts.
+fn impacts(scene: &Scene, phases: &Phases) -> Option<String> {
+    let labels: Vec<String> = scene.contacts.iter().map(crate::scene::Contact::label).collect();
+    let mut integrators = labels.iter().flat_map(|label| phases.with(label)).filter_map(|phase| phase.integrator());
+    let gains = |integrator: &&crate::scene::Integrator| {
+        integrator.make().is_ok_and(|scheme| scheme.rule(1.0).gains_energy_in_impacts())
+    };
+    integrators.find(gains).map(|integrator| {
         format!(
             "time.integrator: `{}` gains energy in impacts, at every step size (docs/verification/stability.md): use `energy-momentum`, or \
              `backward-euler`, which loses some, if bodies collide",
@@ -132,13 +141,13 @@ fn impacts(scene: &Scene) -> Option<String> {
     })
 }
 
-/// Which of two sides becomes the slave, and why: a beam or string, one whose motion is not prescribed, the finer one by the mean area of its facets, the softer
+/// Which of two sides becomes the slave, and why: a beam or string, one whose motion is not prescribed where the contact first acts, the finer one by the mean area of its facets, the softer
 /// one by Young's modulus.
-fn choose_slave(model: &Model, sides: &[Side; 2]) -> (usize, &'static str) {
+fn choose_slave(model: &Model, support: &Support, sides: &[Side; 2]) -> (usize, &'static str) {
     if let Some(line) = sides.iter().position(Side::is_line) {
         return (line, "it has no facets");
     }
-    let prescribed = [0, 1].map(|k| is_prescribed(model, &sides[k]));
+    let prescribed = [0, 1].map(|k| is_prescribed(support, &sides[k]));
     let moduli = sides.each_ref().map(|side| young(model, side.part));
     if prescribed[0] != prescribed[1] {
         return (usize::from(prescribed[0]), "the other one is prescribed");
@@ -153,31 +162,7 @@ fn choose_slave(model: &Model, sides: &[Side; 2]) -> (usize, &'static str) {
     }
 }
 
-/// Nodes with a prescribed component, and those on the surfaces of more than one contact or tie: there stick may repeat what is known already.
-fn held_nodes(scene: &Scene, placed: &[Placed], model: &Model) -> BTreeSet<u32> {
-    // Sets that are not there are reported where contacts and ties are made.
-    let mut ignored = Problems { scene, list: Vec::new() };
-    let surfaces = scene.contacts.iter().map(crate::scene::Contact::surfaces);
-    let surfaces = surfaces.chain(scene.ties.iter().map(|item| [&item.slave[..], &item.master[..]]));
-    let held = prescribed(model);
-    let is_held = |node: u32| (0..3).any(|i| held[3 * node as usize + i]);
-    let mut held: BTreeSet<u32> = (0..model.node_count() as u32).filter(|&node| is_held(node)).collect();
-    let inclined = scene.prescriptions.iter().filter(|item| item.is_inclined()).filter_map(|item| item.set.as_deref());
-    for set in inclined {
-        held.extend(resolve(placed, "", set, &mut ignored, Placed::nodes_of).into_iter().flat_map(|(_, nodes)| nodes));
-    }
-    let mut seen = BTreeSet::new();
-    for surface in surfaces {
-        let sides = surface.iter().filter_map(|set| Side::find(placed, "", set, &mut ignored));
-        let nodes: BTreeSet<u32> = sides.flat_map(|side| side.nodes().collect::<Vec<_>>()).collect();
-        held.extend(nodes.intersection(&seen));
-        seen.extend(nodes);
-    }
-    held
-}
-
 /// True if all components of all nodes of a side are prescribed.
-fn is_prescribed(model: &Model, side: &Side) -> bool {
-    let prescribed = prescribed(model);
-    side.nodes().all(|node| (0..3).all(|component| prescribed[3 * node as usize + component]))
+fn is_prescribed(support: &Support, side: &Side) -> bool {
+    side.nodes().all(|node| support.prescribed(node) == [true; 3])
 }

@@ -2,7 +2,7 @@
 
 use super::pair::PairInput;
 use super::{FrictionPlan, OwnLaws, ParameterError, Problems};
-use crate::scene::{self, Scene};
+use crate::scene;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
 use stoss_integrators::{GradientRule, SCHEMES};
@@ -22,12 +22,11 @@ fn fits(rule: GradientRule) -> bool {
     matches!(rule, GradientRule::EndPoint | GradientRule::Midpoint | GradientRule::DiscreteGradient)
 }
 
-/// Name of the scene's scheme if it evaluates contact where there is neither friction nor coordinate augmentation.
-pub(super) fn scheme_elsewhere(scene: &Scene) -> Option<&str> {
-    let integrator = scene.time.integrator.as_ref()?;
-    // A scheme that cannot be made is reported where it is named.
-    let rule = integrator.make().ok()?.rule(scene.time.step).constraint.rule;
-    (!fits(rule)).then_some(integrator.scheme.as_str())
+/// Name of a scheme under which the contact acts, and which evaluates contact where there is neither friction nor coordinate augmentation.
+pub(super) fn scheme_elsewhere(pair: &PairInput<'_>) -> Option<String> {
+    let label = pair.item.label();
+    let mut elsewhere = pair.phases.with(&label).filter(|phase| !fits(phase.rule()));
+    elsewhere.find_map(|phase| Some(phase.integrator()?.scheme.clone()))
 }
 
 /// The schemes that have friction and coordinate augmentation, for a remedy: those that gain no energy in impacts first.
@@ -62,9 +61,8 @@ pub(super) fn friction(
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) -> Option<(Friction, FrictionPlan)> {
-    let scene = pair.scene;
     let key = format!("{}.friction", pair.key);
-    if let Some(scheme) = scheme_elsewhere(scene) {
+    if let Some(scheme) = scheme_elsewhere(pair) {
         let message = format!("contact with friction is not available with the scheme `{scheme}`");
         problems.add(key, "", message, format!("use {}, or remove the friction", schemes_that_fit()));
         return None;
@@ -94,12 +92,8 @@ pub(super) fn friction(
         None => (None, scene::Stick::Penalty, scene::Sticking::DEFAULT_MIDPOINT),
     };
     let stiffness = penalty.unwrap_or(DEFAULT_TANGENTIAL_STIFFNESS * complementarity);
-    let at_end = match &scene.time.integrator {
-        Some(integrator) if scene.is_dynamic() => {
-            integrator.make().is_ok_and(|s| s.rule(scene.time.step).constraint.rule == GradientRule::EndPoint)
-        }
-        _ => true,
-    };
+    let label = pair.item.label();
+    let at_end = pair.phases.with(&label).all(|phase| phase.rule() == GradientRule::EndPoint);
     if law.is_elastic() && !at_end && (stick, midpoint) == (scene::Stick::Penalty, scene::MidpointFriction::C) {
         warnings.push(format!(
             "{key}: springs (`stick = \"penalty\"`) with `midpoint = \"c\"` give too little friction where pressures alternate from step to \

@@ -37,7 +37,7 @@ const ROUNDS: usize = 4;
 /// Speed of slip below which friction of two bodies falls, in parts of their largest relative speed at the start.
 const SLIP: f64 = 0.01;
 
-/// The same of bodies that do not move relative to each other: part of the thickness that they creep at most in the whole run.
+/// The same of bodies that do not move relative to each other: part of the thickness that they creep at most in the run, or in the first of its stages with inertia: those that follow do not change it.
 const CREEP: f64 = 0.1;
 
 /// Relative speeds that are round-off, in parts of the speeds.
@@ -243,10 +243,10 @@ fn slip_velocities(
     };
     let bodies: BTreeSet<u32> = skin.facets().iter().map(|facet| rules.body(facet.class)).collect();
     let moves = bodies.iter().any(|&a| bodies.iter().any(|&b| relative(a, b) > 0.0));
-    let end = scene.stages.iter().map(|stage| stage.until).fold(scene.time.end, f64::max);
+    let length = super::phase::first_dynamics(scene);
     let of_pair = move |a: u32, b: u32| {
         given.unwrap_or_else(|| match relative(a, b) {
-            0.0 => CREEP * thickness / end,
+            0.0 => CREEP * thickness / length,
             speed => SLIP * speed,
         })
     };

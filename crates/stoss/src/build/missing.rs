@@ -18,6 +18,7 @@ pub(super) fn contacts(
     _: &[super::Placed],
     _: &super::OwnLaws,
     _: &super::tie::Ties,
+    _: &super::phase::Phases,
     _: &mut crate::solver::Model,
     problems: &mut Problems<'_>,
     _: &mut Vec<String>,

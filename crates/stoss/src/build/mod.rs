@@ -34,6 +34,8 @@ mod nts;
 mod overlap;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod pair;
+#[cfg_attr(not(feature = "mortar"), allow(dead_code, reason = "for contacts and ties, which are not built in"))]
+mod phase;
 mod placed;
 mod plan;
 mod plausible;
@@ -168,12 +170,14 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         multibody::fix(scene, &parts, &mut model);
         let rigid = |item: &crate::scene::Prescribe| multibody::prescribe_rigid(item, &parts);
         let (places, inclined) = condition::prescriptions(scene, &placed, &rigid, &mut model, &mut problems);
-        let mut ties = tie::ties(scene, &mut placed, &mut model, &mut problems, &mut warnings);
+        let phases = phase::Phases::new(scene, &places);
+        let mut ties = tie::ties(scene, &mut placed, &phases, &mut model, &mut problems, &mut warnings);
         #[cfg(feature = "general")]
-        let apart = separate::separate(scene, &mut placed, &ties, &mut model, &mut problems, &mut bodies);
+        let apart =
+            separate::separate(scene, &mut placed, &ties, phases.first(), &mut model, &mut problems, &mut bodies);
         condition::loads(scene, &placed, &mut model, &mut problems);
         condition::gravity(scene, &mut model, &mut problems);
-        plans = contacts(scene, &placed, laws, &ties, &mut model, &mut problems, &mut warnings);
+        plans = contacts(scene, &placed, laws, &ties, &phases, &mut model, &mut problems, &mut warnings);
         model.contacts.append(&mut ties.pairs);
         let supports = sliding_support::add(scene, inclined, &places, &ties.tied, &mut model, &mut problems);
         #[cfg(any(feature = "general", feature = "multibody"))]
@@ -183,7 +187,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             let joined = &mut parts.drawing.joined;
             plans.extend(general::general(scene, &placed, &ties, joined, &mut model, &mut problems, &mut warnings));
         }
-        multibody::constraints(scene, &placed, &mut parts, &mut model, &mut problems, &mut warnings);
+        multibody::constraints(scene, &placed, &phases, &mut parts, &mut model, &mut problems, &mut warnings);
         if problems.list.is_empty() {
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
         }
@@ -207,8 +211,9 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut settings = settings(scene, scheme);
     let mut first = FirstStage { later_dynamics: schedule.has_later_dynamics(), ..FirstStage::default() };
     if let Some(stage) = schedule.stage(1) {
-        let Stage { step, end, automatic, .. } = stage;
+        let Stage { step, end, automatic, newton, .. } = stage;
         settings.control = StepControl { step, end, automatic, ..settings.control };
+        settings.newton = newton;
         settings.scheme = stage.scheme;
         first.stabilise = stage.stabilise;
         first.off = stage.off;
@@ -306,9 +311,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
 }
 
 fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
-    let default = NewtonOptions::default();
     let solver = &scene.solver;
-    let tolerance = solver.relative_tolerance.unwrap_or(DEFAULT_TOLERANCE);
     Settings {
         control: StepControl {
             step: scene.time.step,
@@ -321,31 +324,39 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             Kind::QuasiStatic => None,
             Kind::Dynamic => scheme,
         },
-        newton: NewtonOptions {
-            relative_tolerance: tolerance,
-            round_off_level: match scene.header.kind {
-                Kind::QuasiStatic => default.round_off_level.max(FAR_BELOW * tolerance),
-                Kind::Dynamic => default.round_off_level,
-            },
-            absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
-            max_iterations: solver.max_iterations.unwrap_or(match general_contact(scene) {
-                Some(_) => GENERAL_ITERATIONS,
-                None => default.max_iterations,
-            }),
-            polish: if solver.polish == Some(false) { 0 } else { default.polish },
-            line_search: match (scene.header.kind, LineSearch::backtracking()) {
-                (Kind::Dynamic, LineSearch::Backtracking { max_growth, reduction, max_reductions, .. }) => {
-                    LineSearch::Backtracking { max_growth, small: SMALL_RESIDUAL, reduction, max_reductions }
-                }
-                (_, search) => search,
-            },
-            ..default
-        },
+        newton: newton(scene, scene.header.kind),
         inside_out: match solver.inside_out {
             InsideOut::Refuse => InsideOutRule::Refuse,
             InsideOut::Warn => InsideOutRule::Warn,
         },
         solver: linear_solver(solver.linear, solver.factors),
+    }
+}
+
+/// Newton's settings of stages of this kind.
+fn newton(scene: &Scene, kind: Kind) -> NewtonOptions {
+    let default = NewtonOptions::default();
+    let solver = &scene.solver;
+    let tolerance = solver.relative_tolerance.unwrap_or(DEFAULT_TOLERANCE);
+    NewtonOptions {
+        relative_tolerance: tolerance,
+        round_off_level: match kind {
+            Kind::QuasiStatic => default.round_off_level.max(FAR_BELOW * tolerance),
+            Kind::Dynamic => default.round_off_level,
+        },
+        absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
+        max_iterations: solver.max_iterations.unwrap_or(match general_contact(scene) {
+            Some(_) => GENERAL_ITERATIONS,
+            None => default.max_iterations,
+        }),
+        polish: if solver.polish == Some(false) { 0 } else { default.polish },
+        line_search: match (kind, LineSearch::backtracking()) {
+            (Kind::Dynamic, LineSearch::Backtracking { max_growth, reduction, max_reductions, .. }) => {
+                LineSearch::Backtracking { max_growth, small: SMALL_RESIDUAL, reduction, max_reductions }
+            }
+            (_, search) => search,
+        },
+        ..default
     }
 }
 

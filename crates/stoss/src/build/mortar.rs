@@ -1,22 +1,13 @@
 //! Mortar contact of a scene.
 
-use super::condition::prescribed;
 use super::pair::PairInput;
 use super::{ContactPlan, Problems};
-use crate::scene::{
-    Closing, Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Scene, Slip,
-};
-use crate::solver::{ContactPair, Coupling, Model, contact_rule};
+use crate::scene::{Closing, Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Slip};
+use crate::solver::{ContactPair, Coupling, Model};
 use stoss_contact::friction::Stick;
-use stoss_contact::{Constraint as _, Report as _};
-use stoss_contact_mortar::{
-    Force, Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule,
-};
+use stoss_contact::{Report as _, Support};
+use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule};
 use stoss_integrators::GradientRule;
-
-/// How much more near points count in statics than far ones, over the length of a slave facet. In dynamics the force would have the kinks of its weights, at which
-/// Newton stops where edges of both surfaces lie on each other.
-const NEARNESS: f64 = 12.0;
 
 /// Adds the contact to the model; reports what is wrong.
 pub(super) fn contact(
@@ -31,11 +22,11 @@ pub(super) fn contact(
         Some(Points::TwelvePoint) => TriangleRule::TwelvePoint,
         Some(Points::SevenPoint) | None => TriangleRule::SevenPoint,
     };
-    let gradient = gradient_rule(pair.scene);
-    let constant = pair.scene.time.integrator.as_ref().filter(|_| gradient != GradientRule::EndPoint);
-    let constant = constant.map(|integrator| integrator.scheme.as_str());
-    // What is inside at the start of a step gives energy if it is pushed out.
-    let dynamic = pair.scene.time.integrator.is_some();
+    let label = item.label();
+    let phases = || pair.phases.with(&label);
+    // Statics, and schemes that take contact forces at the end of the step; the others hold integrals there.
+    let has_end_point = phases().any(|phase| phase.rule() == GradientRule::EndPoint);
+    let within = phases().find_map(|phase| phase.scheme_within_step());
     let options = MortarOptions {
         space: match item.multipliers {
             Some(Multipliers::Dual) => MultiplierSpace::Dual,
@@ -46,21 +37,19 @@ pub(super) fn contact(
             Some(Chosen::Frozen) => Integrals::Frozen,
             Some(Chosen::Moving) | None => Integrals::Moving,
         },
-        nearness: item.nearness.unwrap_or(if dynamic { 0.0 } else { NEARNESS }),
-        force: if dynamic { Force::Gradient } else { Force::FixedWeights },
+        nearness: item.nearness,
         overclosure: match item.enforcement {
             Enforcement::Penalty(stiffness) => Some(stiffness),
             Enforcement::Multiplier | Enforcement::Augmented(_) => None,
         },
-        keeps_penetration: dynamic,
     };
-    if options.integrals == Integrals::Frozen && constant.is_none() {
+    if options.integrals == Integrals::Frozen && has_end_point {
         let message = "are those of the middle of the step; statics and this scheme take contact forces at its end";
         let remedy = "remove it, or use a scheme such as `energy-momentum`";
         problems.add(format!("{}.integrals", pair.key), "frozen", message, remedy);
         return None;
     }
-    if let (Some(stiffness), Some(scheme)) = (options.overclosure, constant) {
+    if let (Some(stiffness), Some(scheme)) = (options.overclosure, within) {
         let message =
             format!("is for statics and schemes that take contact forces at the end of the step, not for `{scheme}`");
         problems.add(
@@ -72,8 +61,9 @@ pub(super) fn contact(
         return None;
     }
     let restores = item.closing == Some(Closing::Restore);
-    if restores && (constant.is_none() || !matches!(gradient, GradientRule::Midpoint | GradientRule::DiscreteGradient))
-    {
+    let does_their_work = |rule: GradientRule| matches!(rule, GradientRule::Midpoint | GradientRule::DiscreteGradient);
+    let mut dynamics = phases().filter(|phase| phase.has_rates()).peekable();
+    if restores && (dynamics.peek().is_none() || dynamics.any(|phase| !does_their_work(phase.rule()))) {
         let message = "is for schemes whose contact forces do the work of the gaps: `energy-momentum`, and `midpoint`";
         problems.add(format!("{}.closing", pair.key), "restore", message, "remove it, or use `energy-momentum`");
         return None;
@@ -85,25 +75,30 @@ pub(super) fn contact(
     }
     // True if an entry cannot be had, which is said.
     let refuse = |entry: &str, value: &str, remedy: &str, problems: &mut Problems<'_>| {
-        if let Some(scheme) = constant {
+        if let Some(scheme) = within {
             let message = format!("needs integrals that move in the step; with the scheme `{scheme}` they are fixed");
             problems.add(format!("{}.{entry}", pair.key), value, message, format!("{remedy}, or use `backward-euler`"));
         }
-        constant.is_some()
+        within.is_some()
     };
     let [slave, master] = pair.facets;
-    let fixed = prescribed(model);
     match MortarContact::new(&item.label(), slave, master, &model.reference, options) {
-        Ok(method) => {
-            let prescribed = |n: u32| [0, 1, 2].map(|i| pair.tied.contains(&n) || fixed[3 * n as usize + i]);
-            let held = |&n: &u32| (0..3).all(|i| fixed[3 * n as usize + i]) && model.embedding.carriers(n).is_some();
-            if pair.is_rigid() && method.slave().nodes().iter().all(held) {
+        Ok(mut method) => {
+            let acting: Vec<Support> = pair.acting(&label, model).map(|(_, support)| support).collect();
+            let is_held = |support: &Support| {
+                let held = |&n: &u32| support.prescribed(n) == [true; 3] && model.embedding.carriers(n).is_some();
+                method.slave().nodes().iter().all(held)
+            };
+            if pair.is_rigid() && acting.iter().any(is_held) {
                 let message = "the slave is a rigid body whose whole motion is prescribed, and the master is rigid too: the pressures are not determined";
                 problems.add(pair.key.clone(), item.label(), message, "exchange slave and master");
                 return None;
             }
-            let mut slave_nodes = method.slave().nodes().iter().enumerate();
-            if slave_nodes.all(|(a, &n)| method.is_held_along_normal(a, prescribed(n))) {
+            let is_held_along_normals = |support: &Support| {
+                let mut slave_nodes = method.slave().nodes().iter().enumerate();
+                slave_nodes.all(|(a, &n)| method.is_held_along_normal(a, given(support, model, n)))
+            };
+            if acting.iter().any(is_held_along_normals) {
                 warnings.push(format!(
                     "{}: the motion of the whole slave surface along its normal is prescribed; where it has more nodes than the master beside it the \
                      pressures are not determined, and the system is singular. Exchange slave and master",
@@ -111,15 +106,14 @@ pub(super) fn contact(
                 ));
             }
             // A component that is prescribed on all of the slave but not on the master.
-            let is_dragged = (0..3).any(|i| {
-                let alone = |n: u32| std::array::from_fn(|k| k == i && prescribed(n)[k]);
-                let mut slave_nodes = method.slave().nodes().iter().enumerate();
-                slave_nodes.all(|(a, &n)| method.is_held_across_normal(a, alone(n)))
-                    && method.master().nodes().iter().any(|&n| !alone(n)[i])
+            let is_dragged = acting.iter().any(|support| {
+                (0..3).any(|i| {
+                    let alone = |n: u32| std::array::from_fn(|k| k == i && given(support, model, n)[k]);
+                    let mut slave_nodes = method.slave().nodes().iter().enumerate();
+                    slave_nodes.all(|(a, &n)| method.is_held_across_normal(a, alone(n)))
+                        && method.master().nodes().iter().any(|&n| !alone(n)[i])
+                })
             });
-            let mut method =
-                method.with_crosspoints(|n| if model.follows_its_face(n) { [true; 3] } else { prescribed(n) });
-            method.set_rule(contact_rule(gradient), pair.scene.time.step);
             let complementarity = pair.prepare(&mut method, Constraint::Standard, model, problems, warnings);
             method = method.with_stiffness(complementarity);
             let mut plan = None;
@@ -145,7 +139,8 @@ pub(super) fn contact(
                 let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
                 plan = Some(described);
                 method = match method.with_friction(friction, slip) {
-                    Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node) || pair.is_rigid()),
+                    Ok(method) if pair.is_rigid() => method.with_compliant_stick(),
+                    Ok(method) => method,
                     Err(error) => {
                         let key = format!("{}.friction", pair.key);
                         problems.add(key, "", error.to_string(), "use the standard constraint");
@@ -169,9 +164,7 @@ pub(super) fn contact(
     }
 }
 
-/// Where the scene takes the gradient of the gaps: in statics at the end point. Under every other rule mortar integrals are those of the start of the step.
-fn gradient_rule(scene: &Scene) -> GradientRule {
-    // A scheme that cannot be made is reported where it is named.
-    let scheme = scene.time.integrator.as_ref().and_then(|integrator| integrator.make().ok());
-    scheme.map_or(GradientRule::EndPoint, |scheme| scheme.rule(scene.time.step).constraint.rule)
+/// Which components of a node are prescribed, or all of them if a tie gives its motion; of vertices that follow their faces those of the former alone.
+fn given(support: &Support, model: &Model, node: u32) -> [bool; 3] {
+    if model.follows_its_face(node) { support.prescribed(node) } else { support.given(node) }
 }

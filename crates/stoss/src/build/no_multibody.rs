@@ -2,6 +2,7 @@
 
 use super::condition::RigidMotion;
 use super::mesh_files::MeshFiles;
+use super::phase::Phases;
 use super::placed::Placed;
 use super::{Drawing, Problems};
 use crate::scene::{Coupling, Prescribe, Scene};
@@ -40,6 +41,7 @@ pub(super) fn prescribe_rigid(_: &Prescribe, _: &Parts) -> Option<RigidMotion> {
 pub(super) fn constraints(
     _: &Scene,
     _: &[Placed],
+    _: &Phases,
     _: &mut Parts,
     _: &mut Model,
     _: &mut Problems<'_>,

@@ -49,7 +49,8 @@ pub(super) fn contact(
         let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
         plan = Some(described);
         method = match method.with_friction(friction) {
-            Ok(method) => method.with_compliant_stick(|node| pair.held.contains(&node) || pair.is_rigid()),
+            Ok(method) if pair.is_rigid() => method.with_compliant_stick(),
+            Ok(method) => method,
             Err(error) => {
                 let key = format!("{}.friction", pair.key);
                 problems.add(key, "", error.to_string(), "use the standard constraint");
@@ -59,7 +60,7 @@ pub(super) fn contact(
     }
     let method = match item.method {
         crate::scene::ContactMethod::Cat => {
-            if let Some(scheme) = super::friction::scheme_elsewhere(pair.scene) {
+            if let Some(scheme) = super::friction::scheme_elsewhere(pair) {
                 let message = format!("is not available with the scheme `{scheme}`");
                 let key = format!("{}.method", pair.key);
                 let schemes = super::friction::schemes_that_fit();

@@ -1,12 +1,13 @@
 //! One contact of a scene, its surfaces found: what all methods look at and tell.
 
+use super::phase::{Phase, Phases};
 use super::young;
 use super::{ContactPlan, FrictionPlan, OwnLaws, Placed, Problems};
 use crate::points::Points;
 use crate::scene::{Constraint, ContactMethod, Enforcement, Scene};
-use crate::solver::Model;
+use crate::solver::{Model, contact_rule};
 use std::collections::BTreeSet;
-use stoss_contact::Auxiliary;
+use stoss_contact::{Auxiliary, Hold, Step, Support};
 use stoss_mesh::Mesh;
 use stoss_reference_element::FacetNodes;
 
@@ -15,6 +16,7 @@ pub(super) struct PairInput<'a> {
     pub scene: &'a Scene,
     pub placed: &'a [Placed],
     pub laws: &'a OwnLaws,
+    pub phases: &'a Phases,
     pub key: String,
     pub item: &'a crate::scene::Contact,
     /// Slave and master.
@@ -24,14 +26,24 @@ pub(super) struct PairInput<'a> {
     pub line: &'a [(u32, f64)],
     /// The slave and why, where the scene leaves it open.
     pub chosen: Option<String>,
-    /// Nodes whose motion may be determined without the friction of this contact.
-    pub held: &'a BTreeSet<u32>,
     /// Slave nodes of ties.
-    #[cfg_attr(not(feature = "mortar"), expect(dead_code, reason = "mortar surfaces take it"))]
     pub tied: &'a BTreeSet<u32>,
 }
 
 impl PairInput<'_> {
+    /// The stages in which the contact acts, with what is known of the motion of nodes in them.
+    #[cfg(feature = "mortar")]
+    pub fn acting<'a>(&'a self, label: &'a str, model: &'a Model) -> impl Iterator<Item = (&'a Phase, Support)> {
+        self.phases.with(label).map(|phase| (phase, self.support(phase, model)))
+    }
+
+    /// What prescriptions and ties say of the motion of nodes in a stage.
+    fn support(&self, phase: &Phase, model: &Model) -> Support {
+        let mut support = phase.support(model);
+        self.tied.iter().for_each(|&node| support.hold(node, Hold::Wholly));
+        support
+    }
+
     /// Tells that the method cannot be made of these surfaces.
     pub fn refused(&self, error: &stoss_contact::ContactError, problems: &mut Problems<'_>) {
         let remedy = "choose two different, not degenerate surfaces of different bodies";
@@ -72,6 +84,21 @@ impl PairInput<'_> {
         warnings: &mut Vec<String>,
     ) -> f64 {
         let Self { scene, placed, key, item, bodies, .. } = self;
+        let label = item.label();
+        let phase = self.phases.first_with(&label);
+        // The first frame shows the gaps of the nodes that are in reach, as later ones do.
+        let speed = Points::of(model).largest(&model.velocity);
+        let reach = 2.0 * speed * phase.step() + 0.5 * method.length_scale();
+        let (support, rule) = (self.support(phase, model), contact_rule(phase.rule()));
+        let begins = Step {
+            rates: phase.has_rates(),
+            reach,
+            support: &support,
+            ..Step::new(&model.reference, rule, phase.step())
+        };
+        if let Err(error) = method.begin(&begins) {
+            problems.add(key.clone(), label.clone(), error.to_string(), "correct the surfaces");
+        }
         match method.report(&model.reference) {
             Ok(reports) => {
                 let tolerance = 1.0e-9 * method.length_scale();
@@ -79,7 +106,7 @@ impl PairInput<'_> {
                 let deepest = reports.iter().filter_map(|r| r.gap).fold(0.0, f64::min);
                 if inside > 0 {
                     let keeps = constraint == Constraint::Modified
-                        || (item.method == ContactMethod::Mortar && scene.time.integrator.is_some());
+                        || (item.method == ContactMethod::Mortar && phase.has_rates());
                     let then = if keeps {
                         "they keep that gap"
                     } else {
@@ -102,12 +129,6 @@ impl PairInput<'_> {
         if let [Some(slave), Some(master)] = bodies.map(|b| placed[b].mesh()) {
             let names = bodies.map(|b| &placed[b].name);
             warnings.extend(overlap(&item.label(), [(names[0], slave), (names[1], master)]));
-        }
-        // The first frame shows the gaps of the nodes that are in reach, as later ones do.
-        let speed = Points::of(model).largest(&model.velocity);
-        let reach = 2.0 * speed * scene.time.step + 0.5 * method.length_scale();
-        if let Err(error) = method.begin_step(&model.reference, reach) {
-            problems.add(key.clone(), item.label(), error.to_string(), "correct the surfaces");
         }
         // The softer body decides how the two terms of the complementarity function balance; between rigid ones what moves the lighter one by a length in a step.
         // Pressures of a line are forces per length.

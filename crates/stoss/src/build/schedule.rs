@@ -1,9 +1,10 @@
 //! Stages and events of a scene: what acts when.
 
-use super::{Probe, Problems};
+use super::{Probe, Problems, newton};
 use crate::scene::{self, Integrator, Kind, Scene};
 use crate::solver::{Automatic, Release, Simulation, Stabilise, Stage, Switches};
 use std::collections::BTreeMap;
+use stoss_newton::NewtonOptions;
 
 /// What a name of the scene stands for in the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +39,7 @@ struct Segment {
     automatic: Option<Automatic>,
     stabilise: Option<Stabilise>,
     end: f64,
+    newton: NewtonOptions,
     off: Switches,
     /// What is released at its beginning, with the event's name.
     releases: Vec<(String, Release)>,
@@ -102,6 +104,7 @@ impl Schedule {
                     .map(|choice| automatic(&choice, stage.step.unwrap_or(scene.time.step))),
                 stabilise: stage.stabilise.or(scene.time.stabilise).and_then(|choice| stabilise(&choice)),
                 end: stage.until,
+                newton: newton(scene, stage.kind),
                 off,
                 releases: Vec::new(),
             });
@@ -111,7 +114,8 @@ impl Schedule {
             let (off, releases) = (Switches::default(), Vec::new());
             let automatic = scene.time.automatic.map(|choice| automatic(&choice, step));
             let stabilise = scene.time.stabilise.and_then(|choice| stabilise(&choice));
-            segments.push(Segment { name: "run".into(), integrator, step, automatic, stabilise, end, off, releases });
+            let (name, newton) = ("run".into(), newton(scene, scene.header.kind));
+            segments.push(Segment { name, integrator, step, automatic, stabilise, end, newton, off, releases });
         }
         let mut schedule = Self { segments, conditional: Vec::new() };
         for pretension in scene.joints.iter().filter_map(|joint| joint.pretension.as_ref()) {
@@ -213,6 +217,7 @@ impl Schedule {
             end: segment.end,
             off: segment.off.clone(),
             stabilise: segment.stabilise,
+            newton: segment.newton,
         })
     }
 

@@ -1,6 +1,7 @@
 //! Bodies that overlap at the start: how deep, and `initial = "separate"`, which moves them apart.
 
 use super::interacting::{self, Classes};
+use super::phase::Phase;
 use super::tie::Ties;
 use super::{Placed, Problems};
 use crate::scene::{Initial, Scene, split_set};
@@ -114,6 +115,7 @@ pub(super) fn separate(
     scene: &Scene,
     placed: &mut [Placed],
     ties: &Ties,
+    first: &Phase,
     model: &mut Model,
     problems: &mut Problems<'_>,
     lines: &mut Vec<String>,
@@ -131,7 +133,7 @@ pub(super) fn separate(
     let skin = Skin::new(facets, &model.reference, &|_| None);
     let edge = interacting::shortest_edge(&skin, &rules, placed, &model.reference);
     let gap = GAP * table.thickness.unwrap_or(interacting::THICKNESS * edge);
-    let moves = match motions(scene, placed, model, &skin, &rules, gap) {
+    let moves = match motions(scene, placed, first, model, &skin, &rules, gap) {
         Ok(moves) => moves,
         Err((message, remedy)) => {
             problems.add("general_contact.initial".into(), table.initial, message, remedy);
@@ -159,6 +161,7 @@ pub(super) fn separate(
 fn motions(
     scene: &Scene,
     placed: &[Placed],
+    first: &Phase,
     model: &Model,
     skin: &Skin,
     rules: &Interactions,
@@ -166,7 +169,7 @@ fn motions(
 ) -> Result<Vec<Vector3>, (String, String)> {
     let overlaps = Overlaps::new(skin, rules, &model.reference);
     let name = |body: u32| &placed[body as usize].name;
-    let holds: Vec<Option<&str>> = (0..placed.len()).map(|p| hold(scene, placed, model, p)).collect();
+    let holds: Vec<Option<&str>> = (0..placed.len()).map(|p| hold(scene, placed, first, model, p)).collect();
     // How easily a body moves: one over its volume.
     let volume = |p: usize| {
         model.bodies.iter().find(|body| body.nodes.start == placed[p].first_node).map(|body| body.solid.volume())
@@ -271,14 +274,17 @@ fn least_motions(conditions: &[Condition], ease: &[f64], gap: f64, moves: &mut [
     worst.1
 }
 
-/// Why a part may not be moved, as the end of a sentence; nothing if it may.
-fn hold(scene: &Scene, placed: &[Placed], model: &Model, p: usize) -> Option<&'static str> {
+/// Why a part may not be moved, by what acts in the first stage, as the end of a sentence; nothing if it may.
+fn hold(scene: &Scene, placed: &[Placed], first: &Phase, model: &Model, p: usize) -> Option<&'static str> {
     let Some(mesh) = placed[p].mesh() else { return Some("is rigid") };
     let nodes = placed[p].first_node..placed[p].first_node + mesh.nodes.len() as u32;
     let is_own = |set: &str| split_set(set).is_some_and(|(part, _)| part == placed[p].name);
-    let joined = scene.joints.iter().map(|joint| &joint.between).chain(scene.springs.iter().map(|s| &s.between));
-    let inclined = scene.prescriptions.iter().filter(|item| item.is_inclined());
-    if model.prescriptions.iter().flat_map(|item| &item.nodes).any(|node| nodes.contains(node))
+    let joints = scene.joints.iter().map(|joint| (&joint.name, &joint.between));
+    let joined = joints.chain(scene.springs.iter().map(|spring| (&spring.name, &spring.between)));
+    let joined = joined.filter(|(name, _)| first.acts(Some(name))).map(|(_, between)| between);
+    let inclined = scene.prescriptions.iter().filter(|item| item.is_inclined() && first.acts(item.name.as_deref()));
+    let prescribed = first.support(model);
+    if nodes.into_iter().any(|node| prescribed.prescribed(node).contains(&true))
         || inclined.filter_map(|item| item.set.as_deref()).any(is_own)
     {
         Some("has prescribed motion")
@@ -288,7 +294,11 @@ fn hold(scene: &Scene, placed: &[Placed], model: &Model, p: usize) -> Option<&'s
         Some("is tied")
     } else if joined.flatten().any(|side| is_own(side)) {
         Some("has a joint or a spring")
-    } else if scene.contacts.iter().any(|contact| contact.surfaces().iter().any(|set| is_own(set))) {
+    } else if scene
+        .contacts
+        .iter()
+        .any(|contact| first.acts(Some(&contact.label())) && contact.surfaces().iter().any(|set| is_own(set)))
+    {
         Some("has a named contact")
     } else {
         None

@@ -2,7 +2,8 @@
 
 use super::Problems;
 #[cfg(feature = "mortar")]
-use super::condition::{prescribed, resolve};
+use super::condition::resolve;
+use super::phase::Phases;
 use super::placed::Placed;
 #[cfg(feature = "mortar")]
 use super::placed::Shape;
@@ -11,6 +12,8 @@ use crate::scene::Scene;
 use crate::solver::Coupling;
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeSet;
+#[cfg(feature = "mortar")]
+use stoss_contact::Support;
 use stoss_reference_element::FacetNodes;
 
 /// A tie of a larger share of its slave surface leaves nothing free but round-off, and slivers of curved rims.
@@ -48,13 +51,14 @@ impl Ties {
 pub(super) fn ties(
     scene: &Scene,
     placed: &mut [Placed],
+    phases: &Phases,
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) -> Ties {
     let before = problems.list.len();
     for _ in 0..scene.ties.len() {
-        let (ties, is_stale) = made(scene, placed, model, problems, warnings);
+        let (ties, is_stale) = made(scene, placed, phases, model, problems, warnings);
         if !is_stale || problems.list.len() > before {
             return ties;
         }
@@ -72,6 +76,7 @@ pub(super) fn ties(
 fn made(
     scene: &Scene,
     placed: &mut [Placed],
+    phases: &Phases,
     model: &mut Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
@@ -81,7 +86,14 @@ fn made(
     use stoss_contact_mortar::{MortarError, MultiplierSpace};
     let mut ties = Ties::default();
     let (mut surfaces, mut is_stale) = (BTreeSet::new(), false);
-    let mut fixed = prescribed(model);
+    // Prescribed in the first stage, and from the beginning to the end; components of slave nodes of ties.
+    let prescribed = |support: Support| -> Vec<bool> {
+        (0..model.node_count() as u32).flat_map(|node| support.prescribed(node)).collect()
+    };
+    let mut supports = phases.all().map(|phase| prescribed(phase.support(model)));
+    let (first, always) = (supports.next().unwrap_or_default(), prescribed(phases.lasting(model)));
+    let varies = always != first || supports.any(|other| other != first);
+    let mut tied = vec![false; first.len()];
     for (t, item) in scene.ties.iter().enumerate() {
         let key = format!("tie[{t}]");
         let slave = resolve(placed, &format!("{key}.slave"), &item.slave, problems, Placed::facets_of);
@@ -104,8 +116,14 @@ fn made(
             reach: item.reach,
             ..TieOptions::default()
         };
-        let is_fixed = |c: usize| fixed[c] || model.follows_its_face(c as u32 / 3);
-        let made = MeshTie::new(&item.label(), &slave, &master, &model.reference, is_fixed, options);
+        let is_given = |c: usize| tied[c] || model.follows_its_face(c as u32 / 3);
+        let (is_fixed, is_always_fixed) = (|c: usize| first[c] || is_given(c), |c: usize| always[c] || is_given(c));
+        let (label, q) = (item.label(), &model.reference);
+        let made = if varies {
+            MeshTie::in_stages(&label, &slave, &master, q, is_fixed, is_always_fixed, options)
+        } else {
+            MeshTie::new(&label, &slave, &master, q, is_fixed, options)
+        };
         let tie = match made {
             Ok(tie) => tie,
             Err(error) => {
@@ -121,7 +139,7 @@ fn made(
             }
         };
         for node in tie.tied_nodes() {
-            fixed[3 * node as usize..3 * node as usize + 3].fill(true);
+            tied[3 * node as usize..3 * node as usize + 3].fill(true);
             ties.tied.insert(node);
         }
         is_stale |= tie.moved().iter().any(|(node, _)| surfaces.contains(node));
@@ -214,6 +232,7 @@ fn move_nodes(
 pub(super) fn ties(
     scene: &Scene,
     _: &mut [Placed],
+    _: &Phases,
     _: &mut Model,
     problems: &mut Problems<'_>,
     _: &mut Vec<String>,

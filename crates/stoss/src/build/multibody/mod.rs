@@ -9,6 +9,7 @@ mod rigid;
 mod support;
 
 use super::mesh_files::MeshFiles;
+use super::phase::Phases;
 use super::placed::Placed;
 use super::{Drawing, Problems};
 use crate::scene::{Coupling, Kind, Scene};
@@ -79,6 +80,7 @@ impl Parts {
 pub(super) fn constraints(
     scene: &Scene,
     placed: &[Placed],
+    phases: &Phases,
     parts: &mut Parts,
     model: &mut Model,
     problems: &mut Problems<'_>,
@@ -90,7 +92,7 @@ pub(super) fn constraints(
     let mut rigidity: Vec<ConstraintSet> = bodies.map(RigidBody::constraints).collect();
     rigidity.extend(parts.beams.iter().map(Beam::constraints));
     if problems.list.is_empty() && !(couplings.is_empty() && joints.is_empty()) {
-        redundant::examine(scene, &rigidity, &mut couplings, &mut joints, model, problems, warnings);
+        redundant::examine(scene, phases, &rigidity, &mut couplings, &mut joints, model, problems, warnings);
     }
     if scene.is_dynamic() && scene.stages.first().is_none_or(|stage| stage.kind == Kind::Dynamic) {
         warnings.extend(motion::velocities(scene, &couplings, &joints, model));

@@ -1,16 +1,18 @@
 //! Equations of joints that follow from others, or contradict them.
 
 use crate::build::Problems;
-use crate::build::condition::prescribed;
+use crate::build::phase::Phases;
 use crate::scene::Scene;
 use crate::solver::Model;
 use std::collections::BTreeSet;
+use stoss_contact::Support;
 use stoss_multibody::{ConstraintSet, Equations, Joint, Weights, analyse};
 
-/// Warns of redundant joints and makes their multipliers determined; reports contradictions. Once with all prescribed motions, and once without, if some end or are
-/// off at times.
+/// Warns of redundant joints and makes their multipliers determined; reports contradictions. Once for each set of prescribed motions that act together in a stage, and once without any, if
+/// some are released.
 pub(super) fn examine(
     scene: &Scene,
+    phases: &Phases,
     rigidity: &[ConstraintSet],
     couplings: &mut [ConstraintSet],
     joints: &mut [Option<Joint>],
@@ -18,11 +20,18 @@ pub(super) fn examine(
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) {
-    let held = prescribed(model);
-    let varies = scene.prescriptions.iter().any(|item| item.name.is_some())
-        && !(scene.stages.is_empty() && scene.events.is_empty());
+    let mut supports: Vec<Support> = Vec::new();
+    let is_released = |item: &crate::scene::Prescribe| {
+        scene.events.iter().any(|event| item.name.as_ref().is_some_and(|name| *name == event.release))
+    };
+    let without = scene.prescriptions.iter().any(is_released).then(Support::default);
+    for support in phases.all().map(|phase| phase.support(model)).chain(without) {
+        if !supports.contains(&support) {
+            supports.push(support);
+        }
+    }
     let mut involved = BTreeSet::new();
-    for without_supports in if varies { &[false, true][..] } else { &[false] } {
+    for support in &supports {
         let made = joints.iter().flatten().map(|joint| joint as &dyn Equations);
         let sets: Vec<&dyn Equations> = rigidity
             .iter()
@@ -30,7 +39,7 @@ pub(super) fn examine(
             .chain(couplings.iter().map(|set| set as &dyn Equations))
             .chain(made)
             .collect();
-        let is_free = |component: u32| *without_supports || !held[component as usize];
+        let is_free = |component: u32| !support.prescribed(component / 3)[component as usize % 3];
         match analyse(&sets, &model.reference, is_free) {
             Ok(found) => {
                 involved.extend(found.involved);

@@ -1,6 +1,6 @@
 //! Two flat faces: how uniform the pressure of the layer is at a given gap, and in blocks that are pressed together.
 
-use stoss_contact::{ContactRule, LocalContribution, Potential, StepConfiguration};
+use stoss_contact::{ContactRule, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interaction, Interactions, Layer, Skin, SkinFacet};
 use stoss_geometry::{PairKind, closest};
 use stoss_reference_element::FacetNodes;
@@ -86,9 +86,7 @@ fn faces(n: [u32; 2], shift: f64) -> Outcome<Faces> {
 fn with_guards(faces: &mut Faces) -> Outcome<Vec<f64>> {
     let Faces { contact, q, .. } = faces;
     let mut force = vec![0.0; q.len() / 3];
-    contact.set_rule(ContactRule::EndPoint, 1.0);
-    contact.set_velocity(&vec![0.0; q.len()]);
-    contact.begin_step(q, 0.0)?;
+    contact.begin(&Step::quasi_static(q, 1.0))?;
     contact.renew(q)?;
     let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
     contact.assemble(step, false, &mut |local: &LocalContribution| {

@@ -211,7 +211,7 @@ fn scheme_needs(name: &str, parameter: impl Fn(&str) -> f64) -> Option<SchemeNee
 fn stress_words(rule: ForceRule) -> String {
     match rule {
         ForceRule::Configuration { theta } => format!("at n + {}", (1e4 * theta).round() / 1e4),
-        _ => "by discrete gradient".to_owned(),
+        ForceRule::DiscreteGradient => "by discrete gradient".to_owned(),
     }
 }
 

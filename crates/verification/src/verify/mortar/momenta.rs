@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
-use stoss_contact::{Constraint, ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{Constraint, ContactRule, LocalContribution, Step, StepConfiguration};
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace, SlipMeasure};
 use stoss_tensor::Vector3;
 use stoss_tensor::nalgebra::Rotation3;
@@ -77,8 +77,7 @@ fn forces(
     pressures: &[f64],
 ) -> Outcome<Vec<f64>> {
     let active = [true; SLAVE];
-    method.set_rule(rule, 0.1);
-    method.begin_step(q_n, 0.5)?;
+    method.begin(&Step { reach: 0.5, ..Step::new(q_n, rule, 0.1) })?;
     method.renew(q, &[], &[], &active, true)?;
     let mut force = vec![0.0; 3 * NODES];
     let step = StepConfiguration { q_n, q_np1: q, rule };
