@@ -10,6 +10,7 @@ mod elements;
 mod facets;
 mod failing;
 mod friction;
+mod general_blocked;
 mod general_contact;
 mod general_joints;
 mod general_sizes;
