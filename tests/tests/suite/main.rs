@@ -12,6 +12,7 @@ mod failing;
 mod friction;
 mod general_blocked;
 mod general_contact;
+mod general_defaults;
 mod general_joints;
 mod general_sizes;
 mod general_start;
