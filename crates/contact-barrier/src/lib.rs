@@ -25,6 +25,7 @@ mod layer;
 mod mollifier;
 mod overlap;
 mod pair;
+mod pattern;
 mod proximity;
 mod sensitivity;
 mod skin;

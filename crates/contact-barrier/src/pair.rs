@@ -2,6 +2,7 @@
 
 use crate::layer::LayerStep;
 use crate::mollifier::EdgePair;
+use crate::pattern::{Along, Ends, Pattern};
 use crate::sensitivity::Sensitivity;
 use crate::slip::{Pressed, SlipLine, Variation};
 use crate::tangent::Tangent;
@@ -47,12 +48,6 @@ pub struct StepForce {
 impl StepForce {
     const NONE: Self = Self { barrier: PairForce::NONE, friction: FrictionForce::NONE };
 }
-
-/// Relative to the squared distances: the part of `e_n`, `e_np1` that decides between the two patterns where both are zero.
-const BALANCE: f64 = 1e-20;
-
-/// Below this part of the squared distances `e_n + e_np1` is round-off, and the patterns are the same to half of the digits: the balance has no derivative.
-const SAME_PATTERN: f64 = 1e-18;
 
 impl PairTerm {
     /// Energy, gradient and, if asked for, second derivative (symmetric) of the pair at one state: statics and backward Euler.
@@ -108,21 +103,27 @@ impl PairTerm {
         }
         if let Some(law) = friction {
             let normal = r * (-2.0 * self.weight * m * slope);
-            let dx = std::array::from_fn(|i| x[i] - x_n[i]);
-            let pressed = Pressed { kind: self.kind, normal, weights: c, x: *x, dx };
-            let variation = along.as_ref().map(|along| Variation {
-                along,
-                share: 1.0,
-                normal: std::array::from_fn(|j| {
+            let dx: [Vector3<f64>; 4] = std::array::from_fn(|i| x[i] - x_n[i]);
+            let pressed = Pressed { base: (self.kind, EACH), normal, weights: &c, x, dx: &dx };
+            let varied = along.as_ref().map(|along| {
+                let by_weights = by_points(|i, j| {
+                    (0..along.count).map(|a| along.moves[a][j] * along.directions[a][i]).sum::<Vector3<f64>>()
+                });
+                let by_normal: [Matrix3<f64>; 4] = std::array::from_fn(|j| {
                     let by_scalar = d_gradient[j] * (m * curvature) + m_gradient[j] * slope;
                     let mut by_r = Matrix3::identity() * c[j];
                     for a in 0..along.count {
                         by_r += along.tangents[a] * along.moves[a][j].transpose();
                     }
                     (r * by_scalar.transpose() + by_r * (m * slope)) * (-2.0 * self.weight)
-                }),
+                });
+                (by_weights, by_normal)
             });
-            force.friction = pressed.friction(law, variation.as_ref().zip(tangent));
+            let variation = varied.as_ref().map(|(weights, normal)| Variation { share: 1.0, weights, normal });
+            let tangent = tangent.map(|tangent| tangent.as_flattened_mut());
+            let mut gradient = [Vector3::zeros(); 4];
+            let slid = pressed.friction(law, &mut gradient, variation.as_ref().zip(tangent));
+            force.friction = slid.of_pair(gradient);
         }
         force
     }
@@ -144,8 +145,8 @@ impl PairTerm {
         let [_, slope, _] = layer.evaluate(pair.distance_squared);
         let (m, _) = self.mollifier.map_or((1.0, None), |p| p.at_state(&EdgePair::new(x)));
         let normal = r * (-2.0 * self.weight * m * slope);
-        let dx = std::array::from_fn(|i| x[i] - x_n[i]);
-        Pressed { kind: self.kind, normal, weights: pair.weights, x: *x, dx }.along(friction, d)
+        let dx: [Vector3<f64>; 4] = std::array::from_fn(|i| x[i] - x_n[i]);
+        Pressed { base: (self.kind, EACH), normal, weights: &pair.weights, x, dx: &dx }.along(friction, d)
     }
 }
 
@@ -156,7 +157,6 @@ pub struct PairStart {
     layer: Layer,
     x: [Vector3<f64>; 4],
     closest: ClosestPair,
-    r: Vector3<f64>,
     psi: f64,
     edges: Option<EdgePair>,
     energy: f64,
@@ -166,11 +166,10 @@ impl PairStart {
     /// The pair with its points at the start of the step; their distance must be positive.
     pub fn new(term: PairTerm, layer: Layer, x: &[Vector3<f64>; 4]) -> Self {
         let closest = closest(term.kind, x);
-        let r = combine(&closest.weights, x);
         let [psi, ..] = layer.evaluate(closest.distance_squared);
         let m = term.mollifier.map_or(1.0, |p| p.factor(x));
         let edges = term.mollifier.map(|_| EdgePair::new(x));
-        Self { term, layer, x: *x, closest, r, psi, edges, energy: term.weight * m * psi }
+        Self { term, layer, x: *x, closest, psi, edges, energy: term.weight * m * psi }
     }
 
     /// Energy at the start of the step.
@@ -210,7 +209,9 @@ impl PairStart {
         }
         let [psi, slope, _] = layer.evaluate(d);
         let LayerStep { b, slope: db, dissipated } = layer.step(d_n, d);
-        let patterns = Patterns::new(self, &end, x);
+        let ends = Ends { c_n: &self.closest.weights, c: &end.weights, x_n: &self.x, x, distances: d_n + d };
+        let pattern = Pattern::between(&ends);
+        let c: [f64; 4] = std::array::from_fn(|i| pattern.weight(&ends, i));
         let (m_mean, m_np1, varies) = match (&term.mollifier, &self.edges) {
             (Some(mollifier), Some(edges)) => {
                 let between = mollifier.between(edges, &EdgePair::new(x));
@@ -219,23 +220,28 @@ impl PairStart {
             _ => (1.0, 1.0, None),
         };
         let psi_mean = 0.5 * (self.psi + psi);
-        let d_gradient: [Vector3<f64>; 4] = std::array::from_fn(|i| patterns.gradient(i));
+        let d_gradient = c.map(|c| pattern.r * (2.0 * c));
         let m_gradient = varies.as_ref().map_or([Vector3::zeros(); 4], |v| v.gradient());
         let w = term.weight;
         let gradient = std::array::from_fn(|i| (d_gradient[i] * (m_mean * b) + m_gradient[i] * psi_mean) * w);
         let varied = tangent.is_some().then(|| {
-            let along = Sensitivity::new(&end, x, &patterns.r);
-            let theta_gradient = patterns.theta_gradient(self, &along, d_n + d);
-            let by_d = patterns.c.map(|c| patterns.r * (2.0 * c));
+            let of_end = Sensitivity::new(&end, x, &pattern.r_end);
+            let directions: [[f64; 2]; 4] = std::array::from_fn(|i| of_end.directions.map(|b| b[i]));
+            let moves: [[Vector3<f64>; 2]; 4] = std::array::from_fn(|j| of_end.moves.map(|m| m[j]));
+            let along = Along { directions: &directions, moves: &moves };
+            let (mut d_lambda, mut d_r) = ([Vector3::zeros(); 4], [Matrix3::zeros(); 4]);
+            pattern.differentiate(&ends, &along, &mut d_lambda, &mut d_r);
+            let d_c = by_points(|i, j| pattern.weight_gradient(&ends, &along, &d_lambda, i, j));
+            let by_d = end.weights.map(|c| pattern.r_end * (2.0 * c));
             let by_scalar: [Vector3<f64>; 4] = std::array::from_fn(|j| {
                 let by_b = by_d[j] * (m_mean * db);
                 varies.as_ref().map_or(by_b, |v| by_b + v.m_np1_gradient[j] * (0.5 * b))
             });
-            (along, theta_gradient, by_d, by_scalar)
+            (d_c, d_r, by_d, by_scalar)
         });
-        if let Some((along, theta_gradient, by_d, by_scalar)) = &varied {
+        if let Some((d_c, d_r, by_d, by_scalar)) = &varied {
             fill(tangent.as_deref_mut(), |i, j| {
-                let mut block = patterns.tangent(along, theta_gradient, i, j) * (m_mean * b);
+                let mut block = (pattern.r * d_c[4 * i + j].transpose() + d_r[j] * c[i]) * (2.0 * m_mean * b);
                 if let Some(varies) = &varies {
                     block += m_gradient[i] * (by_d[j] * (0.5 * slope)).transpose();
                     block += varies.gradient_tangent(i, j) * psi_mean;
@@ -245,124 +251,38 @@ impl PairStart {
         }
         let barrier = PairForce { gradient, energy: w * m_np1 * psi, dissipated: w * m_mean * dissipated };
         let Some(law) = friction else { return StepForce { barrier, friction: FrictionForce::NONE } };
-        let mean_r = patterns.mean_r();
-        let pressed = Pressed {
-            kind: term.kind,
-            normal: mean_r * (-2.0 * w * m_mean * b),
-            weights: std::array::from_fn(|i| 0.5 * (patterns.c_n[i] + patterns.c[i])),
-            x: patterns.x_mid,
-            dx: std::array::from_fn(|i| x[i] - self.x[i]),
-        };
-        let variation = varied.as_ref().map(|(along, theta_gradient, _, by_scalar)| Variation {
-            along,
-            share: 0.5,
-            normal: std::array::from_fn(|j| {
-                let by_r = patterns.mean_r_tangent(along, theta_gradient, j);
-                (mean_r * by_scalar[j].transpose() + by_r * (m_mean * b)) * (-2.0 * w)
-            }),
+        let middle: [Vector3<f64>; 4] = std::array::from_fn(|i| (self.x[i] + x[i]) * 0.5);
+        let dx: [Vector3<f64>; 4] = std::array::from_fn(|i| x[i] - self.x[i]);
+        let normal = pattern.r * (-2.0 * w * m_mean * b);
+        let pressed = Pressed { base: (term.kind, EACH), normal, weights: &c, x: &middle, dx: &dx };
+        let by_normal = varied.as_ref().map(|(_, d_r, _, by_scalar)| {
+            let of = |j: usize| (pattern.r * by_scalar[j].transpose() + d_r[j] * (m_mean * b)) * (-2.0 * w);
+            [0, 1, 2, 3].map(of)
         });
-        StepForce { barrier, friction: pressed.friction(law, variation.as_ref().zip(tangent)) }
+        let variation = varied.as_ref().zip(by_normal.as_ref());
+        let variation = variation.map(|((weights, ..), normal)| Variation { share: 0.5, weights, normal });
+        let tangent = tangent.map(|tangent| tangent.as_flattened_mut());
+        let mut gradient = [Vector3::zeros(); 4];
+        let slid = pressed.friction(law, &mut gradient, variation.as_ref().zip(tangent));
+        StepForce { barrier, friction: slid.of_pair(gradient) }
     }
 
-    /// The balance `theta` between the patterns of the start (0) and of the end (1), for tests of its bounds.
+    /// The part of the end in the balanced pattern, for tests of its bounds.
     #[cfg(test)]
-    fn theta(&self, x: &[Vector3<f64>; 4]) -> f64 {
-        Patterns::new(self, &closest(self.term.kind, x), x).theta
+    fn lambda(&self, x: &[Vector3<f64>; 4]) -> f64 {
+        let end = closest(self.term.kind, x);
+        let distances = self.closest.distance_squared + end.distance_squared;
+        let ends = Ends { c_n: &self.closest.weights, c: &end.weights, x_n: &self.x, x, distances };
+        Pattern::between(&ends).lambda
     }
 }
 
-/// The two patterns of forces: of the closest weights of the start and of those of the end, both in the middle of the step.
-struct Patterns {
-    /// Weights of the start and of the end.
-    c_n: [f64; 4],
-    c: [f64; 4],
-    /// Their `sum c_i x_i` in the middle of the step.
-    middle_n: Vector3<f64>,
-    middle: Vector3<f64>,
-    /// `sum c_i x_i` at the end with the weights of the end.
-    r: Vector3<f64>,
-    /// `sum (c - c_n)_i x_i` at the start and at the end.
-    z_n: Vector3<f64>,
-    z: Vector3<f64>,
-    theta: f64,
-    /// `e_n + e_np1` with the balance.
-    sum: f64,
-    x_mid: [Vector3<f64>; 4],
-}
+/// The places of the four points of a pair in its own list.
+const EACH: [usize; 4] = [0, 1, 2, 3];
 
-impl Patterns {
-    fn new(start: &PairStart, end: &ClosestPair, x: &[Vector3<f64>; 4]) -> Self {
-        let (c_n, c) = (start.closest.weights, end.weights);
-        let shift = std::array::from_fn(|i| c[i] - c_n[i]);
-        let (z_n, z) = (combine(&shift, &start.x), combine(&shift, x));
-        let r = combine(&c, x);
-        // |r + z|^2 - |r|^2; the linear terms are not negative by the condition of the minimum.
-        let e_n = z_n.norm_squared() + (2.0 * z_n.dot(&start.r)).max(0.0);
-        let e = z.norm_squared() + (-2.0 * z.dot(&r)).max(0.0);
-        let balance = BALANCE * (start.closest.distance_squared + end.distance_squared) + f64::MIN_POSITIVE;
-        let sum = e_n + e + 2.0 * balance;
-        Self {
-            c_n,
-            c,
-            middle_n: (start.r + r - z) * 0.5,
-            middle: (r + start.r + z_n) * 0.5,
-            r,
-            z_n,
-            z,
-            theta: (e + balance) / sum,
-            sum,
-            x_mid: std::array::from_fn(|i| (start.x[i] + x[i]) * 0.5),
-        }
-    }
-
-    /// Discrete gradient of the squared distance at point `i`.
-    fn gradient(&self, i: usize) -> Vector3<f64> {
-        (self.middle_n * ((1.0 - self.theta) * self.c_n[i]) + self.middle * (self.theta * self.c[i])) * 2.0
-    }
-
-    /// `(1 - theta) r(c_n; q_m) + theta r(c; q_m)`.
-    fn mean_r(&self) -> Vector3<f64> {
-        self.middle_n * (1.0 - self.theta) + self.middle * self.theta
-    }
-
-    /// Its derivative with respect to point `j` at the end.
-    fn mean_r_tangent(&self, along: &Sensitivity, theta_gradient: &[Vector3<f64>; 4], j: usize) -> Matrix3<f64> {
-        let Self { c_n, c, theta, .. } = self;
-        let mut block = Matrix3::identity() * (0.5 * ((1.0 - theta) * c_n[j] + theta * c[j]));
-        block += (self.middle - self.middle_n) * theta_gradient[j].transpose();
-        for a in 0..along.count {
-            let along_mid = combine(&along.directions[a], &self.x_mid);
-            block += along_mid * (along.moves[a][j] * *theta).transpose();
-        }
-        block
-    }
-
-    /// `dtheta/dx_j`.
-    fn theta_gradient(&self, start: &PairStart, along: &Sensitivity, distances: f64) -> [Vector3<f64>; 4] {
-        if self.sum <= SAME_PATTERN * distances {
-            return [Vector3::zeros(); 4];
-        }
-        let at_start = start.r + self.z_n;
-        let slopes: [f64; 2] = std::array::from_fn(|a| 2.0 * at_start.dot(&combine(&along.directions[a], &start.x)));
-        std::array::from_fn(|j| {
-            let e = (self.z * self.c_n[j] + self.r * (self.c[j] - self.c_n[j])) * -2.0;
-            let e_n: Vector3<f64> = (0..along.count).map(|a| along.moves[a][j] * slopes[a]).sum();
-            (e * (1.0 - self.theta) - e_n * self.theta) / self.sum
-        })
-    }
-
-    /// Derivative of the discrete gradient at point `i` with respect to point `j` at the end.
-    fn tangent(&self, along: &Sensitivity, theta_gradient: &[Vector3<f64>; 4], i: usize, j: usize) -> Matrix3<f64> {
-        let Self { c_n, c, theta, .. } = self;
-        let mut block = Matrix3::identity() * ((1.0 - theta) * c_n[i] * c_n[j] + theta * c[i] * c[j]);
-        block += (self.middle * c[i] - self.middle_n * c_n[i]) * (theta_gradient[j] * 2.0).transpose();
-        for a in 0..along.count {
-            let along_mid = combine(&along.directions[a], &self.x_mid);
-            let change = self.middle * along.directions[a][i] + along_mid * c[i];
-            block += change * (along.moves[a][j] * (2.0 * theta)).transpose();
-        }
-        block
-    }
+/// Entries of two points, those of the second one together.
+fn by_points<T: Copy>(of: impl Fn(usize, usize) -> T) -> [T; 16] {
+    std::array::from_fn(|k| of(k / 4, k % 4))
 }
 
 /// Fills a tangent, if there is one, by its blocks of two points.
@@ -397,7 +317,7 @@ mod tests {
             for kind in [PairKind::VertexTriangle, PairKind::EdgeEdge, PairKind::VertexEdge, PairKind::VertexVertex] {
                 let term = PairTerm { kind, weight: 1.0, mollifier: None };
                 let at = |x| PairStart::new(term, Layer::new(1.0, 1.0), x);
-                let (forth, back) = (at(&x_n).theta(&x), at(&x).theta(&x_n));
+                let (forth, back) = (at(&x_n).lambda(&x), at(&x).lambda(&x_n));
                 prop_assert!((0.0..=1.0).contains(&forth));
                 prop_assert!((forth + back - 1.0).abs() < 1e-12, "{} {}", forth, back);
             }

@@ -1,7 +1,6 @@
 //! Friction of a pair: the slip of a step without its spin, and forces that keep both momenta.
 
-use crate::sensitivity::Sensitivity;
-use crate::tangent::Tangent;
+use crate::pattern::sum;
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{PairKind, combine};
 
@@ -99,26 +98,47 @@ const FADE_EDGES: f64 = 1e-2;
 /// Squared double area of a triangle, over the square of the sum of its squared edges, below which its friction fades: heights below a fiftieth of the edges.
 const FADE_TRIANGLE: f64 = 1e-4;
 
-/// A pair that is pressed together, with what friction needs of it.
-pub(crate) struct Pressed {
-    pub kind: PairKind,
+/// Points that are pressed together, with what friction needs of them.
+pub(crate) struct Pressed<'a> {
     /// Normal force on the first primitive.
     pub normal: Vector3<f64>,
-    /// Weights of the points between which it acts.
-    pub weights: [f64; 4],
+    /// Weights of the points between which it acts, with the sum zero.
+    pub weights: &'a [f64],
     /// Positions at which forces have no moment.
-    pub x: [Vector3<f64>; 4],
+    pub x: &'a [Vector3<f64>],
     /// Motion in the step.
-    pub dx: [Vector3<f64>; 4],
+    pub dx: &'a [Vector3<f64>],
+    /// Whose spin is not slip: primitives of a kind, and the places of their four points.
+    pub base: (PairKind, [usize; 4]),
 }
 
 /// How all of this changes with the positions at the end.
 pub(crate) struct Variation<'a> {
-    pub along: &'a Sensitivity,
-    /// Derivative of the weights by those of the end, and of the positions by those of the end.
+    /// Derivative of the positions by those of the end.
     pub share: f64,
+    /// `dc_i/dx_j` at `i n + j` for `n` points.
+    pub weights: &'a [Vector3<f64>],
     /// `dN/dx_j`.
-    pub normal: [Matrix3<f64>; 4],
+    pub normal: &'a [Matrix3<f64>],
+}
+
+/// What friction does, but for its gradient.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Slid {
+    pub work: f64,
+    pub stored: f64,
+    pub stretch: Vector3<f64>,
+    slip: f64,
+    normal_force: f64,
+    tangential_force: f64,
+}
+
+impl Slid {
+    /// Of a pair with this gradient.
+    pub fn of_pair(self, gradient: [Vector3<f64>; 4]) -> FrictionForce {
+        let Self { work, stored, stretch, slip, normal_force, tangential_force } = self;
+        FrictionForce { gradient, work, stored, stretch, slip, normal_force, tangential_force }
+    }
 }
 
 /// Friction along a straight motion, with the normal force and the points of its start: the gradient of an energy.
@@ -149,38 +169,50 @@ impl SlipLine {
     }
 }
 
-impl Pressed {
+impl Pressed<'_> {
+    /// The spin of the base that positions and motions of all points give.
+    fn spin(&self, motion: &[Vector3<f64>]) -> Option<Spin> {
+        let (kind, base) = self.base;
+        Spin::new(kind, &base.map(|i| self.x[i]), &base.map(|i| motion[i]))
+    }
+
     /// What becomes of the friction along a motion of the points by `d`.
-    pub fn along(&self, law: &Friction, d: &[Vector3<f64>; 4]) -> Option<SlipLine> {
+    pub fn along(&self, law: &Friction, d: &[Vector3<f64>]) -> Option<SlipLine> {
         let normal_force = self.normal.norm();
         if normal_force == 0.0 || law.coefficient == 0.0 {
             return None;
         }
-        let (n, r) = (self.normal / normal_force, combine(&self.weights, &self.x));
+        let (n, r) = (self.normal / normal_force, sum(self.weights, self.x));
         let across = |v: Vector3<f64>| v - n * n.dot(&v);
-        let slip = |motion: &[Vector3<f64>; 4]| {
-            let spin = Spin::new(self.kind, &self.x, motion)?;
+        let slip = |motion: &[Vector3<f64>]| {
+            let spin = self.spin(motion)?;
             let omega = spin.total * spin.scale;
-            Some((combine(&self.weights, motion) * spin.fade - omega.cross(&r), omega))
+            Some((sum(self.weights, motion) * spin.fade - omega.cross(&r), omega))
         };
-        let ((slip, omega), (change, _)) = (slip(&self.dx)?, slip(d)?);
+        let ((slip, omega), (change, _)) = (slip(self.dx)?, slip(d)?);
         let slip = slip + Turned::new(&law.stick, &omega).stretch;
         let limit = law.coefficient * normal_force;
         Some(SlipLine { slip: across(slip), change: across(change), limit, stick: law.stick })
     }
 
-    /// The friction, and its tangent *added* to one that is there.
-    pub fn friction(&self, law: &Friction, tangent: Option<(&Variation, &mut Tangent)>) -> FrictionForce {
-        let c = &self.weights;
+    /// The friction; its gradient goes to `gradient`, and its tangent (`3 n` rows) is *added* to one that is there.
+    pub fn friction(
+        &self,
+        law: &Friction,
+        gradient: &mut [Vector3<f64>],
+        tangent: Option<(&Variation<'_>, &mut [f64])>,
+    ) -> Slid {
+        let (c, x, count) = (self.weights, self.x, self.x.len());
+        gradient.fill(Vector3::zeros());
         let normal_force = self.normal.norm();
-        let none = FrictionForce { normal_force, ..FrictionForce::NONE };
+        let none = Slid { normal_force, ..Slid::default() };
         if normal_force == 0.0 || law.coefficient == 0.0 {
             return none;
         }
-        let Some(spin) = Spin::new(self.kind, &self.x, &self.dx) else { return none };
-        let Spin { fade, signs, .. } = spin;
+        let Some(spin) = self.spin(self.dx) else { return none };
+        let (fade, base) = (spin.fade, self.base.1);
         let n = self.normal / normal_force;
-        let (r, moved) = (combine(c, &self.x), combine(c, &self.dx));
+        let (r, moved) = (sum(c, x), sum(c, self.dx));
         let omega = spin.total * spin.scale;
         let turned = Turned::new(&law.stick, &omega);
         let of_step = moved * fade - omega.cross(&r);
@@ -193,8 +225,11 @@ impl Pressed {
         let t = slip * per_slip;
         let k = r.cross(&t);
         let couple = spin.couple(&k).map(|f| f * spin.scale);
-        let gradient = std::array::from_fn(|i| t * (fade * c[i]) - couple[0] * signs[0][i] - couple[1] * signs[1][i]);
-        if let Some((Variation { along, share, normal }, tangent)) = tangent {
+        gradient.iter_mut().zip(c).for_each(|(g, c)| *g = t * (fade * c));
+        for (place, &i) in base.iter().enumerate() {
+            gradient[i] -= couple[0] * spin.signs[0][place] + couple[1] * spin.signs[1][place];
+        }
+        if let Some((Variation { share, weights, normal }, tangent)) = tangent {
             let by_slip = Matrix3::identity() * per_slip + slip * slip.transpose() * change;
             let across = Matrix3::identity() - n * n.transpose();
             let by_relative = by_slip * across;
@@ -206,39 +241,36 @@ impl Pressed {
             let relative_by_edge: [Matrix3<f64>; 2] = std::array::from_fn(|e| {
                 moved * by_edge[e].fade.transpose() + (r_cross + turned.by_omega) * by_edge[e].omega
             });
-            let at_positions: [Vector3<f64>; 2] =
-                std::array::from_fn(|a| combine(&along.directions[a], &self.x) * *share);
-            let at_motion: [Vector3<f64>; 2] =
-                std::array::from_fn(|a| combine(&along.directions[a], &self.dx) * *share);
-            for j in 0..4 {
+            for j in 0..count {
                 let mut dr = Matrix3::identity() * (share * c[j]);
                 let mut d_moved = Matrix3::identity() * c[j];
-                for a in 0..along.count {
-                    dr += at_positions[a] * along.moves[a][j].transpose();
-                    d_moved += at_motion[a] * along.moves[a][j].transpose();
+                for i in 1..count {
+                    let by = weights[i * count + j].transpose();
+                    dr += (x[i] - x[0]) * by;
+                    d_moved += (self.dx[i] - self.dx[0]) * by;
                 }
+                // Part of the point in the edges of the base.
+                let part = base.iter().position(|&i| i == j).map(|place| [0, 1].map(|e| spin.signs[e][place]));
                 let mut d_relative = d_moved * fade - omega_cross * dr;
                 let mut d_fade = Vector3::zeros();
-                for e in 0..2 {
-                    d_relative += relative_by_edge[e] * signs[e][j];
-                    d_fade += by_edge[e].fade * signs[e][j];
+                for (e, sign) in part.into_iter().flatten().enumerate() {
+                    d_relative += relative_by_edge[e] * sign;
+                    d_fade += by_edge[e].fade * sign;
                 }
                 let dt = by_relative * d_relative + by_normal * normal[j];
                 let dk = r_cross * dt - t_cross * dr;
                 let d_force = dt * fade + t * d_fade.transpose();
+                for i in 0..count {
+                    let block = d_force * c[i] + t * (weights[i * count + j] * fade).transpose();
+                    add_block(tangent, count, [i, j], &block);
+                }
                 let d_couple: [Matrix3<f64>; 2] = std::array::from_fn(|f| {
-                    couple_by_k[f] * dk + by_edge[0].couple[f] * signs[0][j] + by_edge[1].couple[f] * signs[1][j]
+                    let by_edges = part.into_iter().flatten().enumerate();
+                    by_edges.fold(couple_by_k[f] * dk, |sum, (e, sign)| sum + by_edge[e].couple[f] * sign)
                 });
-                for i in 0..4 {
-                    let mut block = d_force * c[i] - d_couple[0] * signs[0][i] - d_couple[1] * signs[1][i];
-                    for a in 0..along.count {
-                        block += t * (along.moves[a][j] * (fade * share * along.directions[a][i])).transpose();
-                    }
-                    for m in 0..3 {
-                        for l in 0..3 {
-                            tangent[3 * i + m][3 * j + l] += block[(m, l)];
-                        }
-                    }
+                for (place, &i) in base.iter().enumerate() {
+                    let block = d_couple[0] * -spin.signs[0][place] - d_couple[1] * spin.signs[1][place];
+                    add_block(tangent, count, [i, j], &block);
                 }
             }
         }
@@ -246,8 +278,7 @@ impl Pressed {
             Stick::Creep { .. } => (Vector3::zeros(), 0.0),
             Stick::Spring { stiffness, .. } => (t / stiffness, 0.5 * t.norm_squared() / stiffness),
         };
-        FrictionForce {
-            gradient,
+        Slid {
             work: t.dot(&(of_step - n * n.dot(&of_step))),
             stored,
             stretch,
@@ -255,6 +286,14 @@ impl Pressed {
             normal_force,
             tangential_force: fade * per_slip * length,
         }
+    }
+}
+
+/// Adds the block of two of `count` points to a matrix of three rows for each.
+pub(crate) fn add_block(matrix: &mut [f64], count: usize, [i, j]: [usize; 2], block: &Matrix3<f64>) {
+    for k in 0..3 {
+        let row = &mut matrix[(3 * i + k) * 3 * count + 3 * j..][..3];
+        row.iter_mut().enumerate().for_each(|(l, entry)| *entry += block[(k, l)]);
     }
 }
 

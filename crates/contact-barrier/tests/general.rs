@@ -287,6 +287,53 @@ fn motions_are_stopped_before_surfaces_meet() {
     assert!(stopped > 40, "{stopped}");
 }
 
+/// What acted at the iterate that was seen last is told of, with the same numbers, after a motion far away has made other pairs candidates: reports of a motion that is blocked are asked for then.
+#[test]
+fn what_acts_outlives_a_renewal_of_candidates() {
+    let mut random = Rng::with_seed(12);
+    for case in 0..40 {
+        let (rule, friction) =
+            ([ContactRule::EnergyMomentum, ContactRule::EndPoint][case % 2], [0.0, 0.3][case / 2 % 2]);
+        let mut scene = two([1 + case as u32 % 3, 2], 0.05, [random.f64(), random.f64()], 0.08, 0.1, friction);
+        let q = noise(&mut random, &scene.reference, 0.01);
+        let contact = &mut scene.contact;
+        begin(contact, rule, &scene.reference, &q);
+        contact.renew(&q).unwrap();
+        let reports = |contact: &GeneralContact| {
+            let pressures: Vec<(u32, f64, [f64; 3])> =
+                contact.surface_nodes(&q).iter().map(|node| (node.node, node.pressure, node.friction)).collect();
+            // Nodes without pressure may have something near, or not.
+            let pressures: Vec<_> = pressures.into_iter().filter(|(_, pressure, _)| *pressure != 0.0).collect();
+            let work = contact.work(&q).unwrap();
+            (
+                contact.body_pairs(),
+                contact.surface_forces(),
+                pressures,
+                [work.stored, work.dissipated, work.friction_work],
+            )
+        };
+        let before = reports(contact);
+        assert!(contact.acts() && before.0[0].active > 0, "{case}");
+        // All of the upper body goes away, or the nodes in all directions.
+        let size = [0.3, 3.0, 30.0][case % 3];
+        let lower = 3 * (q.len() / 3 - 27);
+        let wild = noise(&mut random, &vec![0.0; q.len()], size);
+        let far: Vec<f64> = (0..q.len())
+            .map(|k| {
+                if case % 4 == 0 {
+                    wild[k]
+                } else if k < lower {
+                    0.0
+                } else {
+                    size
+                }
+            })
+            .collect();
+        contact.longest_step(&q, &far);
+        assert_eq!(reports(contact), before, "{case}");
+    }
+}
+
 /// A pair at any place is found although candidates come from regions of points: against all pairs, while points leave their regions.
 #[test]
 fn the_energy_is_that_of_all_pairs() {

@@ -42,25 +42,43 @@ impl SolidBody {
     /// The element that holds the point `x` of the reference configuration, by the inverse of the isoparametric map `X(xi) = sum_I N_I(xi) X_I`
     /// (Newton); `None` outside of the body. `reference`: positions of all nodes of the model.
     pub fn material_point(&self, reference: &[f64], x: [f64; 3]) -> Option<MaterialPoint> {
+        self.material_point_near(reference, x, 0.0)
+    }
+
+    /// [`Self::material_point`]; where no element holds the point, the one of which it is least outside, by `beyond` in natural coordinates at most.
+    ///
+    /// Shape functions go on beyond the faces of an element with the sum one, so that such a point still moves with the body. Chords of curved faces lie a little outside of it.
+    pub fn material_point_near(&self, reference: &[f64], x: [f64; 3], beyond: f64) -> Option<MaterialPoint> {
         let mut places = Vec::new();
-        self.elements().cells().enumerate().find_map(|(element, (kind, nodes))| {
+        let mut nearest: Option<(f64, MaterialPoint)> = None;
+        for (element, (kind, nodes)) in self.elements().cells().enumerate() {
             places.clear();
             places.extend(nodes.iter().map(|&node| -> [f64; 3] {
                 let at = 3 * node as usize;
                 [reference[at], reference[at + 1], reference[at + 2]]
             }));
-            let beyond = if kind.is_quadratic() { BULGE } else { SLACK };
+            let room = if kind.is_quadratic() { BULGE } else { SLACK }.max(beyond);
             let near = (0..3).all(|i| {
                 let (low, high) = places
                     .iter()
                     .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| (low.min(c[i]), high.max(c[i])));
-                let slack = beyond * (high - low);
+                let slack = room * (high - low);
                 low - slack <= x[i] && x[i] <= high + slack
             });
-            let (natural, gradients) = if near { inverse_map(kind, &places, x)? } else { return None };
-            let inside = kind.table().family.excess(natural) <= SLACK;
-            inside.then_some(MaterialPoint { element, natural, gradients })
-        })
+            let Some((natural, gradients)) = (if near { inverse_map(kind, &places, x) } else { None }) else {
+                continue;
+            };
+            let excess = kind.table().family.excess(natural);
+            let least = nearest.as_ref().map_or(beyond.max(SLACK), |(least, _)| *least);
+            let point = || MaterialPoint { element, natural, gradients };
+            if excess <= SLACK {
+                return Some(point());
+            }
+            if excess < least {
+                nearest = Some((excess, point()));
+            }
+        }
+        nearest.map(|(_, point)| point)
     }
 
     /// Deformation gradient, strain and stress at a material point, at positions `q` of the model.

@@ -35,6 +35,14 @@ pub struct GeneralOptions {
     pub damping: f64,
 }
 
+/// A pair that acts. It owns what it needs of its candidate: candidates are found anew on the way from one iterate to the next.
+#[derive(Clone, Copy, Debug)]
+struct Active {
+    candidate: Candidate,
+    /// Place in the list of pairs at the start of the step, if the rule asks for that.
+    start: u32,
+}
+
 /// Contact of everything with everything: each point of integration of a skin against each triangle, each vertex against each triangle and each edge against each other with a small weight.
 ///
 /// Under [`ContactRule::EnergyMomentum`] the force of a step does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, theory/barrier#gradient; under [`ContactRule::EndPoint`] it
@@ -57,9 +65,10 @@ pub struct GeneralContact {
     /// For each candidate: whether it is in the layer at the start, and its place in `starts`.
     inside_n: Vec<bool>,
     start_of: Vec<u32>,
+    /// Pairs at the start of the step; they grow only, for what acts refers to them.
     starts: Vec<PairStart>,
-    /// Candidates that act at the iterate.
-    active: Vec<u32>,
+    /// What acts at the iterate that was seen last.
+    active: Vec<Active>,
     /// Pairs of facets that had an active pair in the step: they grow only, so that stencils seldom change.
     groups: Vec<[u32; 2]>,
     /// Motions of the step that were shortened because they pass very many facets.
@@ -151,12 +160,11 @@ impl GeneralContact {
 
     /// After the candidates changed: which are in the layer at the start.
     fn renew_starts(&mut self) {
-        let Self { proximity, x_n, inside_n, start_of, starts, options, .. } = self;
+        let Self { proximity, x_n, inside_n, start_of, options, .. } = self;
         inside_n.clear();
         inside_n.extend(proximity.candidates.iter().map(|c| is_inside(c, x_n, options.thickness)));
         start_of.clear();
         start_of.resize(proximity.candidates.len(), NONE);
-        starts.clear();
     }
 
     /// Finds what acts at `x`; returns whether there are new pairs of facets.
@@ -174,7 +182,7 @@ impl GeneralContact {
                 let start = PairStart::new(candidate.term, self.layer(&candidate), &candidate.of(&self.x_n));
                 self.starts.push(start);
             }
-            active.push(k as u32);
+            active.push(Active { candidate, start: self.start_of[k] });
             // Candidates come by facets.
             let is_new = self.groups.len() == known || self.groups.last() != Some(&candidate.facets);
             if is_new && self.groups[..known].binary_search(&candidate.facets).is_err() {
@@ -188,10 +196,9 @@ impl GeneralContact {
     }
 
     /// Force of an active candidate at the iterate.
-    fn force(&self, k: u32, tangent: Option<&mut Tangent>) -> StepForce {
-        let candidate = &self.proximity.candidates[k as usize];
+    fn force(&self, Active { candidate, start }: &Active, tangent: Option<&mut Tangent>) -> StepForce {
         let (x, friction) = (candidate.of(&self.x), self.friction(candidate));
-        match self.starts.get(self.start_of[k as usize] as usize) {
+        match self.starts.get(*start as usize) {
             Some(start) => start.step(&x, friction.as_ref(), tangent),
             None => {
                 candidate.term.at_end(&self.layer(candidate), &candidate.of(&self.x_n), &x, friction.as_ref(), tangent)
@@ -240,8 +247,7 @@ impl Potential for GeneralContact {
         }
         let mut d = std::mem::take(&mut self.increment);
         self.skin.place(increment, &mut d);
-        let along = |&k: &u32| {
-            let candidate = &self.proximity.candidates[k as usize];
+        let along = |Active { candidate, .. }: &Active| {
             let points = [candidate.of(&self.x_n), candidate.of(&self.x), candidate.of(&d)];
             candidate.term.slip_along(&self.layer(candidate), points.each_ref(), &self.friction(candidate)?)
         };
@@ -267,6 +273,7 @@ impl Potential for GeneralContact {
         x.clone_from(x_n);
         let motion = |p: u32| if v_n.is_empty() { Vector3::zeros() } else { skin.at(p, v_n) * *step_size };
         proximity.begin(skin, rules, x_n, motion);
+        self.starts.clear();
         self.renew_starts();
         self.proximity.keep(&self.inside_n);
         self.groups.clear();
@@ -350,13 +357,13 @@ impl Potential for GeneralContact {
             self.nodes_of(facets, &mut local.nodes);
             local.reset(want_tangent);
             let n = local.dim();
-            while let Some(&k) = self.active.get(next) {
-                let candidate = &self.proximity.candidates[k as usize];
+            while let Some(active) = self.active.get(next) {
+                let candidate = &active.candidate;
                 if candidate.facets != facets {
                     break;
                 }
                 next += 1;
-                let force = self.force(k, want_tangent.then_some(&mut tangent));
+                let force = self.force(active, want_tangent.then_some(&mut tangent));
                 // Places of the nodes of the four points in the contribution.
                 terms.clear();
                 let mut ends = [0; 5];
@@ -403,8 +410,8 @@ impl Potential for GeneralContact {
 
     fn work(&self, _q_np1: &[f64]) -> Result<ContactWork, ContactError> {
         let mut work = ContactWork::default();
-        for &k in &self.active {
-            let StepForce { barrier, friction } = self.force(k, None);
+        for active in &self.active {
+            let StepForce { barrier, friction } = self.force(active, None);
             work.stored += barrier.energy + friction.stored;
             work.friction_stored += friction.stored;
             work.friction_work += friction.work;

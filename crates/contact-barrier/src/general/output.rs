@@ -27,9 +27,9 @@ impl GeneralContact {
         let zero = || vec![Vector3::zeros(); n];
         let mut surface =
             Surface { normal: zero(), friction: zero(), distance: vec![f64::INFINITY; n], meets: Vec::new() };
-        for &k in &self.active {
-            let candidate = &self.proximity.candidates[k as usize];
-            let StepForce { barrier, friction } = self.force(k, None);
+        for active in &self.active {
+            let candidate = &active.candidate;
+            let StepForce { barrier, friction } = self.force(active, None);
             if candidate.is_integration_point {
                 surface.meets.extend(self.meeting(candidate, triangles));
             }
@@ -71,9 +71,9 @@ impl GeneralContact {
         let mut list: BTreeMap<[u32; 2], BodyPair> = BTreeMap::new();
         // Points of integration with their weights and forces: one may act on several triangles.
         let mut points: BTreeMap<([u32; 2], u32), (f64, Vector3<f64>)> = BTreeMap::new();
-        for &k in &self.active {
-            let candidate = &self.proximity.candidates[k as usize];
-            let StepForce { barrier, friction } = self.force(k, None);
+        for active in &self.active {
+            let candidate = &active.candidate;
+            let StepForce { barrier, friction } = self.force(active, None);
             let [a, b] = candidate.classes.map(|class| self.rules.body(class));
             let bodies = [a.min(b), a.max(b)];
             let pair = list.entry(bodies).or_insert(BodyPair::none(bodies));
@@ -117,9 +117,9 @@ impl GeneralContact {
             return Vec::new();
         }
         let mut sums = vec![[Vector3::zeros(); 2]; nodes.len()];
-        for &k in &self.active {
-            let candidate = &self.proximity.candidates[k as usize];
-            let (StepForce { barrier, friction }, x) = (self.force(k, None), candidate.of(&self.x));
+        for active in &self.active {
+            let candidate = &active.candidate;
+            let (StepForce { barrier, friction }, x) = (self.force(active, None), candidate.of(&self.x));
             for i in 0..4 {
                 let force = -(barrier.gradient[i] + friction.gradient[i]);
                 let moment = x[i].cross(&force);

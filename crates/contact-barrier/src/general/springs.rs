@@ -1,6 +1,6 @@
 //! Friction of pairs that stick in statics: springs that carry over from step to step.
 
-use super::GeneralContact;
+use super::{Active, GeneralContact};
 use crate::FrictionForce;
 use crate::proximity::Candidate;
 use nalgebra::Vector3;
@@ -30,9 +30,9 @@ impl GeneralContact {
         if self.has_rates || !self.rules.has_friction() {
             return Vec::new();
         }
-        let of = |&k: &u32| {
-            let Candidate { term, points, .. } = self.proximity.candidates[k as usize];
-            let FrictionForce { stretch, stored, .. } = self.force(k, None).friction;
+        let of = |active: &Active| {
+            let Candidate { term, points, .. } = active.candidate;
+            let FrictionForce { stretch, stored, .. } = self.force(active, None).friction;
             (stored > 0.0).then_some(Spring { kind: term.kind, points, stretch, stored })
         };
         let mut springs: Vec<Spring> = self.active.iter().filter_map(of).collect();

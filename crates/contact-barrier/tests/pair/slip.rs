@@ -224,7 +224,7 @@ fn tangents_with_friction_are_derivatives() {
         let lets_go = |x: &Points| largest(&pair.force(x, None).gradient) == 0.0;
         if here.friction.normal_force < 1e-3
             || here.friction.slip < 100.0 * s
-            || (0..12).any(|j| lets_go(&moved(&x, j, s)) || lets_go(&moved(&x, j, -s)))
+            || (0..12).any(|j| lets_go(&moved(&x, j, 2.0 * s)) || lets_go(&moved(&x, j, -2.0 * s)))
         {
             continue;
         }
