@@ -113,7 +113,8 @@ fn write(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>)
 pub fn read_system(matrix_file: &Path) -> Result<SystemFile, SystemFileError> {
     let mut lines = Lines::open(matrix_file, "matrix coordinate real general")?;
     let [rows, columns, count] = lines.numbers::<usize, 3>()?;
-    let first_multiplier = lines.first_multiplier.filter(|first| (1..=rows).contains(first)).map_or(rows, |first| first - 1);
+    let first_multiplier =
+        lines.first_multiplier.filter(|first| (1..=rows).contains(first)).map_or(rows, |first| first - 1);
     if rows != columns {
         return Err(lines.wrong("the matrix is not square"));
     }

@@ -174,8 +174,7 @@ impl Equilibration {
             let (rows, column) = (pattern.column(j), &values[range]);
             let own = rows.partition_point(|&i| i < first);
             let action = rows[..own].iter().zip(column);
-            let action =
-                action.fold(0.0f64, |m, (&i, v)| m.max(v.abs() * power_of_two(-exponent(self.rows[i]))));
+            let action = action.fold(0.0f64, |m, (&i, v)| m.max(v.abs() * power_of_two(-exponent(self.rows[i]))));
             if action == 0.0 {
                 continue;
             }
@@ -184,7 +183,9 @@ impl Equilibration {
                 self.sizes[i] = self.sizes[i].max(v.abs() * factor);
             }
         }
-        for (row, size) in self.rows[first..].iter_mut().zip(self.sizes.iter().skip(first)).filter(|(_, size)| **size > 0.0) {
+        for (row, size) in
+            self.rows[first..].iter_mut().zip(self.sizes.iter().skip(first)).filter(|(_, size)| **size > 0.0)
+        {
             *row = *size;
         }
     }
@@ -293,7 +294,8 @@ mod tests {
     fn saddle_points_in_other_units_have_the_same_scaled_entries() {
         let (n, first) = (14, 10);
         let all: Vec<u32> = (0..n as u32).collect();
-        let pattern = SparsityPattern::from_stencils(n, std::iter::once(&all[..])).unwrap().with_first_multiplier(first);
+        let pattern =
+            SparsityPattern::from_stencils(n, std::iter::once(&all[..])).unwrap().with_first_multiplier(first);
         let mut runner = proptest::test_runner::TestRunner::deterministic();
         let exponents = proptest::collection::vec(-8i32..8, n * n);
         let units = proptest::collection::vec(-15i32..15, 6);
@@ -309,8 +311,7 @@ mod tests {
                 let unit = |k: usize| if k < first { 1.0 } else { 4f64.powi(units[k - first]) };
                 let stiffness = 4f64.powi(units[4]);
                 let base: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
-                let other: Vec<f64> =
-                    (0..n * n).map(|k| stiffness * base[k] * unit(k % n) * unit(k / n)).collect();
+                let other: Vec<f64> = (0..n * n).map(|k| stiffness * base[k] * unit(k % n) * unit(k / n)).collect();
                 let scale = |values: &[f64], symmetric: bool| {
                     let (mut e, mut scaled) = (Equilibration::default(), Vec::new());
                     let made = if symmetric {

@@ -410,7 +410,8 @@ fn run(scene: &str, units: Units) -> Run {
         _ => {}
     });
     let summary = result.unwrap_or_else(|e| panic!("{units:?}: {e}\n{scene}"));
-    let went = format!("{:?}, {} steps, {cuts} decisions, {warnings:?}", summary.verdict, summary.steps);
+    let (verdict, steps) = (summary.verdict.level, summary.steps);
+    let went = format!("{verdict:?}, {steps} steps, {cuts} decisions, {warnings:?}");
     let mut columns = BTreeMap::new();
     for table in ["newton", "contact", "balance", "probes", "general", "joints", "watch"] {
         let Ok(text) = std::fs::read_to_string(options.out.join(table).with_extension("csv")) else { continue };
@@ -444,8 +445,7 @@ fn exact_factor(from: &[f64], to: &[f64]) -> Option<f64> {
 fn dimensions(scene: &str) -> (Run, BTreeMap<String, [i32; 3]>) {
     const POWER: i32 = 30;
     let base = run(scene, Units::SAME);
-    let mut exponents: BTreeMap<String, [i32; 3]> =
-        base.columns.keys().map(|name| (name.clone(), [0; 3])).collect();
+    let mut exponents: BTreeMap<String, [i32; 3]> = base.columns.keys().map(|name| (name.clone(), [0; 3])).collect();
     for (unit, power) in (0..3).flat_map(|unit| [POWER, -POWER].map(|power| (unit, power))) {
         let mut powers = [0; 3];
         powers[unit] = power;
@@ -499,3 +499,62 @@ fn check(scene: &str, expected: &[(&str, Dimension)]) {
     }
 }
 
+/// Those of every scene.
+const ENERGY: (&str, Dimension) = ("balance.strain", Dimension::Energy);
+const STEP: (&str, Dimension) = ("balance.dt", Dimension::Time);
+const INCREMENT: (&str, Dimension) = ("newton.increment", Dimension::Length);
+const RESIDUAL: (&str, Dimension) = ("newton.residual", Dimension::Number);
+const PRESSURE: (&str, Dimension) = ("contact.max_pressure", Dimension::Stress);
+const MOMENTUM: (&str, Dimension) = ("balance.lz", Dimension::Momentum);
+const DEPTH: (&str, Dimension) = ("watch.depth", Dimension::Length);
+
+#[test]
+fn node_to_surface_with_friction_in_statics() {
+    check(PRESS, &[ENERGY, STEP, INCREMENT, RESIDUAL, PRESSURE, ("probes.f.x", Dimension::Force)]);
+}
+
+#[test]
+fn node_to_surface_with_penalties_in_dynamics() {
+    check(SPRINGS, &[ENERGY, STEP, MOMENTUM, PRESSURE, ("probes.stress.zz", Dimension::Stress)]);
+}
+
+#[test]
+fn coordinate_augmentation() {
+    check(CAT, &[ENERGY, STEP, INCREMENT, MOMENTUM, PRESSURE, DEPTH]);
+}
+
+#[test]
+fn mortar_with_friction_in_statics() {
+    check(MORTAR, &[ENERGY, STEP, INCREMENT, RESIDUAL, PRESSURE, DEPTH]);
+}
+
+#[test]
+fn dual_mortar_with_friction_in_dynamics() {
+    check(DUAL, &[ENERGY, STEP, INCREMENT, MOMENTUM, PRESSURE, ("balance.friction_work", Dimension::Energy)]);
+}
+
+#[test]
+fn tie_springs_and_followers() {
+    check(TIE, &[ENERGY, STEP, INCREMENT, RESIDUAL, ("probes.tip.z", Dimension::Length)]);
+}
+
+#[test]
+fn general_contact_in_dynamics() {
+    check(GENERAL, &[ENERGY, STEP, INCREMENT, MOMENTUM, PRESSURE, ("general.area", Dimension::Area)]);
+}
+
+#[test]
+fn general_contact_in_statics() {
+    check(OVERLAP, &[ENERGY, STEP, INCREMENT, RESIDUAL, PRESSURE, ("general.force_z", Dimension::Force)]);
+}
+
+#[test]
+fn joints_with_limits_springs_and_friction() {
+    let angle = ("probes.angle", Dimension::Angle);
+    check(JOINTS, &[("balance.potential", Dimension::Energy), STEP, INCREMENT, MOMENTUM, angle]);
+}
+
+#[test]
+fn beam_and_string() {
+    check(LINES, &[ENERGY, STEP, INCREMENT, MOMENTUM, PRESSURE, ("probes.end.z", Dimension::Length)]);
+}

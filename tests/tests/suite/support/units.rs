@@ -104,9 +104,7 @@ impl<'a> Scaling<'a> {
         match value {
             Value::Table(table) => {
                 let properties = alternatives.iter().map(|schema| &schema["properties"]).find(|properties| {
-                    table.iter().all(|(key, value)| {
-                        !properties[key].is_null() && self.fits(value, &properties[key])
-                    })
+                    table.iter().all(|(key, value)| !properties[key].is_null() && self.fits(value, &properties[key]))
                 });
                 let properties = properties.unwrap_or_else(|| panic!("no schema for {table:?}"));
                 let mut place = *place;
@@ -129,9 +127,9 @@ impl<'a> Scaling<'a> {
                 }
             }
             Value::Array(list) => {
-                let items = chosen.map(|schema| &schema["items"]).find(|items| {
-                    !items.is_null() && list.iter().all(|value| self.fits(value, items))
-                });
+                let items = chosen
+                    .map(|schema| &schema["items"])
+                    .find(|items| !items.is_null() && list.iter().all(|value| self.fits(value, items)));
                 let items = items.unwrap_or_else(|| panic!("no schema for {list:?}"));
                 list.iter_mut().for_each(|value| self.visit(value, items, dimension, place));
             }
