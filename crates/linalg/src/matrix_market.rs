@@ -2,7 +2,8 @@
 //!
 //! A system `NAME` is `NAME.mtx` (the matrix, `coordinate real general`, every entry of the pattern, zeros included), `NAME-rhs.mtx` (the right-hand
 //! side, `array real general`) and, if the pattern has them, `NAME-groups.mtx` (labels of the equations that belong together,
-//! [`SparsityPattern::with_groups`], `array integer general`). Numbers are written so that reading gives the same bits.
+//! [`SparsityPattern::with_groups`], `array integer general`). Where the pattern tells multipliers from displacements, a comment of the matrix has the number of the first
+//! one, from 1. Numbers are written so that reading gives the same bits.
 
 use crate::{LinalgError, SparseMatrix, SparsityPattern};
 use std::fmt::Write as _;
@@ -48,6 +49,9 @@ pub struct SystemFile {
     pub rhs: Vec<f64>,
 }
 
+/// Beginning of the comment that has the number of the first multiplier.
+const FIRST_MULTIPLIER: &str = "% first multiplier: ";
+
 fn beside(matrix: &Path, what: &str) -> PathBuf {
     let stem = matrix.file_stem().unwrap_or_default().to_string_lossy();
     matrix.with_file_name(format!("{stem}-{what}.mtx"))
@@ -65,7 +69,11 @@ pub fn write_system(
 ) -> Result<(), SystemFileError> {
     write(matrix_file, |out| {
         let n = pattern.n();
-        writeln!(out, "%%MatrixMarket matrix coordinate real general\n{n} {n} {}", pattern.nnz())?;
+        writeln!(out, "%%MatrixMarket matrix coordinate real general")?;
+        if pattern.first_multiplier() < n {
+            writeln!(out, "{FIRST_MULTIPLIER}{}", pattern.first_multiplier() + 1)?;
+        }
+        writeln!(out, "{n} {n} {}", pattern.nnz())?;
         let mut line = String::new();
         for j in 0..n {
             for k in pattern.column_range(j) {
@@ -105,6 +113,8 @@ fn write(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>)
 pub fn read_system(matrix_file: &Path) -> Result<SystemFile, SystemFileError> {
     let mut lines = Lines::open(matrix_file, "matrix coordinate real general")?;
     let [rows, columns, count] = lines.numbers::<usize, 3>()?;
+    let first_multiplier =
+        lines.first_multiplier.filter(|first| (1..=rows).contains(first)).map_or(rows, |first| first - 1);
     if rows != columns {
         return Err(lines.wrong("the matrix is not square"));
     }
@@ -121,7 +131,8 @@ pub fn read_system(matrix_file: &Path) -> Result<SystemFile, SystemFileError> {
         stencils.push([i as u32 - 1, j as u32 - 1]);
         entries.push(value);
     }
-    let mut pattern = SparsityPattern::from_stencils(rows, stencils.iter().map(|s| &s[..]))?;
+    let pattern = SparsityPattern::from_stencils(rows, stencils.iter().map(|s| &s[..]))?;
+    let mut pattern = pattern.with_first_multiplier(first_multiplier);
     let groups = beside(matrix_file, "groups");
     if groups.is_file() {
         let mut lines = Lines::open(&groups, "matrix array integer general")?;
@@ -142,13 +153,15 @@ struct Lines {
     path: PathBuf,
     reader: BufReader<File>,
     number: usize,
+    /// From a comment that was read.
+    first_multiplier: Option<usize>,
 }
 
 impl Lines {
     /// A file whose header has this kind.
     fn open(path: &Path, kind: &str) -> Result<Self, SystemFileError> {
         let file = File::open(path).map_err(|source| SystemFileError::Io { path: path.to_owned(), source })?;
-        let mut lines = Self { path: path.to_owned(), reader: BufReader::new(file), number: 0 };
+        let mut lines = Self { path: path.to_owned(), reader: BufReader::new(file), number: 0, first_multiplier: None };
         let header = lines.read()?.unwrap_or_default();
         let found = header.trim().strip_prefix("%%MatrixMarket").map(|rest| rest.trim().to_lowercase());
         match found {
@@ -168,7 +181,10 @@ impl Lines {
     fn next_line(&mut self) -> Result<String, SystemFileError> {
         loop {
             match self.read()? {
-                Some(line) if line.starts_with('%') || line.trim().is_empty() => {}
+                Some(line) if line.starts_with('%') || line.trim().is_empty() => {
+                    let number = line.strip_prefix(FIRST_MULTIPLIER).and_then(|number| number.trim().parse().ok());
+                    self.first_multiplier = self.first_multiplier.or(number);
+                }
                 Some(line) => return Ok(line),
                 None => return Err(self.wrong("the file ends here; there should be more lines")),
             }

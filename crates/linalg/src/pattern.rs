@@ -13,6 +13,7 @@ pub struct SparsityPattern {
     column_pointers: Vec<usize>,
     row_indices: Vec<usize>,
     groups: Option<Vec<u32>>,
+    first_multiplier: usize,
 }
 
 impl SparsityPattern {
@@ -74,7 +75,7 @@ impl SparsityPattern {
             return Err(LinalgError::TooLarge { what: "number of entries", count: row_indices.len() });
         }
         row_indices.shrink_to_fit();
-        Ok(Self { n, column_pointers, row_indices, groups: None })
+        Ok(Self { n, column_pointers, row_indices, groups: None, first_multiplier: n })
     }
 
     /// Adds which equations belong together: a label for each, equal for the displacements of a node and for the multipliers of
@@ -95,6 +96,19 @@ impl SparsityPattern {
     /// The labels of [`SparsityPattern::with_groups`].
     pub fn groups(&self) -> Option<&[u32]> {
         self.groups.as_deref()
+    }
+
+    /// Adds which equations are those of multipliers: from number `first` on. The unknowns before are displacements, all in one unit; a multiplier, and its row, may
+    /// have a unit of its own. Without this all unknowns count as displacements.
+    /// A number beyond the last equation means that there is no multiplier.
+    pub fn with_first_multiplier(mut self, first: usize) -> Self {
+        self.first_multiplier = first.min(self.n);
+        self
+    }
+
+    /// Number of the first multiplier, see [`SparsityPattern::with_first_multiplier`]; the number of equations if there is none.
+    pub fn first_multiplier(&self) -> usize {
+        self.first_multiplier
     }
 
     /// Number of equations.

@@ -7,11 +7,20 @@ use crate::{MatrixKind, SparsityPattern};
 /// In general first the largest entry of each row is brought to about 1, then the largest of each column: a saddle point with
 /// stiffness `1e6` and constraint gradients of 1 becomes a matrix of entries around 1, so that the size of a pivot means
 /// something. For a matrix announced as positive definite `R = C` brings the diagonal to about 1 and keeps the symmetry.
+///
+/// Stiffnesses and constraint gradients have different units, so the larger of both means nothing. Where the pattern tells multipliers from displacements
+/// ([`SparsityPattern::first_multiplier`]), rows of displacements are measured by their stiffnesses alone, and multipliers by what they do to them: a matrix
+/// in other units has the same scaled entries, to the bit if the units differ by even powers of two.
 #[derive(Debug, Default)]
 pub struct Equilibration {
     rows: Vec<f64>,
     columns: Vec<f64>,
+    /// Largest entry of each row so far.
+    sizes: Vec<f64>,
 }
+
+/// Rows of displacements are not brought farther up than a row with this part of the largest stiffness.
+const SMALLEST_STIFFNESS: f64 = 1e-8;
 
 impl Equilibration {
     /// Computes the factors and writes the scaled values.
@@ -43,6 +52,8 @@ impl Equilibration {
         if let Some(row) = self.rows.iter().position(|&m| m == 0.0) {
             return Err(row);
         }
+        self.measure_displacements(pattern, values);
+        self.measure_multipliers(pattern, values);
         for r in &mut self.rows {
             *r = power_of_two(-exponent(*r));
         }
@@ -68,7 +79,8 @@ impl Equilibration {
 
     /// `R = C`, so that symmetric values stay symmetric. First each row is divided by the root of its largest entry, after Ruiz (Rutherford Appleton
     /// Laboratory, RAL-TR-2001-034), so that no entry exceeds about 1. Then the rows are lifted one after the other until one of their entries
-    /// is about 1, which keeps the others below: two readings, where repeating the first step takes five and ends farther from 1.
+    /// is about 1, which keeps the others below: two readings, where repeating the first step takes five and ends farther from 1. Rows of
+    /// displacements do not see multipliers in both.
     ///
     /// # Errors
     /// The index of a row or column of zeros.
@@ -79,6 +91,7 @@ impl Equilibration {
         scaled: &mut Vec<f64>,
     ) -> Result<(), usize> {
         let n = pattern.n();
+        let first = pattern.first_multiplier();
         self.rows.clear();
         self.rows.resize(n, 0.0);
         // Values that are not symmetric after all may have a row of zeros without the column, or the other way round.
@@ -86,6 +99,7 @@ impl Equilibration {
         if let Some(row) = self.rows.iter().position(|&m| m == 0.0) {
             return Err(row);
         }
+        let stiff = self.measure_displacements(pattern, values);
         for r in &mut self.rows {
             *r = power_of_two((-exponent(*r)).div_euclid(2));
         }
@@ -93,16 +107,24 @@ impl Equilibration {
             let range = pattern.column_range(j);
             let (rows, column) = (&pattern.row_indices()[range.clone()], &values[range]);
             let below = rows.partition_point(|&i| i < j);
-            let largest = |rows: &[usize], column: &[f64]| {
-                rows.iter().zip(column).fold(0.0f64, |largest, (&i, v)| largest.max(v.abs() * self.rows[i]))
+            let above = below + 1;
+            // What is not lifted yet and has another unit.
+            let later = if j < first { rows.partition_point(|&i| i < first) } else { above };
+            let largest = |range: std::ops::Range<usize>| {
+                let entries = rows[range.clone()].iter().zip(&column[range]);
+                entries.fold(0.0f64, |largest, (&i, v)| largest.max(v.abs() * self.rows[i])) * self.rows[j]
             };
             // The diagonal is always in the pattern; it feels the row's factor twice.
             let diagonal = column[below].abs() * self.rows[j] * self.rows[j];
-            let others =
-                largest(&rows[..below], &column[..below]).max(largest(&rows[below + 1..], &column[below + 1..]));
-            let others = others * self.rows[j];
+            let mut others = largest(0..below).max(largest(above..later));
             if others == 0.0 && diagonal == 0.0 {
-                return Err(j);
+                others = largest(later..rows.len());
+                if others == 0.0 {
+                    return Err(j);
+                }
+                if j < first && stiff {
+                    continue;
+                }
             }
             let lift = (-exponent(others)).min((-exponent(diagonal)).div_euclid(2));
             self.rows[j] *= power_of_two(lift);
@@ -117,6 +139,55 @@ impl Equilibration {
         self.columns.clear();
         self.columns.extend_from_slice(&self.rows);
         Ok(())
+    }
+
+    /// Puts the largest stiffness of each row of displacements in place of its largest entry; false if there is none, or nothing but displacements.
+    fn measure_displacements(&mut self, pattern: &SparsityPattern, values: &[f64]) -> bool {
+        let first = pattern.first_multiplier();
+        if first == pattern.n() {
+            return false;
+        }
+        self.sizes.clear();
+        self.sizes.resize(pattern.n(), 0.0);
+        for j in 0..first {
+            let range = pattern.column_range(j);
+            for (&i, v) in pattern.row_indices()[range.clone()].iter().zip(&values[range]) {
+                self.sizes[i] = self.sizes[i].max(v.abs());
+            }
+        }
+        let stiffness = self.sizes[..first].iter().copied().fold(0.0, f64::max);
+        if stiffness == 0.0 {
+            return false;
+        }
+        for (row, size) in self.rows.iter_mut().zip(&self.sizes[..first]) {
+            *row = size.max(SMALLEST_STIFFNESS * stiffness);
+        }
+        true
+    }
+
+    /// Puts, in place of the largest entry of each row of multipliers, the largest one of columns that are in proportion: those of displacements as they
+    /// are, that of a multiplier divided by what it does to displacements. After [`Self::measure_displacements`].
+    fn measure_multipliers(&mut self, pattern: &SparsityPattern, values: &[f64]) {
+        let first = pattern.first_multiplier();
+        for j in first..pattern.n() {
+            let range = pattern.column_range(j);
+            let (rows, column) = (pattern.column(j), &values[range]);
+            let own = rows.partition_point(|&i| i < first);
+            let action = rows[..own].iter().zip(column);
+            let action = action.fold(0.0f64, |m, (&i, v)| m.max(v.abs() * power_of_two(-exponent(self.rows[i]))));
+            if action == 0.0 {
+                continue;
+            }
+            let factor = power_of_two(-exponent(action));
+            for (&i, v) in rows[own..].iter().zip(&column[own..]) {
+                self.sizes[i] = self.sizes[i].max(v.abs() * factor);
+            }
+        }
+        for (row, size) in
+            self.rows[first..].iter_mut().zip(self.sizes.iter().skip(first)).filter(|(_, size)| **size > 0.0)
+        {
+            *row = *size;
+        }
     }
 
     /// `R = C` from the diagonal; false if an entry of it is not positive.
@@ -158,7 +229,7 @@ impl Equilibration {
 
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
-        size_of::<f64>() * (self.rows.capacity() + self.columns.capacity())
+        size_of::<f64>() * (self.rows.capacity() + self.columns.capacity() + self.sizes.capacity())
     }
 }
 
@@ -211,6 +282,47 @@ mod tests {
                     for i in 0..n {
                         proptest::prop_assert_eq!(scaled[n * j + i].to_bits(), scaled[n * i + j].to_bits());
                     }
+                }
+                Ok(())
+            })
+            .unwrap();
+    }
+
+    /// Ten displacements, four multipliers of which one acts on others only, entries of thirty orders of magnitude: in other units of displacements, forces, multipliers and
+    /// of their rows the scaled matrix is the same to the bit.
+    #[test]
+    fn saddle_points_in_other_units_have_the_same_scaled_entries() {
+        let (n, first) = (14, 10);
+        let all: Vec<u32> = (0..n as u32).collect();
+        let pattern =
+            SparsityPattern::from_stencils(n, std::iter::once(&all[..])).unwrap().with_first_multiplier(first);
+        let mut runner = proptest::test_runner::TestRunner::deterministic();
+        let exponents = proptest::collection::vec(-8i32..8, n * n);
+        let units = proptest::collection::vec(-15i32..15, 6);
+        runner
+            .run(&(exponents, units), |(exponents, units)| {
+                let entry = |i: usize, j: usize| {
+                    let (i, j) = (i.min(j), i.max(j));
+                    let absent = (j >= first && i >= first) && (i != j || i % 2 == 0) && (i, j) != (12, 13);
+                    let absent = absent || j == 13 && i != 12 || (i != j && exponents[i + n * j] % 3 == 0);
+                    if absent { 0.0 } else { 1.5 * 10f64.powi(exponents[i * n + j]) }
+                };
+                // Even powers of two, as the roots of the symmetric scaling need them.
+                let unit = |k: usize| if k < first { 1.0 } else { 4f64.powi(units[k - first]) };
+                let stiffness = 4f64.powi(units[4]);
+                let base: Vec<f64> = (0..n * n).map(|k| entry(k % n, k / n)).collect();
+                let other: Vec<f64> = (0..n * n).map(|k| stiffness * base[k] * unit(k % n) * unit(k / n)).collect();
+                let scale = |values: &[f64], symmetric: bool| {
+                    let (mut e, mut scaled) = (Equilibration::default(), Vec::new());
+                    let made = if symmetric {
+                        e.compute_symmetric(&pattern, values, &mut scaled)
+                    } else {
+                        e.compute(&pattern, values, MatrixKind::General, &mut scaled)
+                    };
+                    made.map(|()| scaled.iter().map(|v| v.to_bits()).collect::<Vec<_>>())
+                };
+                for symmetric in [false, true] {
+                    proptest::prop_assert_eq!(scale(&base, symmetric), scale(&other, symmetric), "{}", symmetric);
                 }
                 Ok(())
             })

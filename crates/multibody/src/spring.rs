@@ -32,6 +32,8 @@ pub struct Spring {
     ends: [Embedded; 2],
     data: SpringData,
     squared: Quadratics,
+    /// A typical length.
+    length: f64,
 }
 
 impl Spring {
@@ -46,7 +48,16 @@ impl Spring {
         let mut builder = QuadraticsBuilder::new();
         let arm = builder.form(&ends[0].plus(-1.0, &ends[1]));
         builder.function(0.0, &[(1.0, arm, arm)]);
-        Ok(Self { name: name.to_owned(), ends, data, squared: builder.build() })
+        let length = if data.rest_length > 0.0 { data.rest_length } else { 1.0 };
+        Ok(Self { name: name.to_owned(), ends, data, squared: builder.build(), length })
+    }
+
+    /// With a positive length that is typical of it, if it has no rest length; small motions are measured against it. Without one it is 1.
+    pub fn with_length(mut self, length: f64) -> Self {
+        if self.data.rest_length == 0.0 && length > 0.0 {
+            self.length = length;
+        }
+        self
     }
 
     /// Its ends.
@@ -153,11 +164,11 @@ impl Part for Spring {
     }
 
     fn length_scale(&self) -> f64 {
-        if self.data.rest_length > 0.0 { self.data.rest_length } else { 1.0 }
+        self.length
     }
 
     fn force_scale(&self) -> f64 {
-        self.data.stiffness * self.data.rest_length
+        self.data.stiffness * self.length
     }
 
     fn is_symmetric(&self) -> bool {

@@ -499,10 +499,10 @@ impl System {
     pub fn rigid_compliance(&self, dt: f64, length: f64) -> f64 {
         let stiffness = if self.has_rates && dt > 0.0 && self.part_mass > 0.0 {
             self.part_mass / (dt * dt)
-        } else if self.force_scale > 0.0 {
-            self.force_scale / length
         } else {
-            1.0
+            // Without forces what they would be; without anything elastic either there are none.
+            let force = if self.force_scale > 0.0 { self.force_scale } else { self.stiffness_force };
+            if force > 0.0 { force / length } else { 1.0 }
         };
         RIGID_COMPLIANCE / stiffness
     }
@@ -618,7 +618,7 @@ impl System {
         }
         let contact = contributions.stencils(self);
         let pattern = SparsityPattern::from_stencils(n, self.stencils.iter().chain(contact.iter()))?;
-        let pattern = Arc::new(pattern.with_groups(groups)?);
+        let pattern = Arc::new(pattern.with_groups(groups)?.with_first_multiplier(free));
         self.solid_to_global.clear();
         for column in 0..free {
             // Both row lists are sorted and the solids' rows are all in the larger pattern.

@@ -45,4 +45,5 @@ mod support;
 mod switched;
 mod switched_springs;
 mod tie;
+mod units;
 mod whole_runs;

@@ -24,7 +24,7 @@ impl Axis {
         if high - low > 1e-12 * high.abs().max(low.abs()) {
             Self { low, high, logarithmic: false }
         } else {
-            let apart = |end: f64| 0.5 * end.abs().max(1e-3);
+            let apart = |end: f64| 0.5 * if end == 0.0 { 1e-3 } else { end.abs() };
             Self { low: low - apart(low), high: high + apart(high), logarithmic: false }
         }
     }

@@ -18,7 +18,7 @@ pub use map::{Cell, map};
 pub struct Series {
     /// What the legend says.
     pub name: String,
-    /// Points; those that are not finite, or beyond 1e30, are left out, and the line is interrupted there.
+    /// Points; those that are not finite, or beyond 1e300, are left out, and the line is interrupted there.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -103,7 +103,7 @@ fn lift(series: &[Series], floor: f64) -> Vec<Series> {
 
 /// Finite, and not so large that an axis could not be divided.
 fn is_drawn(point: &(f64, f64)) -> bool {
-    point.0.abs() < 1e30 && point.1.abs() < 1e30
+    point.0.abs() < 1e300 && point.1.abs() < 1e300
 }
 
 /// Smallest and largest coordinates of the points that are drawn, (0, 1) if there is none.

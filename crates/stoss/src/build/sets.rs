@@ -155,7 +155,9 @@ impl<'a> Space<'a> {
 
     fn size(&self) -> f64 {
         let size = (0..3).map(|i| self.high[i] - self.low[i]).fold(0.0, f64::max);
-        if size > 0.0 { size } else { 1.0 }
+        // A single point is as far from others as from the origin.
+        let far = self.low.iter().chain(&self.high).fold(0.0, |far: f64, x| far.max(x.abs()));
+        [size, far].into_iter().find(|&length| length > 0.0).unwrap_or(1.0)
     }
 
     fn names(&self) -> Vec<String> {

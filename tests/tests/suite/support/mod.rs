@@ -1,5 +1,7 @@
 //! Simulations from scenes that are written in a test.
 
+pub mod units;
+
 use std::path::Path;
 use stoss::build::build;
 use stoss::solver::Simulation;

@@ -1,6 +1,8 @@
 //! Joints and springs: what they hold on each side.
 
 use super::Parts;
+use super::extent::extent;
+use super::redundant::weights as typical_weights;
 use crate::build::Problems;
 use crate::scene::{
     ActingOn, CoordinateKind, Coupling, GROUND, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series,
@@ -75,8 +77,9 @@ impl Sides<'_> {
                 (point(string.point(node)), string.natural_length() / string.node_count() as f64)
             }
             (PartKind::Mass, m) => {
-                let far = (0..3).map(|i| (at[i] - self.scene.masses[m].at[i]).powi(2)).sum::<f64>().sqrt();
-                (point(self.parts.masses[m].position()), far.max(1.0))
+                // A point has no length of its own.
+                let frame = point(self.parts.masses[m].position());
+                return Some(Side { frame, length: None, mass: mass_of(part) });
             }
             (PartKind::Body, b) => {
                 let solid = &self.model.bodies[b].solid;
@@ -134,7 +137,8 @@ fn joint(
     };
     let (a, b) = (side(0, at_a, problems)?, side(1, at_b, problems)?);
     let smaller = |x: Option<f64>, y: Option<f64>| x.into_iter().chain(y).fold(f64::INFINITY, f64::min);
-    let length = Some(smaller(a.length, b.length)).filter(|l| l.is_finite()).unwrap_or(1.0);
+    let length = Some(smaller(a.length, b.length)).filter(|l| l.is_finite());
+    let length = length.unwrap_or_else(|| extent(scene, &model.reference));
     let kind = match item.kind {
         SceneKind::Ball => JointKind::Ball,
         SceneKind::Hinge => JointKind::Hinge,
@@ -148,8 +152,10 @@ fn joint(
             JointKind::Distance { length: apart }
         }
     };
-    let weights =
-        Weights { mass: Some(smaller(a.mass, b.mass)).filter(|m| m.is_finite()).unwrap_or(1.0), stiffness: 0.0 };
+    let weights = match smaller(a.mass, b.mass) {
+        mass if mass.is_finite() => Weights { mass, stiffness: 0.0 },
+        _ => typical_weights(scene, model),
+    };
     let made = Joint::new(&item.name, kind, &a.frame, &b.frame, length, &model.reference)
         .and_then(|joint| {
             // Of the joints with a pretension, sliders, there is one coordinate.
@@ -212,7 +218,7 @@ pub(super) fn springs(
             tension_only: item.tension_only,
             damping: item.damping,
         };
-        match Spring::new(&item.name, [a.frame.point, b.frame.point], data) {
+        match Spring::new(&item.name, [a.frame.point, b.frame.point], data).map(|spring| spring.with_length(apart)) {
             Ok(spring) => {
                 places[s] = Some(model.parts.len());
                 model.parts.push(Box::new(spring));

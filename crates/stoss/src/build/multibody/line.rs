@@ -1,6 +1,7 @@
 //! Beams, strings and point masses.
 
 use super::Parts;
+use super::extent::extent;
 use crate::build::placed::{Placed, Shape};
 use crate::build::{DrawnLine, DrawnPoint, Problems};
 use crate::scene::{Beam as SceneBeam, Scene, Section as SceneSection, SectionShape};
@@ -70,7 +71,7 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
     for (m, item) in scene.masses.iter().enumerate() {
         let vector = model.node_count() as u32;
         // A point has no size of its own: that of the system decides what a small motion is.
-        let size = size(scene, &model.reference).max(f64::MIN_POSITIVE.sqrt());
+        let size = extent(scene, &model.reference).max(f64::MIN_POSITIVE.sqrt());
         match PointMass::new(&item.name, vector, item.mass, size) {
             Ok(mass) => {
                 add_vectors(scene, model, &[item.at], || vec![item.velocity]);
@@ -85,20 +86,6 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
             Err(error) => problems.add(format!("mass[{m}]"), &item.name, error.to_string(), "correct the mass"),
         }
     }
-}
-
-/// Largest extent of all points so far and all masses; 1 if they are in one place.
-fn size(scene: &Scene, reference: &[f64]) -> f64 {
-    let points = reference.chunks_exact(3).map(|x| [x[0], x[1], x[2]]).chain(scene.masses.iter().map(|m| m.at));
-    let [mut low, mut high] = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-    for x in points {
-        for i in 0..3 {
-            low[i] = low[i].min(x[i]);
-            high[i] = high[i].max(x[i]);
-        }
-    }
-    let size = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
-    if size > 0.0 { size } else { 1.0 }
 }
 
 fn add_vectors(scene: &Scene, model: &mut Model, reference: &[[f64; 3]], velocity: impl FnOnce() -> Vec<[f64; 3]>) {

@@ -1,6 +1,7 @@
 //! Rigid bodies, beams, strings, joints and springs of a scene.
 
 mod coupling;
+mod extent;
 mod joint;
 mod line;
 mod motion;

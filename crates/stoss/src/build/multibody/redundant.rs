@@ -1,5 +1,6 @@
 //! Equations of joints that follow from others, or contradict them.
 
+use super::extent::{extent, largest};
 use crate::build::Problems;
 use crate::build::phase::Phases;
 use crate::scene::Scene;
@@ -64,7 +65,7 @@ pub(super) fn examine(
             }
         }
     }
-    let weights = weights(model);
+    let weights = weights(scene, model);
     let first = rigidity.len();
     for (k, set) in couplings.iter_mut().enumerate() {
         if involved.contains(&(first + k)) {
@@ -79,8 +80,8 @@ pub(super) fn examine(
     }
 }
 
-/// A mass that is typical of the model, and the largest stiffness in it; only their orders of magnitude matter.
-pub(super) fn weights(model: &Model) -> Weights {
+/// A mass that is typical of the model, and the largest stiffness in it; only their orders of magnitude matter. Where nothing has mass or stiffness, the largest load over a length.
+pub(super) fn weights(scene: &Scene, model: &Model) -> Weights {
     let (mut total, mut count) = (0.0, 0_u32);
     for part in &model.parts {
         part.mass(&mut |i, j, m| {
@@ -90,11 +91,21 @@ pub(super) fn weights(model: &Model) -> Weights {
             }
         });
     }
-    let mass = if count > 0 { total / f64::from(count) } else { 1.0 };
+    let mass = if count > 0 { total / f64::from(count) } else { 0.0 };
     let solids = model
         .bodies
         .iter()
         .map(|body| body.solid.law().small_strain_moduli().shear * body.solid.characteristic_length());
     let parts = model.parts.iter().map(|part| part.force_scale() / part.length_scale());
-    Weights { mass, stiffness: solids.chain(parts).fold(0.0, f64::max) }
+    let stiffness = solids.chain(parts).fold(0.0, f64::max);
+    if mass > 0.0 || stiffness > 0.0 {
+        return Weights { mass, stiffness };
+    }
+    let length = extent(scene, &model.reference);
+    let loads = scene.loads.iter().map(|load| {
+        let forces = [&load.force, &load.total_force].map(|force| force.as_ref().map_or(0.0, largest));
+        forces[0].max(forces[1]).max(load.moment.as_ref().map_or(0.0, largest) / length)
+    });
+    let force = loads.fold(0.0, f64::max);
+    Weights { mass, stiffness: if force > 0.0 { force / length } else { 1.0 } }
 }

@@ -1,6 +1,7 @@
 //! Rigid bodies: surface, mass, place, motion.
 
 use super::Parts;
+use super::extent::extent;
 use crate::build::body::{place, region, set_refused, source_mesh};
 use crate::build::mesh_files::MeshFiles;
 use crate::build::placed::{Placed, Shape};
@@ -25,7 +26,8 @@ pub(super) fn rigids(
         let mut notes = Vec::new();
         let Some(shape) = shape(scene, item, &key, mesh_files, &mut notes, problems) else { continue };
         let first = model.node_count() as u32;
-        let Some(body) = body(item, &key, shape.as_ref(), first, problems) else { continue };
+        let length = extent(scene, &model.reference);
+        let Some(body) = body(item, &key, shape.as_ref(), length, first, problems) else { continue };
         model.reference.extend(body.reference().iter().flatten());
         if scene.is_dynamic() {
             model.velocity.extend(body.velocity(item.velocity, item.angular_velocity).iter().flatten());
@@ -151,11 +153,12 @@ fn read_surface(file: &SurfaceFile, key: &str, _: &mut MeshFiles, problems: &mut
     None
 }
 
-/// The rigid body with its mass.
+/// The rigid body with its mass. `length` is one that is typical of the scene, for a body without a surface.
 fn body(
     item: &Rigid,
     key: &str,
     outline: Option<&Outline>,
+    length: f64,
     first: u32,
     problems: &mut Problems<'_>,
 ) -> Option<RigidBody> {
@@ -163,7 +166,7 @@ fn body(
         let (low, high) = outline.surface.bounding_box();
         std::array::from_fn(|i| 0.5 * (low[i] + high[i]))
     });
-    let size = outline.map_or(1.0, |outline| {
+    let size = outline.map_or(length, |outline| {
         let (low, high) = outline.surface.bounding_box();
         0.5 * (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt()
     });
