@@ -115,16 +115,16 @@ impl Draft {
         self.add(&format!("[[rigid]]\nname = \"{name}\"\nshape = {shape}\nposition = {position:?}\n{rest}"));
     }
 
-    /// A floor whose upper side is z = 0.
-    fn floor(&mut self, rng: &mut Rng, width: f64) -> &'static str {
+    /// A floor whose upper side is z = 0; `hold` says how it is held.
+    fn floor(&mut self, rng: &mut Rng, width: f64, hold: &str) -> &'static str {
         if rng.bool() {
             let divisions = [rng.usize(1..=3), rng.usize(1..=3)];
             let shape = format!("{{ kind = \"plane\", size = [{width:?}, {width:?}], divisions = {divisions:?} }}");
-            self.rigid("floor", &shape, [0.0; 3], "fixed = true");
+            self.rigid("floor", &shape, [0.0; 3], hold);
             "floor.all"
         } else {
             let shape = format!("{{ kind = \"box\", size = [{width:?}, {width:?}, {:?}] }}", 0.2 * width);
-            self.rigid("floor", &shape, [0.0, 0.0, -0.1 * width], "fixed = true");
+            self.rigid("floor", &shape, [0.0, 0.0, -0.1 * width], hold);
             "floor.top"
         }
     }
@@ -211,7 +211,7 @@ pub fn flight(rng: &mut Rng, quadratic: bool) -> Draft {
     draft
 }
 
-/// A rigid or an elastic body falls flat on a rigid floor, or a ball falls on it.
+/// A rigid or an elastic body falls flat on a rigid floor that is fixed or comes up, or a ball falls on it.
 pub fn flat(rng: &mut Rng, quadratic: bool) -> Draft {
     let method = one_of(rng, &["nts", "nts", "mortar", "mortar", "cat", "general", "general"]);
     let scheme = match method {
@@ -267,7 +267,16 @@ pub fn flat(rng: &mut Rng, quadratic: bool) -> Draft {
     if is_rigid {
         draft.known.mirrored = is_straight;
     }
-    let floor = draft.floor(rng, 8.0);
+    let is_driven = often(rng, 15);
+    let hold = if is_driven { "" } else { "fixed = true" };
+    let floor = draft.floor(rng, 8.0, hold);
+    if is_driven {
+        let end = step * f64::from(steps);
+        draft.add(&format!(
+            "[[prescribe]]\nrigid = \"floor\"\ncomponents = [\"z\"]\ndisplacement = {{ table = [[0.0, 0.0], [{end:?}, {:?}]] }}",
+            0.5 * speed * end
+        ));
+    }
     let mu = friction(rng, 30);
     let is_heavy = often(rng, 30);
     if method == "general" {
@@ -289,7 +298,7 @@ pub fn flat(rng: &mut Rng, quadratic: bool) -> Draft {
         draft.gravity(0.2 * speed / (step * f64::from(steps)));
     }
     draft.known.flat = true;
-    draft.known.rebound = (is_rigid && !is_heavy && mu.is_none()).then_some(speed);
+    draft.known.rebound = (is_rigid && !is_heavy && !is_driven && mu.is_none()).then_some(speed);
     draft
 }
 
@@ -307,7 +316,7 @@ pub fn edge(rng: &mut Rng, _: bool) -> Draft {
     let velocity = [uniform(rng, -0.5, 0.5), uniform(rng, -0.5, 0.5), uniform(rng, -1.0, 0.0)];
     let rest = format!("{turn}\ndensity = {:?}\nvelocity = {velocity:?}", uniform(rng, 0.5, 5.0));
     draft.rigid("b0", &format!("{{ kind = \"box\", size = {size:?} }}"), [0.0, 0.0, half + 0.02], &rest);
-    let floor = draft.floor(rng, 8.0);
+    let floor = draft.floor(rng, 8.0, "fixed = true");
     let mu = friction(rng, 40);
     match method {
         "general" => {

@@ -35,8 +35,9 @@ pub fn judge(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
         let (row, worst) = worst(off);
         all.push(Criterion::new("energy with its losses, change", worst, KEPT).at(step(row)).promised());
     } else {
-        // What motors do is summed up by the rule of the scheme, and says little there.
-        let bounds = if evidence.has("motor") { [LOSS[0], f64::INFINITY] } else { LOSS };
+        // The work of motors and moving supports is summed up by the rule of the scheme, and says little there.
+        let bounds =
+            if evidence.has("motor") || evidence.has("displacement") { [LOSS[0], f64::INFINITY] } else { LOSS };
         let mut lowest = f64::INFINITY;
         let gains = total.iter().map(|&t| {
             lowest = if t.is_nan() { t } else { lowest.min(t) };

@@ -244,7 +244,106 @@ fn shapes(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) -> (f64, (f64, Stri
 
 #[cfg(test)]
 mod tests {
+    use super::super::scene::Known;
+    use super::model::{Frame, Kind, Part};
     use super::*;
+    use stoss_reference_element::CellKind;
+
+    fn case(scheme: &str, text: &str) -> Case {
+        let scene = text.parse().unwrap();
+        let [family, scheme, method] = ["", scheme, "-"].map(str::to_owned);
+        Case { seed: 0, family, scheme, method, scene, known: Known::default() }
+    }
+
+    /// Three frames of a unit cube about the origin that moves along x by so much in a step.
+    fn cube(way: f64, v: Vec<[f64; 3]>) -> Model {
+        let table = CellKind::Hex8.table();
+        let reference: Vec<[f64; 3]> = table.nodes.iter().map(|n| n.map(|x| 0.5 * x)).collect();
+        let frame = |step: usize| Frame {
+            step,
+            x: reference.iter().map(|x| [x[0] + way * step as f64, x[1], x[2]]).collect(),
+            v: v.clone(),
+        };
+        let part = Part {
+            name: "b0".into(),
+            kind: Kind::Solid,
+            density: Some(1.0),
+            driven: false,
+            elements: vec![(0, (0..8).collect())],
+            facets: table.faces.iter().map(|f| f.nodes.iter().map(|&n| n as usize).collect()).collect(),
+            surface: (0..8).collect(),
+            is_straight: true,
+        };
+        let frames = (0..3).map(frame).collect();
+        Model { cells: vec![cell::Cell::new(CellKind::Hex8)], parts: vec![part], reference, frames }
+    }
+
+    /// A cube of mass 1 that flies with the speed 2 for two steps of 0.5, with these rows of `balance.csv`.
+    fn flight(scheme: &str, rows: &str) -> Judgement {
+        let header = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,total,closing_loss";
+        let case = case(scheme, "[[body]]\nname = \"b0\"\ndensity = 1.0\nvelocity = [2.0, 0.0, 0.0]");
+        let model = cube(1.0, vec![[2.0, 0.0, 0.0]; 8]);
+        let balance = Table::parse(&format!("{header}\n{rows}")).unwrap();
+        let evidence = Evidence { case: &case, model, balance, probes: None };
+        let mut judgement = Judgement::default();
+        books::judge(&evidence, &mut judgement.criteria);
+        motion::judge(&evidence, &mut judgement.criteria);
+        shapes(&evidence, &mut judgement.criteria);
+        judgement
+    }
+
+    #[test]
+    fn a_flight_is_right_and_each_tampered_table_is_not() {
+        let start = "0,0.0,0.0,2,0,0,0,0,0,2,0,2,0\n1,0.5,0.5,2,0,0,0,0,0,2,0,2,0\n";
+        let with = |scheme: &str, last: &str| flight(scheme, &format!("{start}2,1.0,0.5,{last}\n"));
+        let right = with("energy-momentum", "2,0,0,0,0,0,2,0,2,0");
+        assert_eq!(right.answer(), Answer::Right, "{}", right.text());
+        // Momentum, spin, kinetic energy that the frames do not have, energy, a loss to contact, and no number.
+        for (last, name, is_promise) in [
+            ("2.001,0,0,0,0,0,2,0,2,0", "linear momentum", true),
+            ("2,0,0,0,0,0.001,2,0,2,0", "angular momentum", true),
+            ("2,0,0,0,0,0,1.9,0.1,2,0", "balance.csv against the frames", false),
+            ("2,0,0,0,0,0,2,0,2.001,0", "energy with its losses, change", true),
+            ("2,0,0,0,0,0,2,0,1.9,0.1", "energy that contact took or gave", false),
+            ("2,0,0,0,0,0,2,0,NaN,0", "energy with its losses, change", true),
+        ] {
+            let found = with("energy-momentum", last);
+            assert_eq!(found.answer(), Answer::Wrong, "{last}");
+            assert!(found.faults().any(|fault| fault.name == name), "{last}: {}", found.text());
+            assert_eq!(found.broken().is_some(), is_promise, "{last}: {}", found.text());
+        }
+        // Backward Euler may lose energy, and may not gain it.
+        assert_eq!(with("backward-euler", "2,0,0,0,0,0,2,0,1.0,0").answer(), Answer::Right);
+        assert_eq!(with("backward-euler", "2,0,0,0,0,0,2,0,2.1,0").answer(), Answer::Wrong);
+    }
+
+    /// A cube that is held at its bottom, with a force on its top: (0, 0, 0.5) x (1, 0, -2) is (0, 0.5, 0).
+    #[test]
+    fn reactions_hold_loads_and_their_moments() {
+        let answer = |last: &str| {
+            let case = case(
+                "quasi-static",
+                "[[body]]\nname = \"b0\"\nmaterial = { young = 100.0 }\n[[load]]\nset = \"b0.top\"\n\
+                 total_force = { table = [[0.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, -2.0]] }",
+            );
+            let probes = format!(
+                "step,time,r-b0.x,r-b0.y,r-b0.z,m-b0.x,m-b0.y,m-b0.z\n0,0,0,0,0,0,0,0\n1,0.5,-0.5,0,1,0,-0.25,0\n2,1,{last}\n"
+            );
+            let evidence = Evidence {
+                case: &case,
+                model: cube(0.0, Vec::new()),
+                balance: Table::parse("step,time\n0,0\n1,0.5\n2,1\n").unwrap(),
+                probes: Some(Table::parse(&probes).unwrap()),
+            };
+            let mut judgement = Judgement::default();
+            equilibrium::judge(&evidence, &mut judgement.criteria);
+            judgement.answer()
+        };
+        assert_eq!(answer("-1,0,2,0,-0.5,0"), Answer::Right);
+        assert_eq!(answer("-1,0,1.99,0,-0.5,0"), Answer::Wrong);
+        assert_eq!(answer("-1,0,2,0,-0.51,0"), Answer::Wrong);
+        assert_eq!(answer("-1,0,NaN,0,-0.5,0"), Answer::Wrong);
+    }
 
     #[test]
     fn the_worst_criterion_decides_and_no_number_is_wrong() {
