@@ -1,9 +1,12 @@
-//! Whole runs of scenes from a generator, judged by their balance and by the watch.
+//! Whole runs of scenes from a generator, judged by what is known of them, beside the verdict of the watch.
 //!
 //! `cargo xtask verify random --seed S --count N` runs the seeds `S` to `S + N - 1`, and those of [`SEEDS`], which failed once. A run fails if the
-//! program refuses the scene, panics, hangs or is killed, if a table cannot be read, or if a promise of the scheme is broken. That a run stops with a
-//! named error, or that the watch finds it wrong, is counted in the table by scheme and method. A failing scene is shrunk and kept as a file.
+//! program refuses the scene, panics, hangs or is killed, if a table cannot be read, or if a promise of the scheme is broken. Of all others the [`judge`], which
+//! shares no code with the watch, says whether they are right; its answers are counted against the verdicts. A run that is wrong and called sound, or right and called
+//! wrong, is shrunk and kept as a file, as one that failed is.
 
+mod families;
+mod judge;
 mod scene;
 mod shrink;
 
@@ -15,6 +18,7 @@ use super::report::{Grid, Section};
 use super::{Bench, Findings, Suite};
 use crate::verify::numbers::larger;
 use crate::workspace::{Outcome, write};
+use judge::{Answer, Judgement};
 use scene::Case;
 
 /// Random whole runs.
@@ -26,8 +30,8 @@ const SEEDS: &str = include_str!("seeds.txt");
 /// Where scenes and results go, below the folder of `verify`.
 const FOLDER: &str = "random";
 
-/// Bound of what a scheme keeps, over the scale of the run: some hundred tolerances of Newton's method.
-const KEPT: f64 = 1e-8;
+/// Largest number of scenes of each kind of fault that are shrunk; the others are kept as they are.
+const SHRUNK: usize = 5;
 
 /// Which scenes are run.
 #[derive(Clone, Copy, Debug)]
@@ -44,25 +48,62 @@ impl Default for Range {
     }
 }
 
+/// What must not be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Fault {
+    /// The program refuses the scene, panics, hangs, or breaks a promise of the scheme.
+    Failed,
+    /// Wrong by the judge, and sound by the watch.
+    Missed,
+    /// Right by the judge, and wrong by the watch.
+    FalseAlarm,
+}
+
 /// What became of a run.
-#[derive(Clone, Debug, PartialEq)]
-enum Fate {
-    /// It ended, with this verdict of the watch and this depth in edge lengths.
-    Judged { verdict: String, depth: f64 },
-    /// It stopped with a named error at this part of its time.
-    Stopped { verdict: String, depth: f64 },
-    /// What must not be.
+#[derive(Clone, Debug)]
+enum Shot {
+    /// It ended, or stopped with a named error, with this verdict of the watch, in the words of its first reason.
+    Judged { is_stopped: bool, verdict: String, words: String, judgement: Judgement },
+    /// It failed.
     Failed(String),
 }
 
-/// A row of the table.
+/// A row of the table: runs by the answer of the judge and the verdict of the watch.
 #[derive(Clone, Debug, Default)]
 struct Count {
     runs: usize,
     stopped: usize,
-    doubtful: usize,
-    wrong: usize,
+    /// Right, unknown, wrong; sound, doubtful, wrong.
+    ended: [[usize; 3]; 3],
     deepest: f64,
+}
+
+/// The verdicts in the order of [`Count::ended`].
+const VERDICTS: [&str; 3] = ["sound", "doubtful", "wrong"];
+
+impl Shot {
+    fn fault(&self) -> Option<Fault> {
+        match self {
+            Self::Failed(_) => Some(Fault::Failed),
+            Self::Judged { is_stopped: true, .. } => None,
+            Self::Judged { verdict, judgement, .. } => match (judgement.answer(), verdict.as_str()) {
+                (Answer::Wrong, "sound") => Some(Fault::Missed),
+                (Answer::Right, "wrong") => Some(Fault::FalseAlarm),
+                _ => None,
+            },
+        }
+    }
+
+    /// What is wrong, or why the watch says so.
+    fn reason(&self) -> String {
+        match self {
+            Self::Failed(reason) => reason.clone(),
+            Self::Judged { verdict, words, judgement, .. } => match judgement.answer() {
+                Answer::Right => format!("{verdict}: {words}"),
+                _ => judgement.text(),
+            },
+        }
+    }
 }
 
 impl Suite for Random {
@@ -71,46 +112,61 @@ impl Suite for Random {
     }
 
     fn about(&self) -> &'static str {
-        "Whole runs of random scenes: no panic, no hang, promises of the scheme kept, penetration found."
+        "Whole runs of random scenes: no panic, no hang, promises of the scheme kept, nothing wrong called sound and nothing right called wrong."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let Range { seed, count } = bench.random;
         let mut seeds = kept(SEEDS)?;
         seeds.extend(seed..seed + count);
-        let mut counts: BTreeMap<(String, String), Count> = BTreeMap::new();
-        let (mut failures, mut stops, mut missed) = (Vec::new(), Vec::new(), Vec::new());
+        let mut counts: BTreeMap<String, Count> = BTreeMap::new();
+        let mut faults: BTreeMap<Fault, Vec<String>> = BTreeMap::new();
+        let (mut stops, mut doubts, mut missed) = (Vec::new(), Vec::new(), Vec::new());
         for &seed in &seeds {
-            let case = Case::new(seed);
-            let name = format!("seed-{seed}");
-            let fate = run(bench, &name, &case)?;
-            let row = counts.entry((case.scheme.clone(), case.method.clone())).or_default();
+            let case = Case::new(seed)?;
+            let shot = run(bench, &format!("seed-{seed}"), &case)?;
+            let line = format!("seed {seed} ({} {} {})", case.family, case.scheme, case.method);
+            if let Some(fault) = shot.fault() {
+                let list = faults.entry(fault).or_default();
+                let file = if list.len() < SHRUNK {
+                    shrink::shrink(bench, &case, fault, &shot.reason())?
+                } else {
+                    keep(bench, &case, &shot.reason())?
+                };
+                list.push(format!("{line}: {}; {}", shot.reason(), file.display()));
+                println!("verify: random: {fault:?}: {line}: {}", shot.reason());
+            }
+            let row = counts.entry(case.family.clone()).or_default();
             row.runs += 1;
-            let (verdict, depth) = match &fate {
-                Fate::Failed(reason) => {
-                    let file = shrink::shrink(bench, &case, reason)?;
-                    failures.push(format!("seed {seed}: {reason}; shrunk: {}", file.display()));
-                    continue;
-                }
-                Fate::Stopped { verdict, depth } => {
-                    row.stopped += 1;
-                    stops.push(seed.to_string());
-                    (verdict, *depth)
-                }
-                Fate::Judged { verdict, depth } => (verdict, *depth),
-            };
-            row.deepest = larger(row.deepest, depth);
-            row.doubtful += usize::from(verdict == "doubtful");
-            row.wrong += usize::from(verdict == "wrong");
-            if depth > 0.3 && verdict != "wrong" {
+            let Shot::Judged { is_stopped, verdict, words, judgement } = &shot else { continue };
+            row.deepest = larger(row.deepest, judgement.depth);
+            if judgement.depth > 0.3 && verdict != "wrong" {
                 missed.push(seed.to_string());
+            }
+            if *is_stopped {
+                row.stopped += 1;
+                stops.push(seed.to_string());
+                continue;
+            }
+            let column = VERDICTS.iter().position(|word| word == verdict).ok_or("an unknown verdict")?;
+            row.ended[judgement.answer() as usize][column] += 1;
+            if judgement.answer() == Answer::Right && verdict == "doubtful" {
+                doubts.push(format!("{line}: {words}"));
+                println!("verify: random: right and doubtful: {line}: {words}");
             }
         }
         let row = |quantity: &str, list: &[String], bound: Bound| {
             Check::new("random", quantity, list.len() as f64, bound).noted(list.join("; "))
         };
         let mut findings = Findings::default();
-        findings.checks.push(row("failed runs", &failures, Bound::AtMost(0.0)));
+        for (fault, quantity) in [
+            (Fault::Failed, "failed runs"),
+            (Fault::Missed, "wrong and called sound"),
+            (Fault::FalseAlarm, "right and called wrong"),
+        ] {
+            findings.checks.push(row(quantity, faults.get(&fault).map_or(&[], Vec::as_slice), Bound::AtMost(0.0)));
+        }
+        findings.checks.push(row("right and called doubtful", &doubts, Bound::Unbounded));
         findings.checks.push(row("deeper than 0.3 edges and not wrong", &missed, Bound::AtMost(0.0)));
         let part = stops.len() as f64 / seeds.len().max(1) as f64;
         findings.checks.push(Check::new("random", "part that stops", part, Bound::Unbounded).noted(stops.join(" ")));
@@ -126,22 +182,22 @@ fn kept(text: &str) -> Outcome<Vec<u64>> {
     Ok(first.collect::<Result<_, _>>()?)
 }
 
-fn run(bench: &Bench, name: &str, case: &Case) -> Outcome<Fate> {
+fn run(bench: &Bench, name: &str, case: &Case) -> Outcome<Shot> {
     let launched = launch(bench, FOLDER, name, &toml::to_string(&case.scene)?, &[])?;
-    let fate = fate(case, &launched);
-    if matches!(fate, Ok(Fate::Judged { .. } | Fate::Stopped { .. })) {
+    let shot = judged(case, &launched).unwrap_or_else(|error| Shot::Failed(error.to_string()));
+    if matches!(shot, Shot::Judged { .. }) {
         // A thousand folders are not of use to anyone.
         std::fs::remove_dir_all(&launched.run.folder)?;
     }
-    Ok(fate.unwrap_or_else(|error| Fate::Failed(error.to_string())))
+    Ok(shot)
 }
 
-fn fate(case: &Case, launched: &Launched) -> Outcome<Fate> {
+fn judged(case: &Case, launched: &Launched) -> Outcome<Shot> {
     let failed = |reason: &str| {
         let last = launched.log.lines().last().unwrap_or_default();
-        Ok(Fate::Failed(format!("{reason}: {last}")))
+        Ok(Shot::Failed(format!("{reason}: {last}")))
     };
-    let stopped = match launched.run.ending.code {
+    let is_stopped = match launched.run.ending.code {
         _ if launched.hung => return failed("hangs"),
         Some(0 | 4) => false,
         Some(3) => true,
@@ -149,56 +205,36 @@ fn fate(case: &Case, launched: &Launched) -> Outcome<Fate> {
         Some(code) => return failed(&format!("exit code {code}")),
         None => return failed("killed by a signal"),
     };
-    if let Some(broken) = broken(case, launched)? {
-        return Ok(Fate::Failed(broken));
+    let judgement = judge::judge(case, &launched.run)?;
+    if let Some(broken) = judgement.broken() {
+        return Ok(Shot::Failed(broken.text()));
     }
-    let verdict = launched.run.verdict()?;
-    let depth = launched.run.table("watch.csv")?.column("relative_depth")?.iter().copied().fold(0.0, larger);
-    Ok(if stopped { Fate::Stopped { verdict, depth } } else { Fate::Judged { verdict, depth } })
+    let (verdict, words) = (launched.run.verdict()?, launched.run.reasons());
+    Ok(Shot::Judged { is_stopped, verdict, words, judgement })
 }
 
-/// The promise of the scheme that a run breaks: momenta, and of the energy-momentum scheme that energy never rises.
-fn broken(case: &Case, launched: &Launched) -> Outcome<Option<String>> {
-    let Ok(scheme) = stoss_integrators::scheme(&case.scheme) else { return Ok(None) };
-    let claims = scheme.claims();
-    let balance = launched.run.balance()?;
-    // Coordinate augmentation is the midpoint rule for the contact (guide, [[contact]]).
-    let energy = claims.energy && case.method != "cat";
-    let rise = balance.energy_changes(None).into_iter().fold(0.0, larger);
-    let rows = [
-        ("linear momentum", claims.linear_momentum, balance.linear_drift(momentum(case))),
-        ("angular momentum", claims.angular_momentum, balance.angular_drift(momentum(case))),
-        ("gain of energy in a step", energy, rise),
-    ];
-    let found = rows.into_iter().find(|(_, promised, drift)| *promised && !Bound::AtMost(KEPT).holds(*drift));
-    Ok(found.map(|(name, _, drift)| format!("{name}: {}", number(drift))))
-}
-
-/// Scale of momenta: bodies that fly towards each other may have none together. Sizes are about one.
-fn momentum(case: &Case) -> Option<f64> {
-    let bodies = case.scene.get("body")?.as_array()?;
-    let size = |body: &toml::Value| -> Option<f64> {
-        let speed = body.get("velocity")?.as_array()?.iter().filter_map(toml::Value::as_float);
-        Some(body.get("density")?.as_float()? * speed.map(|v| v * v).sum::<f64>().sqrt())
-    };
-    Some(bodies.iter().filter_map(size).sum())
-}
-
-fn section(counts: &BTreeMap<(String, String), Count>) -> Section {
-    let head = ["scheme", "method", "runs", "stopped", "doubtful", "wrong", "deepest (edges)"];
-    let rows = counts.iter().map(|((scheme, method), count)| {
-        let numbers = [count.runs, count.stopped, count.doubtful, count.wrong].map(|n| n.to_string());
-        [vec![scheme.clone(), method.clone()], numbers.to_vec(), vec![number(count.deepest)]].concat()
+fn section(counts: &BTreeMap<String, Count>) -> Section {
+    let mut head = vec!["family".to_owned(), "runs".into(), "stopped".into()];
+    for answer in ["right", "unknown", "wrong"] {
+        head.extend(VERDICTS.map(|verdict| format!("{answer}, {verdict}")));
+    }
+    head.push("deepest (edges)".into());
+    let rows = counts.iter().map(|(family, count)| {
+        let mut row = vec![family.clone(), count.runs.to_string(), count.stopped.to_string()];
+        row.extend(count.ended.as_flattened().iter().map(usize::to_string));
+        row.push(number(count.deepest));
+        row
     });
     let table = Grid {
-        caption: "Runs by scheme and contact method".into(),
-        head: head.map(str::to_owned).to_vec(),
+        caption: "Runs by family, answer of the judge and verdict of the watch".into(),
         rows: rows.collect(),
+        head,
     };
+    println!("verify: random: {}", table.head.join("  "));
     for row in &table.rows {
         println!("verify: random: {}", row.join("  "));
     }
-    Section { title: "Random scenes".into(), reading: "Random bodies, meshes, laws, speeds and methods, judged by the watch, which shares no code with the contact search. Runs that stop or are doubtful or wrong are counted, and each can be run again by its seed.".into(), figures: Vec::new(), tables: vec![table] }
+    Section { title: "Random scenes".into(), reading: "Random bodies, meshes, laws, speeds, joints, loads and methods. The judge knows what must come out of a scene, or measures it by brute force; the watch gives the verdict that a user sees. Nothing wrong may be sound, nothing right wrong. Each run can be run again by its seed.".into(), figures: Vec::new(), tables: vec![table] }
 }
 
 /// Writes a scene as a file that a user can run.
@@ -217,5 +253,17 @@ mod tests {
         assert_eq!(kept("# failed once\n\n12 panic\n7\n").unwrap(), [12, 7]);
         assert!(kept("twelve").is_err());
         assert!(kept(SEEDS).is_ok());
+    }
+
+    #[test]
+    fn what_is_wrong_and_sound_or_right_and_wrong_is_a_fault() {
+        let shot = |figure: f64, verdict: &str, is_stopped: bool| {
+            let judgement = Judgement { criteria: vec![judge::Criterion::new("a", figure, [1.0, 2.0])], depth: 0.0 };
+            Shot::Judged { is_stopped, verdict: verdict.into(), words: String::new(), judgement }.fault()
+        };
+        assert_eq!(shot(3.0, "sound", false), Some(Fault::Missed));
+        assert_eq!(shot(0.0, "wrong", false), Some(Fault::FalseAlarm));
+        let none = [(3.0, "doubtful", false), (1.5, "sound", false), (0.0, "sound", false), (3.0, "sound", true)];
+        assert!(none.into_iter().all(|(figure, verdict, is_stopped)| shot(figure, verdict, is_stopped).is_none()));
     }
 }

@@ -1,31 +1,77 @@
 //! Scenes from a generator: a seed gives a scene, always the same.
 //!
-//! Two to four bodies above each other, turned and shifted at random, fly into each other, or a block is pressed into another. At most
-//! [`NODES`] nodes and [`STEPS`] steps.
+//! Of the families `impact` and `press`: two to four bodies above each other, turned and shifted at random, fly into each other, or a block is pressed into
+//! another. The others are in [`families`]. At most [`NODES`] nodes and [`STEPS`] steps.
 
 use fastrand::Rng;
+use stoss_integrators::Claims;
 use toml::{Table, Value};
+
+use super::families::{self, Draft, Family};
+use crate::workspace::Outcome;
 
 /// Largest number of nodes of a scene.
 const NODES: usize = 300;
 
 /// Largest number of steps of a scene.
-const STEPS: u32 = 60;
+pub const STEPS: u32 = 60;
+
+/// Families with how many of a hundred scenes belong to each, and whether elements are quadratic.
+const FAMILIES: [(&str, usize, Family, bool); 14] = [
+    ("", 20, named, false),
+    ("flight", 6, families::flight, false),
+    ("flat", 14, families::flat, false),
+    ("edge", 8, families::edge, false),
+    ("tool", 10, families::tool, false),
+    ("loads", 10, families::loads, false),
+    ("joints", 10, families::joints, false),
+    ("general", 5, families::general, false),
+    ("rest", 5, families::rest, false),
+    ("tie", 4, families::tie, false),
+    ("quadratic", 3, families::tool, true),
+    ("quadratic", 2, families::loads, true),
+    ("quadratic", 2, families::flat, true),
+    ("quadratic", 1, families::rest, true),
+];
+
+/// Mixed into the seed that chooses the family, so that a scene of `impact` or `press` is the one that its seed always gave.
+const FAMILY: u64 = 0x5eed;
 
 /// Time-stepping schemes; `None` is quasi-static.
 const SCHEMES: [Option<&str>; 4] = [Some("energy-momentum"), Some("midpoint"), Some("backward-euler"), None];
+
+/// What must come out of a scene, beside what holds of any.
+#[derive(Clone, Debug, Default)]
+pub struct Known {
+    /// All that moving bodies touch is rigid and flat, with a normal along z.
+    pub flat: bool,
+    /// Body and motion are their own mirror images in the planes x = 0 and y = 0.
+    pub mirrored: bool,
+    /// Nothing moves.
+    pub rest: bool,
+    /// Speed with which a rigid body comes back, if no energy is lost.
+    pub rebound: Option<f64>,
+    /// Force on the part `tool` at the end.
+    pub force: Option<f64>,
+    /// Way of a tool beyond the gap.
+    pub travel: Option<f64>,
+}
 
 /// A scene and what it is counted under.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// The seed that gives it.
     pub seed: u64,
+    /// The kind of scene.
+    pub family: String,
     /// Scheme, or "quasi-static".
     pub scheme: String,
-    /// Contact method of all named pairs.
+    /// Contact method of all named pairs, "general" if none is named, "tie", or "-" without contact.
     pub method: String,
     /// The scene.
     pub scene: Table,
+    /// What must come out.
+    pub known: Known,
 }
 
 /// What a body is made of before it is placed.
@@ -44,16 +90,101 @@ struct Shape {
 
 impl Case {
     /// The scene of a seed.
-    pub fn new(seed: u64) -> Self {
+    pub fn new(seed: u64) -> Outcome<Self> {
+        let all: usize = FAMILIES.iter().map(|(_, share, ..)| share).sum();
+        let mut place = Rng::with_seed(seed ^ FAMILY).usize(..all);
+        let mut chosen = FAMILIES[0];
+        for family in FAMILIES {
+            chosen = family;
+            if place < family.1 {
+                break;
+            }
+            place -= family.1;
+        }
+        let (family, _, make, is_quadratic) = chosen;
         // Seeds in a row give unlike scenes: the generator mixes them.
-        let mut rng = Rng::with_seed(seed);
-        let scheme = SCHEMES[rng.usize(..SCHEMES.len())];
-        let method = ["nts", "mortar", "cat"][[0, 0, 1, 1, 2][rng.usize(..5)]];
-        let scene = match scheme {
-            Some(scheme) => impact(&mut rng, scheme, method),
-            None => press(&mut rng, method),
+        let Draft { text, scheme, method, known } = make(&mut Rng::with_seed(seed), is_quadratic);
+        let family = match family {
+            "" if scheme == "quasi-static" => "press",
+            "" => "impact",
+            family => family,
         };
-        Self { seed, scheme: scheme.unwrap_or("quasi-static").to_owned(), method: method.to_owned(), scene }
+        let mut scene: Table = text.parse().map_err(|error| format!("seed {seed}: {error}\n{text}"))?;
+        observe(&mut scene);
+        Ok(Self { seed, family: family.into(), scheme, method, scene, known })
+    }
+
+    /// Whether it is a sequence of equilibria.
+    pub fn is_static(&self) -> bool {
+        self.scheme == "quasi-static"
+    }
+
+    /// What its scheme conserves; nothing of statics.
+    pub fn claims(&self) -> Option<Claims> {
+        Some(stoss_integrators::scheme(&self.scheme).ok()?.claims())
+    }
+}
+
+/// Adds frames of every step and the probes that the judge reads: of each part the force of what holds or drives it (`r-NAME`) with its moment (`m-NAME`), and the
+/// force of contact in statics (`c-NAME`); of each joint its force (`f-NAME`). What was there before is replaced.
+pub fn observe(scene: &mut Table) {
+    let list = |key: &str| scene.get(key).and_then(Value::as_array).cloned().unwrap_or_default();
+    let text = |table: &Value, key: &str| table.get(key).and_then(Value::as_str).unwrap_or_default().to_owned();
+    let is_static = scene["scene"].get("kind").and_then(Value::as_str) == Some("quasi-static");
+    let mut probes = Vec::new();
+    let mut probe = |letter: &str, name: &str, quantity: &str, key: &str, of: String| {
+        let mut table = Table::new();
+        table.insert("name".into(), format!("{letter}-{name}").into());
+        table.insert("quantity".into(), quantity.into());
+        table.insert(key.into(), of.into());
+        probes.push(table);
+    };
+    let held = list("prescribe");
+    let is_held = |name: &str| {
+        let set = format!("{name}.");
+        held.iter().any(|p| text(p, "rigid") == name || text(p, "set").starts_with(&set))
+    };
+    let has_contact = scene.contains_key("contact") || scene.contains_key("general_contact");
+    for (key, is_rigid) in [("body", false), ("rigid", true)] {
+        for part in list(key) {
+            let name = text(&part, "name");
+            let (key, of) = if is_rigid { ("body", name.clone()) } else { ("set", format!("{name}.all")) };
+            if is_held(&name) || part.get("fixed").is_some() {
+                probe("r", &name, "reaction", key, of.clone());
+                probe("m", &name, "reaction_moment", key, of.clone());
+            }
+            if is_static && has_contact {
+                probe("c", &name, "contact_force", key, of);
+            }
+        }
+    }
+    for joint in list("joint") {
+        let name = text(&joint, "name");
+        probe("f", &name, "joint_force", "joint", name.clone());
+    }
+    match probes.is_empty() {
+        true => scene.remove("probe"),
+        false => scene.insert("probe".into(), tables(probes)),
+    };
+    let mut output = Table::new();
+    output.insert("fields".into(), words(if is_static { &["displacement"] } else { &["displacement", "velocity"] }));
+    output.insert("checkpoint_every".into(), 1000.into());
+    scene.insert("output".into(), output.into());
+}
+
+/// Bodies that fly into each other, or a block that is pressed into another, with named contact.
+fn named(rng: &mut Rng, _: bool) -> Draft {
+    let scheme = SCHEMES[rng.usize(..SCHEMES.len())];
+    let method = ["nts", "mortar", "cat"][[0, 0, 1, 1, 2][rng.usize(..5)]];
+    let scene = match scheme {
+        Some(scheme) => impact(rng, scheme, method),
+        None => press(rng, method),
+    };
+    Draft {
+        text: scene.to_string(),
+        scheme: scheme.unwrap_or("quasi-static").to_owned(),
+        method: method.to_owned(),
+        known: Known::default(),
     }
 }
 
@@ -221,10 +352,6 @@ fn header(kind: &str, step: f64, steps: u32) -> Table {
     time.insert("end".into(), (step * f64::from(steps)).into());
     time.insert("step".into(), step.into());
     scene.insert("time".into(), time.into());
-    let mut output = Table::new();
-    output.insert("every".into(), 1000.into());
-    output.insert("checkpoint_every".into(), 1000.into());
-    scene.insert("output".into(), output.into());
     scene
 }
 
@@ -256,7 +383,7 @@ fn contacts(rng: &mut Rng, method: &str, pairs: &[[String; 2]]) -> Value {
 }
 
 /// Uniform between two numbers.
-fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
+pub fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.f64()
 }
 
@@ -283,8 +410,34 @@ mod tests {
     #[test]
     fn a_seed_gives_the_same_scene_and_another_one_another() {
         for seed in 0..50 {
-            assert_eq!(Case::new(seed).scene, Case::new(seed).scene);
-            assert_ne!(Case::new(seed).scene, Case::new(seed + 50).scene);
+            assert_eq!(Case::new(seed).unwrap().scene, Case::new(seed).unwrap().scene);
+            assert_ne!(Case::new(seed).unwrap().scene, Case::new(seed + 50).unwrap().scene);
         }
+    }
+
+    #[test]
+    fn all_families_occur_and_all_scenes_are_read() {
+        let mut found = std::collections::BTreeSet::new();
+        for seed in 0..300 {
+            let case = Case::new(seed).unwrap();
+            let text = toml::to_string(&case.scene).unwrap();
+            stoss_scene::parse(&text, "random").unwrap_or_else(|error| panic!("seed {seed}: {error}\n{text}"));
+            found.insert(case.family);
+        }
+        let wanted = [
+            "edge",
+            "flat",
+            "flight",
+            "general",
+            "impact",
+            "joints",
+            "loads",
+            "press",
+            "quadratic",
+            "rest",
+            "tie",
+            "tool",
+        ];
+        assert_eq!(found.into_iter().collect::<Vec<_>>(), wanted);
     }
 }
