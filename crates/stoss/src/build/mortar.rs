@@ -91,7 +91,7 @@ pub(super) fn contact(
         }
         constant.is_some()
     };
-    let [slave, master] = pair.facets;
+    let [slave, master] = pair.pieces;
     let fixed = prescribed(model);
     match MortarContact::new(&item.label(), slave, master, &model.reference, options) {
         Ok(method) => {
