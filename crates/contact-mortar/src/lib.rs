@@ -44,6 +44,7 @@ mod candidates;
 mod derivatives;
 mod discrete;
 mod error;
+mod faces;
 mod factors;
 mod friction;
 mod integrals;
@@ -61,8 +62,9 @@ mod surfaces;
 pub mod tie;
 mod weights;
 
-pub use derivatives::{PairDerivatives, pair_derivatives};
+pub use derivatives::{FaceDerivatives, PairDerivatives, pair_derivatives};
 pub use error::MortarError;
+pub use faces::{FaceBlock, FaceMatrix, Faces};
 pub use factors::Factors;
 pub use friction::SlipMeasure;
 pub use integrals::{FacetIntegrals, PairIntegrals, facet_integrals};

@@ -1,6 +1,6 @@
 //! Mortar matrices of a pair of surfaces.
 
-use crate::{Factors, MultiplierBasis, MultiplierSpace, SurfaceSegmentation, TriangleRule, facet_integrals};
+use crate::{Faces, Factors, MultiplierBasis, MultiplierSpace, SurfaceSegmentation, TriangleRule, facet_integrals};
 use stoss_contact::ContactSurface;
 
 /// `D` (slave by slave) and `M` (slave by master) as sparse rows, entries areas. Node numbers are the surfaces' local
@@ -27,12 +27,19 @@ fn merge(row: &mut Vec<(u32, f64)>) {
     });
 }
 
+/// Local numbers of the nodes that positions of points of a facet are made of. All nodes of a face are corners of its pieces.
+fn local_nodes(surface: &ContactSurface, faces: &Faces, facet: u32) -> Vec<u32> {
+    let nodes = faces.nodes(surface, facet).iter();
+    nodes.map(|&node| surface.nodes().partition_point(|&n| n < node) as u32).collect()
+}
+
 impl MortarMatrices {
     /// Integrates over all segments at positions `q`, those of the segmentation. There are no [`Factors`]: contact has others where facets are far from
-    /// opposed or deep.
+    /// opposed or deep. `faces`: the quadratic faces that facets of slave and master are pieces of; the matrices belong to their nodes then.
     pub fn assemble(
         slave: &ContactSurface,
         master: &ContactSurface,
+        faces: [&Faces; 2],
         q: &[f64],
         segments: &SurfaceSegmentation,
         space: MultiplierSpace,
@@ -45,20 +52,24 @@ impl MortarMatrices {
             if found.segments.is_empty() {
                 continue;
             }
-            let integrals = facet_integrals(found, |f| master.patch(f, q).corners, rule, &Factors::NONE);
+            let (face, of_master) = (faces[0].of(facet as u32), faces[1]);
+            let corners = |f| master.patch(f, q).corners;
+            let integrals = facet_integrals(found, corners, face, of_master, rule, &Factors::NONE);
             let basis = MultiplierBasis::new(space, &integrals);
             let d = basis.slave_block(&integrals);
             let nodes = slave.local_facets()[facet];
+            let positions = local_nodes(slave, faces[0], facet as u32);
             for (a, &row) in nodes.iter().enumerate() {
                 let row = row as usize;
-                out.weights[row] += d[a].iter().sum::<f64>();
-                out.slave[row].extend((0..nodes.len()).filter(|&j| d[a][j] != 0.0).map(|j| (nodes[j], d[a][j])));
+                out.weights[row] += d.sum_of_row(a);
+                let entries = positions.iter().enumerate().map(|(j, &node)| (node, d.at(a, j)));
+                out.slave[row].extend(entries.filter(|(_, d)| *d != 0.0));
             }
             for pair in &integrals.pairs {
-                let m = basis.master_block(&pair.coupling);
-                let opposite = master.local_facets()[pair.master_facet as usize];
+                let m = basis.master_block(pair);
+                let opposite = local_nodes(master, of_master, pair.master_facet);
                 for (a, &row) in nodes.iter().enumerate() {
-                    out.master[row as usize].extend(opposite.iter().zip(m[a]).map(|(&node, m)| (node, m)));
+                    out.master[row as usize].extend(opposite.iter().enumerate().map(|(k, &node)| (node, m.at(a, k))));
                 }
             }
         }

@@ -1,7 +1,8 @@
 //! Multiplier spaces on a slave facet.
 
-use crate::FacetIntegrals;
+use crate::faces::FaceBlock;
 use crate::integrals::FacetMatrix;
+use crate::{FacetIntegrals, PairIntegrals};
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 use stoss_reference_element::MAX_NODES;
 
@@ -83,24 +84,27 @@ impl MultiplierBasis {
         self.coefficients.map(|c| (0..MAX_NODES).map(|i| c[i] * shape[i]).sum())
     }
 
-    /// `D_AJ = int phi_A N_J dA`. Dual and lumped: diagonal, `int phi_A dA` as the row sums of
+    /// `D_AJ = int phi_A N_J dA`. On a linear facet with dual and lumped functions diagonal, `int phi_A dA` as the row sums of
     /// [`MultiplierBasis::master_block`], with which they have to agree even where dual functions are large.
-    pub fn slave_block(&self, integrals: &FacetIntegrals) -> FacetMatrix {
+    pub fn slave_block(&self, integrals: &FacetIntegrals) -> FaceBlock {
+        let c = matrix(&self.coefficients);
         if !self.diagonal {
-            return rows(&(matrix(&self.coefficients) * matrix(&integrals.mass)));
+            return FaceBlock::of(&integrals.mass, integrals.face.as_ref()).after(&c);
         }
-        let mut d = [[0.0; MAX_NODES]; MAX_NODES];
+        let mut sums = [0.0; MAX_NODES];
         for pair in &integrals.pairs {
-            for (a, row) in self.master_block(&pair.coupling).iter().enumerate() {
-                d[a][a] += row.iter().sum::<f64>();
-            }
+            let block = self.master_block(pair);
+            sums.iter_mut().enumerate().for_each(|(a, sum)| *sum += block.sum_of_row(a));
         }
-        d
+        match &integrals.face {
+            None => FaceBlock::Linear(NodeMatrix::from_diagonal(&NodeVector::from(sums))),
+            Some(face) => FaceBlock::of(&integrals.mass, Some(face)).after(&c).with_row_sums(&sums),
+        }
     }
 
-    /// `M_AK = int phi_A N_K^(2) dA` from `int N_i N_K^(2) dA` of a pair.
-    pub fn master_block(&self, coupling: &FacetMatrix) -> FacetMatrix {
-        rows(&(matrix(&self.coefficients) * matrix(coupling)))
+    /// `M_AK = int phi_A N_K^(2) dA` of a pair.
+    pub fn master_block(&self, pair: &PairIntegrals) -> FaceBlock {
+        pair.block().after(&matrix(&self.coefficients))
     }
 
     /// `d C` for variations of `int N_i` and `int N_i N_j` over the whole covered part: `dC = (diag(d shape) - C d

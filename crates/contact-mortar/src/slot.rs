@@ -3,6 +3,7 @@
 //! `Phi = n . g` with the gap vector `g = sum_k w_k x_k` and the normal `n = c / |c|`, `c = -sum_f d1_f x d2_f` over the diagonals ([`stoss_reference_element::FacetKind::diagonals`]) of the facets of the row. The
 //! weights move with the positions.
 
+use crate::Faces;
 use crate::positions::Positions;
 use crate::rows::Row;
 use crate::surfaces::{area_vector, diagonals};
@@ -18,6 +19,8 @@ pub(crate) struct GapWeights {
     pub facet: u32,
     /// Corners of the facets that make the normal, as positions in [`Slot::nodes`].
     pub corners: Vec<Nodal<usize>>,
+    /// Nodes that the slave's positions are made of, as positions in [`Slot::nodes`]; a node may come more than once.
+    slave_nodes: Vec<usize>,
     /// One weight a node, an area.
     pub weights: Vec<f64>,
     /// `d weights / d x`, row-major, one column a component; empty if the weights are fixed.
@@ -64,6 +67,15 @@ pub(crate) enum Want {
     FixedWeights,
 }
 
+/// Where the nodes and corners of a facet and of the master facets opposite are in [`Slot::nodes`], in the order of [`FacetWeights`].
+#[derive(Debug, Default)]
+struct Map {
+    nodes: Vec<usize>,
+    corners: Vec<usize>,
+    /// How many nodes are those of the slave.
+    slave_nodes: usize,
+}
+
 /// Part of the reference area by which the corners of a row's facets take part in [`Slot::positive`], covered or not: they turn the normal.
 const CORNER_WEIGHT: f64 = 1e-3;
 
@@ -72,6 +84,7 @@ impl Slot {
     pub fn gather<'w>(
         row: &Row,
         surfaces: [&ContactSurface; 2],
+        [slave_faces, master_faces]: [&Faces; 2],
         facets: &dyn Fn(u32) -> Option<&'w FacetWeights>,
         old: &[u32],
         with_facets: bool,
@@ -79,22 +92,18 @@ impl Slot {
         let [slave, master] = surfaces;
         let mut slot = Self { nodes: old.to_vec(), ..Self::default() };
         // Nodes first, so that all arrays have their final size.
-        let mut maps: Vec<Vec<usize>> = Vec::new();
+        let mut maps: Vec<Map> = Vec::new();
         for &(f, a) in &row.facets {
             let weights = facets(f);
             if let Some(w) = weights {
                 slot.support += w.support[a];
                 slot.opposite += w.opposite[a];
             }
-            let opposite = weights.into_iter().flat_map(|w| &w.masters).map(|&m| master.facets()[m as usize]);
-            let mut map = Vec::new();
-            let own = slave.facets()[f as usize];
-            for node in std::iter::once(own).chain(opposite).flatten() {
-                let k = slot.nodes.iter().position(|&n| n == node).unwrap_or_else(|| {
-                    slot.nodes.push(node);
-                    slot.nodes.len() - 1
-                });
-                map.push(k);
+            let mut map = Map::default();
+            slot.add(slave_faces.nodes(slave, f), &slave.facets()[f as usize], &mut map);
+            map.slave_nodes = map.nodes.len();
+            for &m in weights.into_iter().flat_map(|w| &w.masters) {
+                slot.add(master_faces.nodes(master, m), &master.facets()[m as usize], &mut map);
             }
             maps.push(map);
         }
@@ -102,8 +111,9 @@ impl Slot {
         slot.positive = vec![0.0; nodes];
         slot.whole = GapWeights { facet: row.facets[0].0, weights: vec![0.0; nodes], ..GapWeights::default() };
         for (&(f, a), map) in row.facets.iter().zip(&maps) {
-            let corners = Nodal::from_fn(slave.facets()[f as usize].kind(), |k| map[k]);
+            let corners = Nodal::from_fn(slave.facets()[f as usize].kind(), |k| map.corners[k]);
             slot.whole.corners.push(corners);
+            slot.whole.slave_nodes.extend(&map.nodes[..map.slave_nodes]);
             let mut own = GapWeights { facet: f, corners: vec![corners], ..GapWeights::default() };
             if with_facets {
                 own.weights = vec![0.0; nodes];
@@ -112,7 +122,7 @@ impl Slot {
             corners.iter().for_each(|&k| slot.positive[k] += share);
             if let Some(w) = facets(f) {
                 let count = w.node_count();
-                for (k, &to) in map.iter().enumerate() {
+                for (k, &to) in map.nodes.iter().enumerate() {
                     let weight = w.weights[a * count + k];
                     slot.whole.weights[to] += weight;
                     slot.positive[to] += w.standard.get(a * count + k).map_or(weight.abs(), |s| s.abs());
@@ -131,6 +141,18 @@ impl Slot {
             }
         }
         slot
+    }
+
+    /// Adds the nodes and the corners of a facet, and notes where they are.
+    fn add(&mut self, nodes: &[u32], corners: &[u32], map: &mut Map) {
+        for (from, to) in [(nodes, &mut map.nodes), (corners, &mut map.corners)] {
+            to.extend(from.iter().map(|&node| {
+                self.nodes.iter().position(|&n| n == node).unwrap_or_else(|| {
+                    self.nodes.push(node);
+                    self.nodes.len() - 1
+                })
+            }));
+        }
     }
 
     /// Adds nodes without weights to the stencil.
@@ -325,7 +347,7 @@ impl Slot {
             return;
         }
         let columns = 3 * self.nodes.len();
-        let mut rows: Vec<usize> = self.whole.corners.iter().flatten().copied().collect();
+        let mut rows = self.whole.slave_nodes.clone();
         rows.sort_unstable();
         rows.dedup();
         // The weights of the slave's nodes add up to the support.
@@ -352,12 +374,12 @@ impl Slot {
 }
 
 impl GapWeights {
-    fn add_derivative(&mut self, w: &FacetWeights, corner: usize, map: &[usize], nodes: usize) {
-        let (count, columns) = (w.node_count(), 3 * nodes);
+    fn add_derivative(&mut self, w: &FacetWeights, corner: usize, map: &Map, nodes: usize) {
+        let (count, from_columns, columns) = (w.node_count(), 3 * w.corner_count(), 3 * nodes);
         self.derivative.resize(nodes * columns, 0.0);
-        for (k, &row) in map.iter().enumerate() {
-            let from = &w.derivative[(corner * count + k) * 3 * count..][..3 * count];
-            for (l, &column) in map.iter().enumerate() {
+        for (k, &row) in map.nodes.iter().enumerate() {
+            let from = &w.derivative[(corner * count + k) * from_columns..][..from_columns];
+            for (l, &column) in map.corners.iter().enumerate() {
                 for c in 0..3 {
                     self.derivative[row * columns + 3 * column + c] += from[3 * l + c];
                 }

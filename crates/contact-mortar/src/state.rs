@@ -1,11 +1,11 @@
 //! What mortar contact holds: surfaces, built once; what is constant in a step; slots at one configuration.
 
-use crate::MortarError;
 use crate::candidates::Candidates;
 use crate::positions::Positions;
 use crate::rows::Row;
 use crate::slot::Slot;
 use crate::weights::{FacetWeights, Integration, Without};
+use crate::{Faces, MortarError};
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactSurface};
 use stoss_reference_element::MAX_NODES;
@@ -16,6 +16,8 @@ use stoss_segmentation::{FacetSegmentation, GapRange, Segment};
 pub(crate) struct Surfaces {
     pub slave: ContactSurface,
     pub master: ContactSurface,
+    /// Quadratic faces that facets of slave and master are pieces of.
+    pub faces: [Faces; 2],
     /// The rows of the constraints.
     pub rows: Vec<Row>,
     /// Smooth part of the master that each of its facets belongs to, and how many there are.
@@ -99,7 +101,7 @@ impl Surfaces {
         old: &[Slot],
         with_facets: bool,
     ) -> Result<Integrated, ContactError> {
-        let Self { slave, master, rows, .. } = self;
+        let Self { slave, master, rows, faces: [slave_faces, master_faces], .. } = self;
         let mut segments = Vec::with_capacity(needs.len());
         let mut facets: Vec<Option<FacetWeights>> = Vec::with_capacity(needs.len() * self.smooth_part_count);
         for (f, &need) in needs.iter().enumerate() {
@@ -116,7 +118,9 @@ impl Surfaces {
                 facets.push((!own.is_empty()).then(|| {
                     let found = FacetSegmentation { frame: found.frame.clone(), segments: own, hidden: Vec::new() };
                     let without = without[f * self.smooth_part_count + part];
-                    self.integration.facet_weights(&found, corners, without, need == Need::Derivative)
+                    let face = slave_faces.of(f as u32);
+                    let want_derivative = need == Need::Derivative;
+                    self.integration.facet_weights(&found, corners, face, master_faces, without, want_derivative)
                 }));
             }
             segments.push(Some(found));
@@ -127,7 +131,7 @@ impl Surfaces {
         let slots = rows.iter().enumerate().map(|(k, row)| {
             if wanted(row) {
                 let of = |f: u32| facets[f as usize * self.smooth_part_count + row.smooth_part].as_ref();
-                Slot::gather(row, [slave, master], &of, kept(k), with_facets)
+                Slot::gather(row, [slave, master], [slave_faces, master_faces], &of, kept(k), with_facets)
             } else {
                 Slot::default()
             }

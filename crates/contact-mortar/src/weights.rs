@@ -1,26 +1,30 @@
 //! Weights of one slave facet in the gap vectors of its nodes, with derivatives.
 
-use crate::TriangleRule;
 use crate::derivatives::{PairDerivatives, pair_derivatives};
+use crate::faces::FaceBlock;
 use crate::factors::Factors;
-use crate::integrals::{FacetIntegrals, facet_integrals};
+use crate::integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
 use crate::multiplier::{MultiplierBasis, MultiplierSpace, NodeMatrix, NodeVector, matrix};
+use crate::{Faces, TriangleRule};
 use nalgebra::Vector3;
-use stoss_reference_element::{MAX_NODES, Nodal};
+use stoss_reference_element::{FacePiece, MAX_FACE_NODES, MAX_NODES, Nodal};
 use stoss_segmentation::{FacetSegmentation, MASTER};
 
-/// `g_A = sum_J D_AJ x1_J - sum_K M_AK x2_K` over one facet. Nodes are those of the facet, then those of each master facet.
+/// `g_A = sum_J D_AJ x1_J - sum_K M_AK x2_K` over one facet. Nodes are those of the slave's face, then those of the face of each master facet; corners are those of the
+/// facet, then of each master facet. Of linear faces both are the same.
 #[derive(Clone, Debug)]
 pub(crate) struct FacetWeights {
     /// Master facets opposite, local numbers.
     pub masters: Vec<u32>,
-    /// The first node of the slave facet, of each master facet, and the number of all.
-    first: Vec<usize>,
+    /// The first node of the slave's face, of the face of each master facet, and the number of all.
+    nodes: Vec<usize>,
+    /// The first corner of the slave facet, of each master facet, and the number of all.
+    corners: Vec<usize>,
     /// Row `A`, then one weight a node.
     pub weights: Vec<f64>,
-    /// `d weights / d x`: row `A`, node, component of the nodes; empty if not asked for.
+    /// `d weights / d x`: row `A`, node, component of the corners; empty if not asked for.
     pub derivative: Vec<f64>,
-    /// The integrals of the standard functions, none of them negative; empty if `weights` are these but for the sign.
+    /// The integrals of the standard functions; empty if `weights` are these but for the sign.
     pub standard: Vec<f64>,
     /// `int phi_A dA`, an area.
     pub support: [f64; MAX_NODES],
@@ -28,11 +32,27 @@ pub(crate) struct FacetWeights {
     pub opposite: [f64; MAX_NODES],
 }
 
+/// Starts of runs of these lengths, and their sum.
+fn starts(lengths: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut out = vec![0];
+    out.extend(lengths.scan(0, |next, length| {
+        *next += length;
+        Some(*next)
+    }));
+    out
+}
+
 impl FacetWeights {
     /// Number of nodes.
     pub fn node_count(&self) -> usize {
         // cannot fail: the last entry is always there.
-        self.first.last().copied().unwrap_or(0)
+        self.nodes.last().copied().unwrap_or(0)
+    }
+
+    /// Number of corners.
+    pub fn corner_count(&self) -> usize {
+        // cannot fail, as above.
+        self.corners.last().copied().unwrap_or(0)
     }
 }
 
@@ -58,56 +78,69 @@ pub(crate) fn hand_over(without: Without) -> NodeMatrix {
     })
 }
 
+/// Of both facets of a pair: the quadratic faces of slave and master.
+struct Behind<'a> {
+    slave: Option<&'a FacePiece>,
+    master: &'a Faces,
+}
+
 impl Integration {
-    /// Weights of a facet. `without`: corners that have no multiplier.
+    /// Weights of a facet. Faces: that which the slave facet is a piece of, if it is quadratic, and those of the master. `without`: corners that have no multiplier.
     pub fn facet_weights(
         &self,
         found: &FacetSegmentation,
         corners: impl Fn(u32) -> Nodal<Vector3<f64>>,
+        slave_face: Option<&FacePiece>,
+        master_faces: &Faces,
         without: Without,
         want_derivative: bool,
     ) -> FacetWeights {
         let give = hand_over(without);
-        let integrals = facet_integrals(found, &corners, self.rule, &self.factors);
+        let integrals = facet_integrals(found, &corners, slave_face, master_faces, self.rule, &self.factors);
         let basis = MultiplierBasis::new(self.space, &integrals);
         let own = integrals.kind.node_count();
-        let mut first = vec![0, own];
-        first.extend(integrals.pairs.iter().scan(own, |next, pair| {
-            *next += pair.master_kind.node_count();
-            Some(*next)
-        }));
-        let count = first[first.len() - 1];
-        let rows = |slave: NodeMatrix, master: &dyn Fn(usize) -> NodeMatrix, sign: f64| {
+        let of_pairs = || integrals.pairs.iter();
+        let node_count = |pair: &PairIntegrals| {
+            master_faces.of(pair.master_facet).map_or(pair.master_kind.node_count(), |face| face.face_nodes().len())
+        };
+        let slave_nodes = slave_face.map_or(own, |face| face.face_nodes().len());
+        let nodes = starts(std::iter::once(slave_nodes).chain(of_pairs().map(node_count)));
+        let corner_counts = of_pairs().map(|pair| pair.master_kind.node_count());
+        let first_corners = starts(std::iter::once(own).chain(corner_counts));
+        let count = nodes[nodes.len() - 1];
+        let rows = |slave: FaceBlock, master: &dyn Fn(&PairIntegrals) -> FaceBlock, sign: f64| {
             let mut out = vec![0.0; own * count];
-            for (p, ends) in first.windows(2).enumerate() {
-                let (block, sign) = if p == 0 { (slave, 1.0) } else { (master(p - 1), sign) };
-                let block = give * block;
+            for (p, ends) in nodes.windows(2).enumerate() {
+                let (block, sign) = if p == 0 { (slave, 1.0) } else { (master(&integrals.pairs[p - 1]), sign) };
+                let block = block.after(&give);
                 for a in 0..own {
                     for (k, node) in (ends[0]..ends[1]).enumerate() {
-                        out[a * count + node] = sign * block[(a, k)];
+                        out[a * count + node] = sign * block.at(a, k);
                     }
                 }
             }
             out
         };
-        let slave = matrix(&basis.slave_block(&integrals));
-        let weights = rows(slave, &|p| matrix(&basis.master_block(&integrals.pairs[p].coupling)), -1.0);
+        let slave = basis.slave_block(&integrals);
+        let weights = rows(slave, &|pair| basis.master_block(pair), -1.0);
         let standard = if basis.is_diagonal() {
-            rows(matrix(&integrals.mass), &|p| matrix(&integrals.pairs[p].coupling), 1.0)
+            rows(FaceBlock::of(&integrals.mass, integrals.face.as_ref()), &PairIntegrals::block, 1.0)
         } else {
             Vec::new()
         };
         let mut out = FacetWeights {
-            masters: integrals.pairs.iter().map(|p| p.master_facet).collect(),
-            first,
+            masters: of_pairs().map(|p| p.master_facet).collect(),
+            nodes,
+            corners: first_corners,
             weights,
             derivative: Vec::new(),
             standard,
-            support: (give * slave.column_sum()).into(),
+            support: (give * slave.row_sums()).into(),
             opposite: (give * NodeVector::from(integrals.opposite)).into(),
         };
         if want_derivative {
-            self.derivatives(found, corners, &integrals, &basis, &give, &mut out);
+            let behind = Behind { slave: slave_face, master: master_faces };
+            self.derivatives(found, corners, &behind, &integrals, &basis, &give, &mut out);
         }
         out
     }
@@ -116,13 +149,14 @@ impl Integration {
         &self,
         found: &FacetSegmentation,
         corners: impl Fn(u32) -> Nodal<Vector3<f64>>,
+        behind: &Behind<'_>,
         integrals: &FacetIntegrals,
         basis: &MultiplierBasis,
         give: &NodeMatrix,
         out: &mut FacetWeights,
     ) {
         let (own, count) = (integrals.kind.node_count(), out.node_count());
-        let columns = 3 * count;
+        let columns = 3 * out.corner_count();
         out.derivative = vec![0.0; own * count * columns];
         let mut pairs = vec![PairDerivatives::ZERO; integrals.pairs.len()];
         let mut at = 0;
@@ -132,37 +166,45 @@ impl Integration {
                 at += 1;
             }
             let master = corners(segment.master_facet);
-            pair_derivatives(segment, &found.frame, &master, self.rule, &self.factors, &mut pairs[at]);
+            let faces = [behind.slave, behind.master.of(segment.master_facet)];
+            pair_derivatives(segment, &found.frame, &master, faces, self.rule, &self.factors, &mut pairs[at]);
         }
         let c = matrix(&basis.coefficients);
-        let couplings: Vec<NodeMatrix> = integrals.pairs.iter().map(|p| matrix(&p.coupling)).collect();
-        let FacetWeights { first, derivative, .. } = out;
-        let facets = first.windows(2).enumerate();
+        let couplings: Vec<FaceBlock> = integrals.pairs.iter().map(PairIntegrals::block).collect();
+        let on_face = integrals.face.as_ref().map(|face| FaceBlock::of(&integrals.mass, Some(face)));
+        let FacetWeights { nodes, corners, derivative, .. } = out;
+        let facets = corners.windows(2).enumerate();
         let places = facets.flat_map(|(facet, ends)| (3 * ends[0]..3 * ends[1]).enumerate().map(move |k| (facet, k)));
         for (facet, (place, column)) in places {
             // The column of each pair that this one is: slave columns are in all pairs, a master's in its own.
             let (range, local) = if facet == 0 { (0..pairs.len(), place) } else { (facet - 1..facet, MASTER + place) };
             let (mut shape, mut mass) = ([0.0; MAX_NODES], [[0.0; MAX_NODES]; MAX_NODES]);
+            let mut face_mass = [[0.0; MAX_FACE_NODES]; MAX_NODES];
             for pair in &pairs[range.clone()] {
                 for i in 0..MAX_NODES {
                     shape[i] += pair.shape[i][local];
                     for j in 0..MAX_NODES {
                         mass[i][j] += pair.mass[i][j][local];
                     }
+                    for of in pair.faces[0].iter() {
+                        face_mass[i].iter_mut().zip(&of[i]).for_each(|(sum, of)| *sum += of[local]);
+                    }
                 }
             }
             let dc = matrix(&basis.coefficient_variation(&shape, &mass));
-            let slave = if basis.is_diagonal() {
+            let slave = if let Some(on_face) = &on_face {
+                on_face.after(&dc).plus(&FaceBlock::of(&mass, Some(&face_mass)).after(&c))
+            } else if basis.is_diagonal() {
                 let total = dc * NodeVector::from(integrals.shape) + c * NodeVector::from(shape);
-                NodeMatrix::from_diagonal(&total)
+                FaceBlock::Linear(NodeMatrix::from_diagonal(&total))
             } else {
-                matrix(&mass)
+                FaceBlock::Linear(matrix(&mass))
             };
-            let mut put = |facet: usize, block: &NodeMatrix, sign: f64| {
-                let block = give * block;
+            let mut put = |facet: usize, block: &FaceBlock, sign: f64| {
+                let block = block.after(give);
                 for a in 0..own {
-                    for (k, node) in (first[facet]..first[facet + 1]).enumerate() {
-                        derivative[(a * count + node) * columns + column] += sign * block[(a, k)];
+                    for (k, node) in (nodes[facet]..nodes[facet + 1]).enumerate() {
+                        derivative[(a * count + node) * columns + column] += sign * block.at(a, k);
                     }
                 }
             };
@@ -172,12 +214,22 @@ impl Integration {
                 if !basis.is_diagonal() && !moves {
                     continue;
                 }
-                let mut block = dc * coupling;
+                let mut block = coupling.after(&dc);
                 if moves {
-                    block += c * NodeMatrix::from_fn(|i, k| pairs[p].coupling[i][k][local]);
+                    block = block.plus(&pairs[p].coupling_by(local).after(&c));
                 }
                 put(1 + p, &block, -1.0);
             }
+        }
+    }
+}
+
+impl PairDerivatives {
+    /// Derivative of the coupling by one component.
+    fn coupling_by(&self, k: usize) -> FaceBlock {
+        match &self.faces[1] {
+            Some(face) => FaceBlock::quadratic(|i, j| face[i][j][k]),
+            None => FaceBlock::Linear(NodeMatrix::from_fn(|i, j| self.coupling[i][j][k])),
         }
     }
 }

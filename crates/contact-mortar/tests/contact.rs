@@ -3,8 +3,8 @@
 use crate::sheets;
 
 use crate::sheets::{
-    Mesh, NODES, SLAVE, assemble, base, factors, meshes, method, moved, options, pressures, resultants, tangent_errors,
-    warp,
+    NODES, SLAVE, Surface, assemble, base, factors, method, moved, options, pressures, resultants, surfaces,
+    tangent_errors, warp,
 };
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
@@ -21,8 +21,8 @@ fn plus(q: &[f64], f: f64, d: &[f64]) -> Vec<f64> {
     q.iter().zip(d).map(|(x, d)| x + f * d).collect()
 }
 
-fn begun(meshes: [Mesh; 2], dual: bool, kind: usize, rule: ContactRule, q_n: &[f64]) -> MortarContact {
-    let mut method = method(meshes, options(dual)).with_factors(factors(kind));
+fn begun(surfaces: [Surface; 2], dual: bool, kind: usize, rule: ContactRule, q_n: &[f64]) -> MortarContact {
+    let mut method = method(surfaces, options(dual)).with_factors(factors(kind));
     method.begin(&Step { reach: 0.5, ..Step::new(q_n, rule, 0.1) }).unwrap();
     method
 }
@@ -40,11 +40,11 @@ proptest! {
     /// M2, M11: rows are the gradients of the discrete gaps. In the derivative of the forces the second derivatives of the weights are missing.
     #[test]
     fn rows_are_gradients(
-        meshes in meshes(), d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), rule in 0usize..5, kind in 0usize..3, lift in -0.2f64..0.1,
+        surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), rule in 0usize..5, kind in 0usize..3, lift in -0.2f64..0.1,
     ) {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 0.3, &e);
-        let mut method = method(meshes, options(dual)).with_factors(factors(kind));
+        let mut method = method(surfaces, options(dual)).with_factors(factors(kind));
         if let Some([rows, forces]) = tangent_errors(&mut method, ContactRule::ALL[rule], &q_n, &q, &p) {
             prop_assert!(rows < 1e-6, "{:?} dual {dual} factors {kind}: {rows:e}", ContactRule::ALL[rule]);
             // With gaps of a tenth of a facet they are of the size of all others; a kink of the polygon within the difference, or a sliver, may be more.
@@ -55,12 +55,12 @@ proptest! {
     /// In statics the tangent is exact, with a law for the penetration, too.
     #[test]
     fn tangents_of_statics_are_derivatives(
-        meshes in meshes(), d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), kind in 0usize..3, lift in -0.2f64..0.1, soft in any::<bool>(),
+        surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), kind in 0usize..3, lift in -0.2f64..0.1, soft in any::<bool>(),
     ) {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 0.3, &e);
         let overclosure = soft.then_some(7.0);
-        let mut method = method(meshes, MortarOptions { overclosure, ..options(dual) }).with_factors(factors(kind));
+        let mut method = method(surfaces, MortarOptions { overclosure, ..options(dual) }).with_factors(factors(kind));
         if let Some([rows, forces]) = tangent_errors(&mut method, ContactRule::EndPoint, &q_n, &q, &p) {
             prop_assert!(rows < 1e-6 && forces < 1e-6, "dual {dual} factors {kind}: {rows:e} {forces:e}");
         }
@@ -68,10 +68,10 @@ proptest! {
 
     /// With integrals that are held the derivative of the forces is exact but for the slope of `theta`, which is one of higher order in the increment.
     #[test]
-    fn tangents_with_frozen_integrals_are_derivatives(meshes in meshes(), d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), lift in -0.2f64..0.1) {
+    fn tangents_with_frozen_integrals_are_derivatives(surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), lift in -0.2f64..0.1) {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 0.02, &e);
-        let mut method = method(meshes, MortarOptions { integrals: Integrals::Frozen, ..options(dual) });
+        let mut method = method(surfaces, MortarOptions { integrals: Integrals::Frozen, ..options(dual) });
         if let Some([rows, forces]) = tangent_errors(&mut method, ContactRule::EnergyMomentum, &q_n, &q, &p) {
             prop_assert!(rows < 1e-7 && forces < 1e-4, "{rows:e} {forces:e}");
         }
@@ -80,7 +80,7 @@ proptest! {
     /// M1, M4, M5: for any gaps, at every iterate.
     #[test]
     fn forces_have_neither_resultant_nor_moment(
-        meshes in meshes(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual in any::<bool>(), kind in 0usize..3, frozen in any::<bool>(),
+        surfaces in surfaces(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual in any::<bool>(), kind in 0usize..3, frozen in any::<bool>(),
     ) {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
@@ -93,7 +93,7 @@ proptest! {
                 continue;
             }
             let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
-            let mut method = method(meshes, MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
+            let mut method = method(surfaces, MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
             method.begin(&Step { reach: 0.5, v_n: &plus(&vec![0.0; q.len()], 10.0, &e), ..Step::new(&q_n, rule, 0.1) }).unwrap();
             let r = residual(&mut method, rule, &q_n, &q, &p);
             let size = r[..3 * NODES].iter().map(|x| x.abs()).sum::<f64>().max(1.0);
@@ -106,11 +106,11 @@ proptest! {
     /// The gradients that closing losses are restored along: those of the rows, without resultant or moment about the end of the step.
     #[test]
     fn constraint_gradients_are_those_of_the_rows(
-        meshes in meshes(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual in any::<bool>(), kind in 0usize..3,
+        surfaces in surfaces(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual in any::<bool>(), kind in 0usize..3,
     ) {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
-        let mut method = method(meshes, options(dual)).with_factors(factors(kind));
+        let mut method = method(surfaces, options(dual)).with_factors(factors(kind));
         method.begin(&Step { reach: 0.5, ..Step::new(&q_n, ContactRule::EnergyMomentum, 0.1) }).unwrap();
         let mut force = vec![0.0; q.len()];
         method.constraint_gradients(&q, &[true; SLAVE], &mut |slot, nodes, gradient| {
@@ -136,7 +136,7 @@ proptest! {
         let inside = at(&q, 0) + (at(&q, 4) - at(&q, 0)) * corner;
         q[..3].copy_from_slice(inside.as_slice());
         let p = [1.0; SLAVE];
-        let mut method = begun(Mesh::PAIRS[0], false, 2, ContactRule::EndPoint, &q);
+        let mut method = begun([Surface::Quads; 2], false, 2, ContactRule::EndPoint, &q);
         prop_assert!(method.segments().is_some_and(|s| s.facets[0].frame.is_split()));
         let r = residual(&mut method, ContactRule::EndPoint, &q, &q, &p);
         let (force, moment) = resultants(&r, &q);
@@ -146,13 +146,13 @@ proptest! {
     /// M7: the work of the force is the change of the weighted gaps.
     #[test]
     fn the_work_is_the_change_of_the_gaps(
-        meshes in meshes(), d in warp(), e in warp(), p in pressures(), lift in -0.3f64..0.3, dual in any::<bool>(), kind in 0usize..3, frozen in any::<bool>(),
+        surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), lift in -0.3f64..0.3, dual in any::<bool>(), kind in 0usize..3, frozen in any::<bool>(),
     ) {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
         let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
         for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
-            let mut method = method(meshes, MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
+            let mut method = method(surfaces, MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
             method.begin(&Step { reach: 0.5, ..Step::new(&q_n, rule, 0.1) }).unwrap();
             let start = residual(&mut method, rule, &q_n, &q_n, &p);
             let end = residual(&mut method, rule, &q_n, &q, &p);
@@ -164,13 +164,13 @@ proptest! {
 
     /// M3, M6.
     #[test]
-    fn a_rigid_motion_changes_no_gap(meshes in meshes(), d in warp(), angle in -1.0f64..1.0, dual in any::<bool>(), kind in 0usize..3) {
+    fn a_rigid_motion_changes_no_gap(surfaces in surfaces(), d in warp(), angle in -1.0f64..1.0, dual in any::<bool>(), kind in 0usize..3) {
         let q_n = moved(&d);
         let turn = Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(Vector3::new(0.3, -0.5, 0.8)), angle);
         let q: Vec<f64> = q_n.chunks_exact(3)
             .flat_map(|x| { let y = turn * Vector3::new(x[0], x[1], x[2]) + Vector3::new(1.0, 2.0, -0.5); [y.x, y.y, y.z] }).collect();
         for rule in ContactRule::ALL {
-            let mut method = begun(meshes, dual, kind, rule, &q_n);
+            let mut method = begun(surfaces, dual, kind, rule, &q_n);
             let p = [1.0; SLAVE];
             let (before, after) = (residual(&mut method, rule, &q_n, &q_n, &p), residual(&mut method, rule, &q_n, &q, &p));
             for (a, b) in before[3 * NODES..].iter().zip(&after[3 * NODES..]) {
@@ -181,9 +181,9 @@ proptest! {
 
     /// M9: along a path on which polygons gain and lose vertices the gaps never jump.
     #[test]
-    fn gaps_are_continuous(meshes in meshes(), d in warp(), e in warp(), kind in 0usize..3, shift in 0.2f64..1.0) {
+    fn gaps_are_continuous(surfaces in surfaces(), d in warp(), e in warp(), kind in 0usize..3, shift in 0.2f64..1.0) {
         let q_n = moved(&d);
-        let mut method = begun(meshes, false, kind, ContactRule::EndPoint, &q_n);
+        let mut method = begun(surfaces, false, kind, ContactRule::EndPoint, &q_n);
         let path = |s: f64| { let mut q = plus(&q_n, s, &e); (0..SLAVE).for_each(|k| q[3 * k] += s * shift); q };
         let mut kind_of = |s: f64| { let q = path(s); let r = residual(&mut method, ContactRule::EndPoint, &q_n, &q, &[1.0; SLAVE]); (sheets::kinds(&method), r) };
         // Bisection for the first change.
@@ -205,8 +205,8 @@ proptest! {
 /// M10, and flat surfaces a distance apart: every weighted gap over its support is that distance, on partly covered facets too.
 #[test]
 fn gaps_of_flat_surfaces_are_their_distance() {
-    for (meshes, dual) in Mesh::PAIRS.into_iter().flat_map(|m| [(m, false), (m, true)]) {
-        let method = begun(meshes, dual, 1, ContactRule::EndPoint, &base());
+    for (surfaces, dual) in Surface::pairs().flat_map(|m| [(m, false), (m, true)]) {
+        let method = begun(surfaces, dual, 1, ContactRule::EndPoint, &base());
         let reports = method.report(&base()).unwrap();
         assert!(reports.iter().filter(|r| r.gap.is_some()).count() > 5);
         for report in reports {
@@ -220,13 +220,14 @@ fn gaps_of_flat_surfaces_are_their_distance() {
 /// A node without its own multiplier hands its function on: a constant pressure on the others pushes with the whole area.
 #[test]
 fn crosspoints_keep_the_area() {
-    for (meshes, dual) in Mesh::PAIRS.into_iter().flat_map(|m| [(m, false), (m, true)]) {
-        let mut method = method(meshes, options(dual));
+    for (surfaces, dual) in Surface::pairs().flat_map(|m| [(m, false), (m, true)]) {
+        let mut method = method(surfaces, options(dual));
         // Prescribed components of the slave nodes before `end`.
         let mut total = |end: u32, components: &[usize]| {
             let mut support = Support::new(NODES);
             (0..end).for_each(|node| components.iter().for_each(|&c| support.prescribe(node, c)));
-            let step = Step { reach: 0.5, support: &support, ..Step::new(&base(), ContactRule::EndPoint, 0.0) };
+            let q = base();
+            let step = Step { reach: 0.5, support: &support, ..Step::new(&q, ContactRule::EndPoint, 0.0) };
             method.begin(&step).unwrap();
             let mut gaps = [0.0; SLAVE];
             method.complementarity_gaps(&base(), &[false; SLAVE], &mut gaps).unwrap();
@@ -249,9 +250,9 @@ fn crosspoints_keep_the_area() {
 /// A penetration at the start of a step is kept in dynamics and closed in statics, an open gap is closed in both.
 #[test]
 fn penetrations_of_the_start_are_kept_in_dynamics() {
-    let meshes = Mesh::PAIRS[3];
+    let surfaces = [Surface::Triangles; 2];
     let gaps_from = |rates: bool, start: f64, end: f64| {
-        let mut method = method(meshes, options(false));
+        let mut method = method(surfaces, options(false));
         let zero = vec![0.0; 3 * NODES];
         let q_n = lifted(&zero, start);
         method.begin(&Step { reach: 0.5, rates, ..Step::new(&q_n, ContactRule::EnergyMomentum, 0.1) }).unwrap();
@@ -271,8 +272,8 @@ fn penetrations_of_the_start_are_kept_in_dynamics() {
 #[test]
 fn a_passage_is_an_error() {
     let zero = vec![0.0; 3 * NODES];
-    for meshes in Mesh::PAIRS {
-        let mut method = begun(meshes, false, 2, ContactRule::EnergyMomentum, &base());
+    for surfaces in Surface::pairs() {
+        let mut method = begun(surfaces, false, 2, ContactRule::EnergyMomentum, &base());
         for (lift, passes) in [(-0.1, false), (-0.3, true), (-0.5, true)] {
             let q = lifted(&zero, lift);
             method.renew(&q, &[], &[], &[false; SLAVE], false).unwrap();

@@ -3,17 +3,17 @@
 use crate::sheets;
 
 use crate::sheets::{
-    Mesh, NODES, SLAVE, assemble, factors, meshes, method, moved, options, pressures, resultants, warp,
+    NODES, SLAVE, Surface, assemble, factors, method, moved, options, pressures, resultants, surfaces, warp,
 };
 use nalgebra::{Rotation3, Unit, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
-use stoss_contact::{Constraint, ContactError, ContactRule, History, Report, Step, StepConfiguration};
+use stoss_contact::{Constraint, ContactError, ContactRule, History, Report, Step, StepConfiguration, position};
 use stoss_contact_mortar::segmentation::GapRange;
 use stoss_contact_mortar::{
-    Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure, TriangleRule,
-    facet_integrals, segment_surfaces,
+    FaceBlock, Faces, Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure,
+    TriangleRule, facet_integrals, segment_surfaces,
 };
 
 const RULES: [ContactRule; 3] = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
@@ -33,17 +33,17 @@ fn law(kind: usize) -> Arc<dyn FrictionLaw> {
 }
 
 fn with(
-    meshes: [Mesh; 2],
+    surfaces: [Surface; 2],
     law: Arc<dyn FrictionLaw>,
     midpoint: MidpointFriction,
     dual: bool,
     measure: SlipMeasure,
 ) -> MortarContact {
-    with_stick(meshes, law, Stick::Penalty, midpoint, dual, measure)
+    with_stick(surfaces, law, Stick::Penalty, midpoint, dual, measure)
 }
 
 fn with_stick(
-    meshes: [Mesh; 2],
+    surfaces: [Surface; 2],
     law: Arc<dyn FrictionLaw>,
     stick: Stick,
     midpoint: MidpointFriction,
@@ -51,7 +51,7 @@ fn with_stick(
     measure: SlipMeasure,
 ) -> MortarContact {
     let friction = Friction::new(law, PENALTY, stick, midpoint).unwrap();
-    method(meshes, options(dual)).with_friction(friction, measure).unwrap()
+    method(surfaces, options(dual)).with_friction(friction, measure).unwrap()
 }
 
 fn plus(q: &[f64], factor: f64, d: &[f64]) -> Vec<f64> {
@@ -90,7 +90,7 @@ fn go(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: 
 
 /// What friction adds to the residual of the step that has begun.
 fn friction_force(
-    meshes: [Mesh; 2],
+    surfaces: [Surface; 2],
     method: &mut MortarContact,
     rule: ContactRule,
     q_n: &[f64],
@@ -98,7 +98,7 @@ fn friction_force(
     p: &[f64],
     dual: bool,
 ) -> Vec<f64> {
-    let mut plain = sheets::method(meshes, options(dual)).with_factors(method.factors());
+    let mut plain = sheets::method(surfaces, options(dual)).with_factors(method.factors());
     begin(&mut plain, rule, q_n);
     let residual = |m: &mut MortarContact| {
         m.renew(q, &[], &[], &set(p), true).unwrap();
@@ -109,23 +109,38 @@ fn friction_force(
 }
 
 /// Gap vector and covered area of a slave node at positions `q`, over the segments of the whole surfaces.
-fn weighted_gap(method: &MortarContact, q: &[f64], node: usize, dual: bool) -> (Vector3<f64>, f64) {
+fn weighted_gap(
+    method: &MortarContact,
+    surfaces: [Surface; 2],
+    q: &[f64],
+    node: usize,
+    dual: bool,
+) -> (Vector3<f64>, f64) {
     let (slave, master) = (method.slave(), method.master());
     let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
+    let faces = [0, 1].map(|side| Faces::new(&surfaces[side].pieces(side)));
     let found = segment_surfaces(slave, master, q, GapRange::ALL).unwrap();
     let (mut gap, mut weight) = (Vector3::zeros(), 0.0);
     for &facet in slave.facets_around(node) {
         let corners = |f| master.patch(f, q).corners;
         let found = &found.facets[facet as usize];
-        let integrals = facet_integrals(found, corners, TriangleRule::default(), &method.factors());
+        let rule = TriangleRule::default();
+        let integrals = facet_integrals(found, corners, faces[0].of(facet), &faces[1], rule, &method.factors());
         let basis = MultiplierBasis::new(space, &integrals);
         let a = slave.local_facets()[facet as usize].iter().position(|&k| k as usize == node).unwrap();
-        let add = |row: &[f64], x: &[Vector3<f64>]| row.iter().zip(x).map(|(w, x)| x * *w).sum::<Vector3<f64>>();
-        let d = basis.slave_block(&integrals)[a];
-        weight += d.iter().sum::<f64>();
-        gap += add(&d, &slave.patch(facet, q).corners);
+        // Positions of the nodes of a facet's face.
+        let nodes = |side: usize, facet: u32| match faces[side].of(facet) {
+            Some(piece) => piece.face_nodes().to_vec(),
+            None => [slave, master][side].facets()[facet as usize].to_vec(),
+        };
+        let add = |of: &FaceBlock, nodes: Vec<u32>| {
+            nodes.iter().enumerate().map(|(k, &n)| position(q, n) * of.at(a, k)).sum::<Vector3<f64>>()
+        };
+        let d = basis.slave_block(&integrals);
+        weight += d.sum_of_row(a);
+        gap += add(&d, nodes(0, facet));
         for pair in &integrals.pairs {
-            gap -= add(&basis.master_block(&pair.coupling)[a], &corners(pair.master_facet));
+            gap -= add(&basis.master_block(pair), nodes(1, pair.master_facet));
         }
     }
     (gap, weight)
@@ -189,7 +204,7 @@ proptest! {
 
     #[test]
     fn tangents_are_derivatives(
-        meshes in meshes(), d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
+        surfaces in surfaces(), d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
         kind in 0usize..4, midpoint in 0usize..3, exact: bool, m in prop::collection::vec(-0.05f64..0.05, 2 * SLAVE),
         v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE), before in prop_oneof![Just(0.6), Just(1.5)],
     ) {
@@ -200,7 +215,7 @@ proptest! {
         let integrals = if rule == ContactRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
         let options = MortarOptions { integrals, ..options(dual) };
         let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap();
-        let mut plain = method(meshes, options);
+        let mut plain = method(surfaces, options);
         let mut method = plain.clone().with_friction(friction, measure(of, rule)).unwrap();
         let (q_0, q_n) = (moved(&f), moved(&d));
         // Another pressure before: stepping `C` has a kink where the history lies on the cone.
@@ -220,16 +235,16 @@ proptest! {
 
     #[test]
     fn forces_have_no_resultant_and_the_objective_ones_no_moment(
-        meshes in meshes(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
+        surfaces in surfaces(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
         kind in 0usize..4,
     ) {
         let rule = RULES[rule];
         let measure = measure(of, rule);
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
-        let mut method = with(meshes, law(kind), MidpointFriction::B, dual, measure);
+        let mut method = with(surfaces, law(kind), MidpointFriction::B, dual, measure);
         begin(&mut method, rule, &q_n);
-        let r = friction_force(meshes, &mut method, rule, &q_n, &q, &p, dual);
+        let r = friction_force(surfaces, &mut method, rule, &q_n, &q, &p, dual);
         let about = if rule == ContactRule::EndPoint { q.clone() } else { plus(&q_n, 0.5, &e) };
         let size = r.iter().map(|x| x.abs()).sum::<f64>().max(1.0);
         let (force, moment) = resultants(&r, &about);
@@ -242,7 +257,7 @@ proptest! {
     /// One node with the force of the thesis: the moment is that of the gap vector, whose integrals have the factors of the contact.
     #[test]
     fn the_moment_of_the_direct_force_is_that_of_the_gap(
-        meshes in meshes(), d in warp(), e in warp(), lift in -0.3f64..0.5, node in 0usize..SLAVE, dual: bool, rule in 0usize..3,
+        surfaces in surfaces(), d in warp(), e in warp(), lift in -0.3f64..0.5, node in 0usize..SLAVE, dual: bool, rule in 0usize..3,
         kind in 0usize..3,
     ) {
         let rule = RULES[rule];
@@ -250,13 +265,13 @@ proptest! {
         let q = plus(&q_n, 1.0, &e);
         let mut p = [0.0; SLAVE];
         p[node] = 1.3;
-        let mut method = with(meshes, law(0), MidpointFriction::B, dual, SlipMeasure::Direct).with_factors(factors(kind));
+        let mut method = with(surfaces, law(0), MidpointFriction::B, dual, SlipMeasure::Direct).with_factors(factors(kind));
         begin(&mut method, rule, &q_n);
-        let r = friction_force(meshes, &mut method, rule, &q_n, &q, &p, dual);
+        let r = friction_force(surfaces, &mut method, rule, &q_n, &q, &p, dual);
         let end = rule == ContactRule::EndPoint;
         // The integrals are those of the place of the force.
         let about = if end { q.clone() } else { plus(&q_n, 0.5, &e) };
-        let (gap, weight) = weighted_gap(&method, &about, node, dual);
+        let (gap, weight) = weighted_gap(&method, surfaces, &about, node, dual);
         let on_slave: Vector3<f64> = r[..3 * SLAVE].chunks_exact(3).map(Vector3::from_column_slice).sum();
         let traction = if weight > 0.0 { on_slave / weight } else { Vector3::zeros() };
         let (_, moment) = resultants(&r, &about);
@@ -267,7 +282,7 @@ proptest! {
 
     #[test]
     fn a_rigid_motion_turns_the_traction(
-        meshes in meshes(), d in warp(), e in warp(), p in pressures(), angle in -1.2f64..1.2, dual: bool, rule in 0usize..3, of in 0usize..3,
+        surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), angle in -1.2f64..1.2, dual: bool, rule in 0usize..3, of in 0usize..3,
     ) {
         let rule = RULES[rule];
         let measure = measure(of, rule);
@@ -277,12 +292,12 @@ proptest! {
         let rotated = |q: &[f64], shift: Vector3<f64>| -> Vec<f64> {
             q.chunks_exact(3).flat_map(|x| <[f64; 3]>::from(turn * Vector3::new(x[0], x[1], x[2]) + shift)).collect()
         };
-        let mut method = with(meshes, law(1), MidpointFriction::B, dual, measure);
+        let mut method = with(surfaces, law(1), MidpointFriction::B, dual, measure);
         go(&mut method, rule, &q_0, &q_1, &p);
         // A step at rest: the areas are those of `q_1` then.
         go(&mut method, rule, &q_1, &q_1, &p);
         begin(&mut method, rule, &q_1);
-        let before = friction_force(meshes, &mut method, rule, &q_1, &q_1, &p, dual);
+        let before = friction_force(surfaces, &mut method, rule, &q_1, &q_1, &p, dual);
         let at_rest = method.work(&q_1, &p, &set(&p)).unwrap();
         prop_assert!(at_rest.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));
         let q_2 = rotated(&q_1, Vector3::new(1.0, 2.0, -0.5));
@@ -292,7 +307,7 @@ proptest! {
         prop_assert!(turned.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));
         go(&mut method, rule, &q_1, &q_2, &p);
         begin(&mut method, rule, &q_2);
-        let after = friction_force(meshes, &mut method, rule, &q_2, &q_2, &p, dual);
+        let after = friction_force(surfaces, &mut method, rule, &q_2, &q_2, &p, dual);
         let size = before.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
         for (a, b) in rotated(&before, Vector3::zeros()).iter().zip(&after) {
             prop_assert!((a - b).abs() < 1e-11 * size, "{rule:?}: {a} {b}");
@@ -302,18 +317,18 @@ proptest! {
     /// Over a walk with changing pressures: what the force works is stored or dissipated, and nothing comes back from what was dissipated.
     #[test]
     fn the_work_is_stored_or_dissipated(
-        meshes in meshes(), walk in prop::collection::vec((warp(), pressures()), 4), dual: bool, energy_momentum: bool,
+        surfaces in surfaces(), walk in prop::collection::vec((warp(), pressures()), 4), dual: bool, energy_momentum: bool,
         midpoint in 0usize..2, mu in prop_oneof![Just(0.0), 0.05f64..3.0], objective: bool,
     ) {
         let rule = if energy_momentum { ContactRule::EnergyMomentum } else { ContactRule::Midpoint };
         let midpoint = [MidpointFriction::B, MidpointFriction::C][midpoint];
         let measure = if objective { SlipMeasure::Objective } else { SlipMeasure::Direct };
-        let mut method = with(meshes, coulomb(mu), midpoint, dual, measure);
+        let mut method = with(surfaces, coulomb(mu), midpoint, dual, measure);
         let mut stored = 0.0;
         for pair in walk.windows(2) {
             let (q_n, q, p) = (moved(&pair[0].0), moved(&pair[1].0), &pair[1].1);
             begin(&mut method, rule, &q_n);
-            let force = friction_force(meshes, &mut method, rule, &q_n, &q, p, dual);
+            let force = friction_force(surfaces, &mut method, rule, &q_n, &q, p, dual);
             let work: f64 = (0..3 * NODES).map(|k| force[k] * (q[k] - q_n[k])).sum();
             let energy = method.work(&q, p, &set(p)).unwrap();
             let size = 1.0 + stored + energy.stored;
@@ -329,9 +344,9 @@ proptest! {
 
     /// An attempt that fails leaves the report of the last step as it was.
     #[test]
-    fn the_report_is_that_of_the_last_accepted_step(meshes in meshes(), d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
+    fn the_report_is_that_of_the_last_accepted_step(surfaces in surfaces(), d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
         let rule = RULES[rule];
-        let mut method = with(meshes, coulomb(0.5), MidpointFriction::C, false, SlipMeasure::Objective);
+        let mut method = with(surfaces, coulomb(0.5), MidpointFriction::C, false, SlipMeasure::Objective);
         let (q_0, q_1, q_2) = (moved(&d), moved(&e), moved(&f));
         go(&mut method, rule, &q_0, &q_1, &p);
         let friction = |m: &MortarContact| -> Vec<_> { m.report(&q_1).unwrap().iter().map(|slot| slot.friction).collect() };
@@ -343,9 +358,9 @@ proptest! {
     }
 
     #[test]
-    fn history_survives_a_checkpoint(meshes in meshes(), d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
+    fn history_survives_a_checkpoint(surfaces in surfaces(), d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
         let rule = RULES[rule];
-        let new = || with(meshes, coulomb(0.5), MidpointFriction::C, false, SlipMeasure::Objective);
+        let new = || with(surfaces, coulomb(0.5), MidpointFriction::C, false, SlipMeasure::Objective);
         let (q_0, q_1, q_2) = (moved(&d), moved(&e), moved(&f));
         let mut first = new();
         go(&mut first, rule, &q_0, &q_1, &p);
@@ -355,7 +370,7 @@ proptest! {
         prop_assert_eq!(&second.save_history(), &bytes);
         let force = |m: &mut MortarContact| {
             begin(m, rule, &q_1);
-            friction_force(meshes, m, rule, &q_1, &q_2, &p, false)
+            friction_force(surfaces, m, rule, &q_1, &q_2, &p, false)
         };
         prop_assert_eq!(force(&mut first), force(&mut second));
         let short = second.load_history(&bytes[1..]);
@@ -371,13 +386,13 @@ proptest! {
 #[test]
 fn what_has_no_friction_is_refused() {
     let friction = || Friction::new(coulomb(0.3), PENALTY, Stick::Penalty, MidpointFriction::B).unwrap();
-    let meshes = Mesh::PAIRS[3];
+    let surfaces = [Surface::Triangles; 2];
     let refused = |error: ContactError| matches!(error, ContactError::FrictionUnavailable { .. });
-    let mut yang = method(meshes, options(false)).with_friction(friction(), SlipMeasure::Yang).unwrap();
+    let mut yang = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Yang).unwrap();
     let q = sheets::base();
     yang.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::EndPoint, 0.1) }).unwrap();
     assert!(refused(yang.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::Midpoint, 0.1) }).unwrap_err()));
-    let mut objective = method(meshes, options(false)).with_friction(friction(), SlipMeasure::Objective).unwrap();
+    let mut objective = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Objective).unwrap();
     assert!(refused(
         objective.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::EndPointMean, 0.1) }).unwrap_err()
     ));

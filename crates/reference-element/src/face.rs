@@ -220,6 +220,12 @@ impl FaceKind {
         self.node_count() > self.corner_count()
     }
 
+    /// True for a quadratic quadrilateral without a node in its centre.
+    #[inline]
+    pub fn lacks_centre(self) -> bool {
+        self.trace().vertices.len() > self.node_count()
+    }
+
     /// Linear facets that the face is divided into, as local nodes: triangles and quadrilaterals with the orientation of the face.
     pub fn pieces(self) -> &'static [&'static [u8]] {
         self.data().pieces

@@ -3,6 +3,7 @@
 //! * [`CellKind`], [`CellTable`]: the cells as data: hex8, hex20, hex27, tet4, tet10, wedge6, wedge15;
 //! * [`FaceKind`], [`FaceNodes`]: the faces of cells: tri3, quad4, tri6, quad8, quad9;
 //! * [`FacetKind`], [`Nodal`]: the linear facets of contact surfaces as data, for surfaces of any mixture of kinds;
+//! * [`FacePiece`]: a linear facet that is a piece of a face;
 //! * [`hex8`], [`quad4`], [`tri3`]: the linear ones with arrays of their own size;
 //! * [`quadrature`]: Gauss rules on the line, the square, the cube, the tetrahedron and the wedge as constants;
 //! * [`triangle`]: Gauss rules on the triangle, for the pieces of clipped facets.
@@ -28,6 +29,7 @@ mod face;
 mod facet;
 pub mod hex8;
 mod line;
+mod piece;
 pub mod quad4;
 pub mod quadrature;
 mod table;
@@ -36,4 +38,5 @@ pub mod triangle;
 
 pub use face::{FaceGradient, FaceKind, FaceNodes, FaceShape, MAX_FACE_NODES, Trace};
 pub use facet::{FacetKind, FacetNodes, MAX_NODES, Nodal};
+pub use piece::FacePiece;
 pub use table::{CellKind, CellTable, Face, Family, Integration, MAX_CELL_NODES, Rule, Shape, ShapeGradient};

@@ -433,8 +433,8 @@ pub struct Model {
     pub parts: Vec<Box<dyn Part>>,
     /// Nodes without equations, whose positions follow from other nodes.
     pub embedding: Embedding,
-    /// Embedded nodes that are vertices of the surface that contact sees of a quadratic face (theory/elements#contact), each with the node in whose place it is, if
-    /// there is one. Frames show that node and not the vertex.
+    /// Embedded nodes that are vertices of what contact sees of a quadratic face: of its trace (theory/elements#contact), each with the node in whose place it is, if
+    /// there is one, and in the middle of a face without a node there. Frames show the node and not the vertex.
     pub traces: BTreeMap<u32, Option<u32>>,
     /// Prescribed motion.
     pub prescriptions: Vec<Prescription>,
@@ -455,7 +455,7 @@ impl Model {
         self.contacts.iter().any(|pair| pair.method.keeps_apart())
     }
 
-    /// Whether a node is a vertex of a trace whose place follows from those of the other vertices of its face, so that a multiplier of its own would say
+    /// Whether a node is a vertex whose place follows from those of the other vertices of its face, so that a multiplier of its own would say
     /// nothing new: the middle of a face without a node there.
     pub fn follows_its_face(&self, node: u32) -> bool {
         self.traces.get(&node).is_some_and(Option::is_none)

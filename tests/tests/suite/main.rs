@@ -35,6 +35,7 @@ mod pairs;
 mod pressures;
 mod rigid_pairs;
 mod rigid_tools;
+mod round_faces;
 mod schemes;
 mod second_coordinates;
 mod sets;

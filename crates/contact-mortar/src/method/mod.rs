@@ -12,7 +12,6 @@ mod normal;
 mod report;
 mod tunnelling;
 
-use crate::MortarError;
 use crate::factors::Factors;
 use crate::friction::SurfaceFriction;
 use crate::options::{Integrals, MortarOptions, NEARNESS};
@@ -22,8 +21,10 @@ use crate::slot::Slot;
 use crate::state::{Integrated, StepState, Surfaces};
 use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickness};
 use crate::weights::Integration;
+use crate::{Faces, MortarError};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, ContactSurface, FacetNodes, Step, Support, SurfaceTree};
+use stoss_contact::{ContactError, ContactRule, ContactSurface, Step, Support, SurfaceTree};
+use stoss_reference_element::FacePiece;
 use stoss_segmentation::FacetSegmentation;
 
 /// Penetration at which points take no part any more, in lengths of slave facets, where a surface has sharp edges or both sides of its body: beyond that other sides
@@ -77,19 +78,20 @@ pub struct MortarContact {
 }
 
 impl MortarContact {
-    /// From facets (global nodes, numbered outward) and reference positions (`3 * nodes`).
+    /// From facets (global nodes, numbered outward) and reference positions (`3 * nodes`). Of facets that are pieces of quadratic faces gaps are those of the faces.
     ///
     /// # Errors
     /// Empty or degenerate surfaces, shared nodes.
-    pub fn new<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
+    pub fn new<S: Copy + Into<FacePiece>, M: Copy + Into<FacePiece>>(
         name: &str,
         slave_facets: &[S],
         master_facets: &[M],
         reference: &[f64],
         options: MortarOptions,
     ) -> Result<Self, ContactError> {
-        let slave = ContactSurface::new("slave", slave_facets, reference)?;
-        let master = ContactSurface::new("master", master_facets, reference)?;
+        let (slave, slave_faces) = Faces::surface("slave", slave_facets, reference)?;
+        let (master, master_faces) = Faces::surface("master", master_facets, reference)?;
+        let faces = [slave_faces, master_faces];
         slave.check_disjoint(&master)?;
         let [normals, master_normals] = [&slave, &master].map(|surface| unit_normals(surface, reference));
         let sharp = has_sharp_edges(&slave, &normals) || has_sharp_edges(&master, &master_normals);
@@ -107,7 +109,17 @@ impl MortarContact {
         Ok(Self {
             name: name.to_owned(),
             tree: SurfaceTree::new(&master, reference)?,
-            surfaces: Surfaces { slave, master, rows, smooth_parts, smooth_part_count, normals, without, integration },
+            surfaces: Surfaces {
+                slave,
+                master,
+                faces,
+                rows,
+                smooth_parts,
+                smooth_part_count,
+                normals,
+                without,
+                integration,
+            },
             rule: ContactRule::EndPoint,
             step_size: 0.0,
             has_rates: false,

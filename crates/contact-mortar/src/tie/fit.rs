@@ -11,7 +11,7 @@ const ROUND_OFF: f64 = 1e-15;
 /// closes it.
 const FAILURE: f64 = 1e-8;
 
-/// `D_AB / D_AA` of one component between the nodes of the rows that keep it.
+/// `D_AB` of one component, each row over its largest entry, between the nodes of the rows that keep it.
 struct SlaveMatrix {
     rows: Vec<Vec<(u32, f64)>>,
 }
@@ -38,8 +38,8 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Moves the slave nodes of `rows` in `q` so that their gap vectors vanish: `D dx = -g` in each component, by
-/// conjugate gradients on the normal equations. `D` is the mass matrix of a surface (or diagonal); scaled by its
-/// diagonal it has a condition of about ten on any mesh, so some tens of iterations give all digits, without a
+/// conjugate gradients on the normal equations. `D` is the mass matrix of a surface (or diagonal); scaled by the largest
+/// entries of its rows it has a condition of about ten on any mesh, so some tens of iterations give all digits, without a
 /// factorisation.
 ///
 /// # Errors
@@ -51,11 +51,13 @@ pub(super) fn close(rows: &[ConstraintRow], length: f64, q: &mut [f64]) -> Resul
         let mut right = Vec::with_capacity(kept.len());
         let mut matrix = SlaveMatrix { rows: Vec::with_capacity(kept.len()) };
         for row in &kept {
-            let diagonal = row.entries[0].coefficients[component];
-            right.push(-row.gap(q)[component] / diagonal);
             let entries = row.entries.iter().filter(|e| e.is_slave);
+            let coefficients = entries.clone().map(|e| e.coefficients[component]);
+            // The first of equals, which is the diagonal of linear faces.
+            let largest = coefficients.fold(0.0, |most: f64, c| if c.abs() > most.abs() { c } else { most });
+            right.push(-row.gap(q)[component] / largest);
             let scaled = entries
-                .filter_map(|e| local(e.node).map(|k| (k as u32, e.coefficients[component] / diagonal)))
+                .filter_map(|e| local(e.node).map(|k| (k as u32, e.coefficients[component] / largest)))
                 .collect();
             matrix.rows.push(scaled);
         }

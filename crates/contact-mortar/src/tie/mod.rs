@@ -36,12 +36,13 @@ mod rows;
 mod stages;
 
 use crate::{
-    CheckExtent, MortarError, MortarMatrices, MultiplierSpace, SurfaceCoverage, TriangleRule, segment_surfaces,
+    CheckExtent, Faces, MortarError, MortarMatrices, MultiplierSpace, SurfaceCoverage, TriangleRule, segment_surfaces,
 };
 use frame::NodeFrame;
 use rows::{ConstraintRow, constraint_rows};
 use stages::Stages;
-use stoss_contact::{ContactSurface, FacetNodes};
+use stoss_contact::ContactSurface;
+use stoss_reference_element::FacePiece;
 use stoss_segmentation::GapRange;
 
 /// Which components of the gap vector are constrained.
@@ -133,7 +134,7 @@ struct TiedNode {
 
 impl MeshTie {
     /// Ties two surfaces (facets in global node numbers, outward numbering) with the reference positions of all
-    /// nodes.
+    /// nodes. Of facets that are pieces of quadratic faces gap vectors are those of the faces; a corner that is no node of its face has to be fixed.
     ///
     /// `is_fixed` tells of a component (`3 * node + i`) whether its motion is given by something else, in all steps alike ([`MeshTie::in_stages`] otherwise). With
     /// [`Interface::Move`] the positions in [`MeshTie::moved`] have to replace those of the reference before the
@@ -143,7 +144,7 @@ impl MeshTie {
     /// [`MortarError::Surface`], [`MortarError::Segmentation`], [`MortarError::Range`], [`MortarError::Coverage`],
     /// [`MortarError::Apart`] if nothing lies opposite, [`MortarError::AllFixed`] if no multiplier is left,
     /// [`MortarError::Fit`] if no motion of the slave nodes closes the interface.
-    pub fn new<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
+    pub fn new<S: Copy + Into<FacePiece>, M: Copy + Into<FacePiece>>(
         name: &str,
         slave: &[S],
         master: &[M],
@@ -161,7 +162,7 @@ impl MeshTie {
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn in_stages<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
+    pub fn in_stages<S: Copy + Into<FacePiece>, M: Copy + Into<FacePiece>>(
         name: &str,
         slave: &[S],
         master: &[M],
@@ -177,7 +178,7 @@ impl MeshTie {
     }
 
     /// With surfaces and integrals that it was made from, and positions at which they fit.
-    fn made<S: Copy + Into<FacetNodes>, M: Copy + Into<FacetNodes>>(
+    fn made<S: Copy + Into<FacePiece>, M: Copy + Into<FacePiece>>(
         name: &str,
         slave: &[S],
         master: &[M],
@@ -185,8 +186,9 @@ impl MeshTie {
         [is_fixed, is_always_fixed]: [&dyn Fn(usize) -> bool; 2],
         options: TieOptions,
     ) -> Result<(Self, [ContactSurface; 2], MortarMatrices, Vec<f64>), MortarError> {
-        let slave = ContactSurface::new("slave", slave, reference)?;
-        let master = ContactSurface::new("master", master, reference)?;
+        let (slave, slave_faces) = Faces::surface("slave", slave, reference)?;
+        let (master, master_faces) = Faces::surface("master", master, reference)?;
+        let faces = [&slave_faces, &master_faces];
         slave.check_disjoint(&master)?;
         let length = slave.length_scale();
         let reach = options.reach.unwrap_or_else(|| length.max(master.length_scale()));
@@ -201,7 +203,7 @@ impl MeshTie {
             if let Some(fault) = coverage.faults.first() {
                 return Err(MortarError::Coverage { count: coverage.faults.len(), facet: fault.slave_facet });
             }
-            let matrices = MortarMatrices::assemble(&slave, &master, &q, &segments, options.space, options.rule);
+            let matrices = MortarMatrices::assemble(&slave, &master, faces, &q, &segments, options.space, options.rule);
             if matrices.weights.iter().all(|w| *w <= 0.0) {
                 return Err(MortarError::Apart { reach });
             }
@@ -213,6 +215,7 @@ impl MeshTie {
             let first_gap = *largest_gap.get_or_insert(gap);
             if options.interface == Interface::Move && first_gap > CLOSED * length && pass < PASSES {
                 fit::close(&rows, length, &mut q)?;
+                slave_faces.follow(&mut q);
                 moved = true;
                 pass += 1;
                 if pass == PASSES {

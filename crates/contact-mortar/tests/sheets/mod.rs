@@ -6,7 +6,8 @@ use proptest::prelude::*;
 use stoss_contact::{Constraint, ContactRule, LocalContribution, Step, StepConfiguration};
 use stoss_contact_mortar::segmentation::Provenance;
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
-pub use stoss_testkit::meshes::{Mesh, meshes};
+use stoss_reference_element::{FaceKind, FaceNodes, FacePiece};
+use stoss_testkit::meshes::Mesh;
 
 pub const SLAVE: usize = 9;
 pub const NODES: usize = 25;
@@ -39,9 +40,58 @@ pub fn moved(d: &[f64]) -> Vec<f64> {
     base().iter().zip(d).map(|(x, d)| x + d).collect()
 }
 
-pub fn method([slave, master]: [Mesh; 2], options: MortarOptions) -> MortarContact {
-    let (slave, master) = (slave.of(&sheet(2, 0, false)), master.of(&sheet(3, SLAVE as u32, true)));
-    MortarContact::new("test", &slave, &master, &base(), options).unwrap()
+/// What a sheet is made of. Of a quadratic one two by two facets are faces, the others are quadrilaterals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surface {
+    Quads,
+    Triangles,
+    Mixed,
+    Tri6,
+    Quad8,
+    Quad9,
+}
+
+impl Surface {
+    pub const ALL: [Self; 6] = [Self::Quads, Self::Triangles, Self::Mixed, Self::Tri6, Self::Quad8, Self::Quad9];
+
+    /// All pairs.
+    pub fn pairs() -> impl Iterator<Item = [Self; 2]> {
+        Self::ALL.into_iter().flat_map(|slave| Self::ALL.map(|master| [slave, master]))
+    }
+
+    /// Facets of the slave (`side` 0) or of the master.
+    pub fn pieces(self, side: usize) -> Vec<FacePiece> {
+        let (n, first, up) = [(2, 0, false), (3, SLAVE as u32, true)][side];
+        let quads = sheet(n, first, up);
+        let linear = |mesh: Mesh| mesh.of(&quads).into_iter().map(FacePiece::from).collect();
+        let (kind, faces): (FaceKind, &[&[[usize; 2]]]) = match self {
+            Self::Quads => return linear(Mesh::Quads),
+            Self::Triangles => return linear(Mesh::Triangles),
+            Self::Mixed => return linear(Mesh::Mixed),
+            Self::Tri6 => (
+                FaceKind::Tri6,
+                &[&[[0, 0], [2, 0], [2, 2], [1, 0], [2, 1], [1, 1]], &[[0, 0], [2, 2], [0, 2], [1, 1], [1, 2], [0, 1]]],
+            ),
+            Self::Quad8 => (FaceKind::Quad8, &[&GRID]),
+            Self::Quad9 => (FaceKind::Quad9, &[&GRID]),
+        };
+        let at = |[i, j]: [usize; 2]| first + if up { j * (n + 1) + i } else { i * (n + 1) + j } as u32;
+        let face =
+            |places: &&[[usize; 2]]| FacePiece::of_face(FaceNodes::from_fn(kind, |k| at(places[k])), Some(at([1, 1])));
+        let rest = (0..n * n).filter(|f| f % n > 1 || f / n > 1).map(|f| FacePiece::from(quads[f]));
+        faces.iter().flat_map(face).chain(rest).collect()
+    }
+}
+
+const GRID: [[usize; 2]; 9] = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
+
+/// Surfaces of both sides.
+pub fn surfaces() -> impl Strategy<Value = [Surface; 2]> {
+    prop::sample::select(Surface::pairs().collect::<Vec<_>>())
+}
+
+pub fn method([slave, master]: [Surface; 2], options: MortarOptions) -> MortarContact {
+    MortarContact::new("test", &slave.pieces(0), &master.pieces(1), &base(), options).unwrap()
 }
 
 pub fn options(dual: bool) -> MortarOptions {

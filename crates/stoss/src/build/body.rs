@@ -2,7 +2,7 @@
 
 use super::mesh_files::MeshFiles;
 use super::placed::{Placed, Shape};
-use super::trace::Traces;
+use super::trace::{Needs, Traces};
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
     Body as SceneBody, Generator, Integration, Mass, Material, MeshFile, MeshSource, Part as ScenePart,
@@ -29,8 +29,7 @@ pub(super) fn bodies(
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) -> (Vec<Placed>, Vec<String>) {
-    // Whether surfaces of bodies act on each other at all.
-    let in_contact = !scene.contacts.is_empty() || !scene.ties.is_empty() || super::general_contact(scene).is_some();
+    let needs = Needs::of(scene);
     let mut placed = Vec::new();
     let mut lines = Vec::new();
     for (b, body) in scene.bodies.iter().enumerate() {
@@ -110,7 +109,7 @@ pub(super) fn bodies(
                 Mass::Lumped => MassKind::Lumped,
             },
         });
-        let traces = if in_contact { Traces::add(&mesh, first_node, model) } else { Traces::default() };
+        let traces = Traces::add(&mesh, needs, first_node, model);
         placed.push(Placed { name: body.name.clone(), shape: Shape::Solid { mesh, law, traces }, first_node });
     }
     (placed, lines)

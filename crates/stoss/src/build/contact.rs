@@ -9,16 +9,19 @@ use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
 use crate::scene::{ContactMethod, Enforcement, Scene, split_set};
 use crate::solver::Model;
+use std::collections::BTreeSet;
 use stoss_contact::Support;
-use stoss_reference_element::FacetNodes;
+use stoss_reference_element::{FacePiece, FacetNodes};
 
 /// One side of a contact.
 #[derive(Clone, Default, PartialEq)]
 pub(super) struct Side {
     /// Its part.
     pub part: usize,
-    /// Outward; none of a beam or string.
+    /// Outward, of the trace where faces are quadratic; none of a beam or string.
     pub facets: Vec<FacetNodes>,
+    /// The pieces of the faces.
+    pub pieces: Vec<FacePiece>,
     /// Nodes of a beam or string in their order, with their lengths.
     pub line: Vec<(u32, f64)>,
 }
@@ -32,7 +35,8 @@ impl Side {
             return Some(Self { part, line, ..Self::default() });
         }
         let (part, facets) = resolve(placed, key, set, problems, Placed::facets_of)?;
-        Some(Self { part, facets, ..Self::default() })
+        let (_, pieces) = resolve(placed, key, set, problems, Placed::pieces_of)?;
+        Some(Self { part, facets, pieces, ..Self::default() })
     }
 
     pub fn is_line(&self) -> bool {
@@ -40,7 +44,8 @@ impl Side {
     }
 
     fn nodes(&self) -> impl Iterator<Item = u32> {
-        self.facets.iter().flatten().copied().chain(self.line.iter().map(|&(node, _)| node))
+        let of_pieces = self.pieces.iter().flat_map(|piece| piece.facet());
+        self.facets.iter().flatten().copied().chain(of_pieces).chain(self.line.iter().map(|&(node, _)| node))
     }
 }
 
@@ -107,8 +112,9 @@ pub(super) fn contacts(
             continue;
         }
         let (bodies, facets) = ([slave.part, master.part], [&slave.facets[..], &master.facets[..]]);
+        let pieces = [&slave.pieces[..], &master.pieces[..]];
         let (line, tied) = (&slave.line[..], &ties.tied);
-        let pair = PairInput { scene, placed, laws, phases, key, item, bodies, facets, line, chosen, tied };
+        let pair = PairInput { scene, placed, laws, phases, key, item, bodies, facets, pieces, line, chosen, tied };
         plans.extend(match item.method {
             #[cfg(feature = "nts")]
             ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),

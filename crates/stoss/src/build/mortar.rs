@@ -81,7 +81,7 @@ pub(super) fn contact(
         }
         within.is_some()
     };
-    let [slave, master] = pair.facets;
+    let [slave, master] = pair.pieces;
     match MortarContact::new(&item.label(), slave, master, &model.reference, options) {
         Ok(mut method) => {
             let acting: Vec<Support> = pair.acting(&label, model).map(|(_, support)| support).collect();

@@ -9,7 +9,7 @@ use crate::solver::{Model, contact_rule};
 use std::collections::BTreeSet;
 use stoss_contact::{Auxiliary, Hold, Step, Support};
 use stoss_mesh::Mesh;
-use stoss_reference_element::FacetNodes;
+use stoss_reference_element::{FacePiece, FacetNodes};
 
 /// One contact of a scene, its surfaces found.
 pub(super) struct PairInput<'a> {
@@ -22,6 +22,9 @@ pub(super) struct PairInput<'a> {
     /// Slave and master.
     pub bodies: [usize; 2],
     pub facets: [&'a [FacetNodes]; 2],
+    /// The same as pieces of their faces.
+    #[cfg_attr(not(feature = "mortar"), expect(dead_code, reason = "mortar surfaces take it"))]
+    pub pieces: [&'a [FacePiece]; 2],
     /// Of a slave that is a beam or string its nodes and their lengths; it has no facets then.
     pub line: &'a [(u32, f64)],
     /// The slave and why, where the scene leaves it open.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_mesh::{Mesh, MeshError, SurfaceMesh};
-use stoss_reference_element::FacetNodes;
+use stoss_reference_element::{FacePiece, FacetNodes};
 
 /// What a part is made of.
 pub(crate) enum Shape {
@@ -47,7 +47,7 @@ impl Placed {
         if let Shape::Solid { mesh, .. } = &self.shape { Some(mesh) } else { None }
     }
 
-    /// Facets of a set in global node numbers, outward; of quadratic faces those that contact sees.
+    /// Facets of a set in global node numbers, outward; of quadratic faces those of the trace, if something needs it.
     pub fn facets_of(&self, set: &str) -> Result<Vec<FacetNodes>, MeshError> {
         let first = self.first_node;
         Ok(match &self.shape {
@@ -59,6 +59,18 @@ impl Placed {
             }
             Shape::Nodes { .. } => Vec::new(),
         })
+    }
+
+    /// Facets of a set as pieces of their faces, in global node numbers, outward.
+    #[cfg(any(feature = "nts", feature = "mortar"))]
+    pub fn pieces_of(&self, set: &str) -> Result<Vec<FacePiece>, MeshError> {
+        match &self.shape {
+            Shape::Solid { mesh, traces, .. } => {
+                let facets = mesh.facets_of(set)?;
+                Ok(facets.iter().flat_map(|facet| traces.pieces_of(facet, self.first_node)).collect())
+            }
+            Shape::Surface(_) | Shape::Nodes { .. } => Ok(self.facets_of(set)?.into_iter().map(Into::into).collect()),
+        }
     }
 
     /// Global nodes of a set.

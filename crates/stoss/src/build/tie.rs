@@ -20,7 +20,7 @@ use stoss_reference_element::FacetNodes;
 #[cfg(feature = "mortar")]
 const WHOLLY_TIED: f64 = 0.999;
 
-/// Ties of a scene, their surfaces (slave, master), and the slave nodes that they hold.
+/// Ties of a scene, their surfaces (slave, master; of the trace where faces are quadratic), and the slave nodes that they hold.
 #[derive(Default)]
 #[cfg_attr(
     not(any(feature = "nts", feature = "mortar")),
@@ -96,8 +96,8 @@ fn made(
     let mut tied = vec![false; first.len()];
     for (t, item) in scene.ties.iter().enumerate() {
         let key = format!("tie[{t}]");
-        let slave = resolve(placed, &format!("{key}.slave"), &item.slave, problems, Placed::facets_of);
-        let master = resolve(placed, &format!("{key}.master"), &item.master, problems, Placed::facets_of);
+        let slave = resolve(placed, &format!("{key}.slave"), &item.slave, problems, Placed::pieces_of);
+        let master = resolve(placed, &format!("{key}.master"), &item.master, problems, Placed::pieces_of);
         let (Some((body, slave)), Some((_, master))) = (slave, master) else { continue };
         let options = TieOptions {
             form: match item.form {
@@ -143,7 +143,7 @@ fn made(
             ties.tied.insert(node);
         }
         is_stale |= tie.moved().iter().any(|(node, _)| surfaces.contains(node));
-        surfaces.extend(slave.iter().chain(&master).flatten().copied());
+        surfaces.extend(slave.iter().chain(&master).flat_map(|piece| piece.facet()));
         if !tie.moved().is_empty() {
             if let Err(error) = move_nodes(scene, body, &mut placed[body], tie.moved(), model) {
                 let message = format!("the interface cannot be moved: {error}");
@@ -166,7 +166,11 @@ fn made(
                 100.0 * tie.tied_share()
             ));
         }
-        ties.surfaces.push([slave.into_iter().collect(), master.into_iter().collect()]);
+        let traced = |set: &str, problems: &mut Problems<'_>| {
+            let found = resolve(placed, &key, set, problems, Placed::facets_of);
+            found.map(|(_, facets)| facets.into_iter().collect()).unwrap_or_default()
+        };
+        ties.surfaces.push([traced(&item.slave, problems), traced(&item.master, problems)]);
         ties.pairs.push(ContactPair {
             name: item.label(),
             method: Coupling::bilateral(tie),
@@ -190,28 +194,7 @@ fn move_nodes(
         return Err("the slave is the surface of a rigid body, whose nodes keep their places in it".into());
     };
     let item = &scene.bodies[body];
-    // A vertex of a trace is where it should be if its node is; corners first, then nodes on edges, then those in the middle.
-    let mut moved: Vec<(u32, [f64; 3])> = moved.to_vec();
-    moved.sort_by_key(|(node, _)| model.embedding.carriers(*node).map_or(0, <[_]>::len));
-    for (vertex, x) in moved {
-        let (node, x) = match (model.traces.get(&vertex), model.embedding.carriers(vertex)) {
-            (None, _) => (vertex, x),
-            (Some(Some(node)), Some(carriers)) => {
-                let mut rest = x;
-                let mut own = 1.0;
-                for &(carrier, weight) in carriers {
-                    let at = 3 * carrier as usize;
-                    if carrier == *node {
-                        own = weight;
-                    } else {
-                        rest = std::array::from_fn(|i| rest[i] - weight * model.reference[at + i]);
-                    }
-                }
-                (*node, rest.map(|c| c / own))
-            }
-            // No node is there.
-            (Some(_), _) => continue,
-        };
+    for &(node, x) in moved {
         mesh.nodes[(node - placed.first_node) as usize] = x;
         let at = 3 * node as usize;
         model.reference[at..at + 3].copy_from_slice(&x);

@@ -1,22 +1,51 @@
-//! The surfaces that contact sees of quadratic faces (theory/elements#contact): embedded nodes in place of those on edges and in the middle.
+//! What contact sees of quadratic faces: linear facets, and embedded nodes for those of their vertices that are no nodes.
+//!
+//! Mortar contact and ties take facets on the nodes of faces, and the faces behind them (theory/mortar#faces). Node-to-surface and general contact take the trace
+//! (theory/elements#contact), with vertices of its own in place of the nodes on edges.
 
+use crate::scene::{ContactMethod, Scene};
 use crate::solver::Model;
 use std::collections::BTreeMap;
 use stoss_mesh::{Facet, Mesh};
-use stoss_reference_element::{FacetKind, FacetNodes, Nodal};
+use stoss_reference_element::{FacePiece, FacetKind, FacetNodes, Nodal};
 
-/// What a vertex of a trace is.
+/// What a vertex that is no node is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Vertex {
-    /// That of a node of the mesh.
+    /// Of the trace, in the place of a node of the mesh.
     Node(u32),
-    /// The middle of a face that has no node there: element and number in it.
+    /// Of the trace, in the middle of a face that has no node there: element and number in it.
     Middle(u32, u8),
+    /// On the face itself, there.
+    Centre(u32, u8),
 }
 
-/// Global numbers of the vertices of traces that are no corners; none of a mesh without quadratic faces.
+/// Which vertices a scene needs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Needs {
+    /// Those of traces: something looks at surfaces that does not know of faces.
+    pub trace: bool,
+    /// Those on faces: mortar contact or a tie.
+    pub faces: bool,
+}
+
+impl Needs {
+    /// Those of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let is_mortar = |contact: &crate::scene::Contact| contact.method == ContactMethod::Mortar;
+        Self {
+            trace: !scene.contacts.iter().all(is_mortar) || super::general_contact(scene).is_some(),
+            faces: scene.contacts.iter().any(is_mortar) || !scene.ties.is_empty(),
+        }
+    }
+}
+
+/// Global numbers of the vertices that are no nodes; none of a mesh without quadratic faces.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Traces(BTreeMap<Vertex, u32>);
+pub(crate) struct Traces {
+    vertices: BTreeMap<Vertex, u32>,
+    has_trace: bool,
+}
 
 fn vertex(facet: &Facet, v: usize) -> Vertex {
     facet.nodes.get(v).map_or(Vertex::Middle(facet.element, facet.local), |&node| Vertex::Node(node))
@@ -24,50 +53,76 @@ fn vertex(facet: &Facet, v: usize) -> Vertex {
 
 impl Traces {
     /// Adds the vertices of all facets on the boundary of a mesh or in its sets to the model.
-    pub fn add(mesh: &Mesh, first_node: u32, model: &mut Model) -> Self {
-        let mut traces = BTreeMap::new();
+    pub fn add(mesh: &Mesh, needs: Needs, first_node: u32, model: &mut Model) -> Self {
+        let mut traces = Self::default();
         if !mesh.elements.kinds().into_iter().any(|kind| kind.is_quadratic()) {
-            return Self(traces);
+            return traces;
         }
+        traces.has_trace = needs.trace;
         let boundary = mesh.boundary_facets();
-        for facet in boundary.iter().chain(mesh.facet_sets.values().flatten()) {
-            let trace = facet.nodes.kind().trace();
-            for (v, terms) in trace.vertices.iter().enumerate().skip(facet.nodes.kind().corner_count()) {
-                traces.entry(vertex(facet, v)).or_insert_with(|| {
-                    let carriers: Vec<(u32, f64)> =
-                        terms.iter().map(|&(n, w)| (first_node + facet.nodes[usize::from(n)], w)).collect();
-                    let node = model.node_count() as u32;
-                    let sum = |values: &[f64]| -> [f64; 3] {
-                        std::array::from_fn(|i| carriers.iter().map(|&(n, w)| w * values[3 * n as usize + i]).sum())
-                    };
-                    model.reference.extend(sum(&model.reference));
-                    if !model.velocity.is_empty() {
-                        model.velocity.extend(sum(&model.velocity));
-                    }
-                    model.embedding.add(node, &carriers);
+        let facets = || boundary.iter().chain(mesh.facet_sets.values().flatten());
+        if needs.trace {
+            for facet in facets() {
+                let kind = facet.nodes.kind();
+                for (v, terms) in kind.trace().vertices.iter().enumerate().skip(kind.corner_count()) {
+                    let carriers = terms.iter().map(|&(n, w)| (first_node + facet.nodes[usize::from(n)], w));
                     let shown = facet.nodes.get(v).map(|&n| first_node + n);
-                    model.traces.insert(node, shown);
-                    node
-                });
+                    traces.add_vertex(vertex(facet, v), carriers, shown, model);
+                }
             }
         }
-        Self(traces)
+        if needs.faces {
+            for facet in facets().filter(|facet| facet.nodes.kind().lacks_centre()) {
+                let shape = facet.nodes.kind().shape([0.0; 2]);
+                let carriers = facet.nodes.iter().zip(shape).map(|(&n, w)| (first_node + n, w));
+                traces.add_vertex(Vertex::Centre(facet.element, facet.local), carriers, None, model);
+            }
+        }
+        traces
     }
 
-    /// The linear facets that contact sees of a facet, in global node numbers.
-    /// Without contact, for which there are no vertices, pieces on the nodes.
+    fn add_vertex(
+        &mut self,
+        vertex: Vertex,
+        carriers: impl Iterator<Item = (u32, f64)>,
+        shown: Option<u32>,
+        model: &mut Model,
+    ) {
+        self.vertices.entry(vertex).or_insert_with(|| {
+            let carriers: Vec<(u32, f64)> = carriers.collect();
+            let node = model.node_count() as u32;
+            let sum = |values: &[f64]| -> [f64; 3] {
+                std::array::from_fn(|i| carriers.iter().map(|&(n, w)| w * values[3 * n as usize + i]).sum())
+            };
+            model.reference.extend(sum(&model.reference));
+            if !model.velocity.is_empty() {
+                model.velocity.extend(sum(&model.velocity));
+            }
+            model.embedding.add(node, &carriers);
+            model.traces.insert(node, shown);
+            node
+        });
+    }
+
+    /// The linear facets of a facet's trace, in global node numbers. Without what needs the trace they are pieces on the nodes.
     pub fn facets_of(&self, facet: &Facet, first_node: u32) -> Vec<FacetNodes> {
         let kind = facet.nodes.kind();
-        if !kind.is_quadratic() || self.0.is_empty() {
-            return facet.nodes.map(|n| first_node + n).pieces().collect();
+        if !kind.is_quadratic() || !self.has_trace {
+            return self.pieces_of(facet, first_node).map(|piece| piece.facet()).collect();
         }
         let node = |v: usize| {
-            if v < kind.corner_count() { first_node + facet.nodes[v] } else { self.0[&vertex(facet, v)] }
+            if v < kind.corner_count() { first_node + facet.nodes[v] } else { self.vertices[&vertex(facet, v)] }
         };
         let of_piece = |piece: &&[u8]| {
             let shape = if piece.len() == 3 { FacetKind::Tri3 } else { FacetKind::Quad4 };
             Nodal::from_fn(shape, |k| node(usize::from(piece[k])))
         };
         kind.trace().facets.iter().map(of_piece).collect()
+    }
+
+    /// The pieces of a facet on its nodes, in global node numbers.
+    pub fn pieces_of(&self, facet: &Facet, first_node: u32) -> impl Iterator<Item = FacePiece> + use<> {
+        let centre = self.vertices.get(&Vertex::Centre(facet.element, facet.local)).copied();
+        FacePiece::of_face(facet.nodes.map(|n| first_node + n), centre)
     }
 }

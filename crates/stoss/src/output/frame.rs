@@ -81,14 +81,14 @@ impl ContactFields {
                 fields.status[node] = 2.0;
             }
         }
-        let values =
-            [&mut fields.pressure, &mut fields.gap, &mut fields.status, &mut fields.friction, &mut fields.slip];
-        for field in values {
-            for (&vertex, shown) in &model.traces {
-                if let Some(node) = *shown {
-                    field[node as usize] = field[vertex as usize];
-                }
-            }
+        // A node has what it has in contacts that look at faces, and what its vertex has in those that look at the trace.
+        for (&vertex, shown) in &model.traces {
+            let (vertex, Some(node)) = (vertex as usize, shown.map(|node| node as usize)) else { continue };
+            fields.pressure[node] += fields.pressure[vertex];
+            fields.friction[node] += fields.friction[vertex];
+            fields.gap[node] = fields.gap[node].min(fields.gap[vertex]);
+            fields.status[node] = fields.status[node].max(fields.status[vertex]);
+            fields.slip[node] = fields.slip[node].max(fields.slip[vertex]);
         }
         if !has_friction {
             fields.friction.clear();
