@@ -6,7 +6,7 @@ use crate::terminal::{say, tell};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use stoss::deck_import::{self, FileNames, ImportError};
+use stoss::deck_import::{self, FileNames, ImportError, Severity};
 use stoss::mesh_io::{self, MeshIoError, deck};
 use stoss::run::{RunError, RunOptions, check_scene_for};
 
@@ -84,8 +84,10 @@ fn write(asked: &Import) -> Result<ExitCode, (String, u8)> {
     match check_scene_for(&scene, &RunOptions::default()) {
         Ok(plan) => {
             let plan = plan.to_string();
+            // What is left out stands above.
             let warnings = plan.lines().map(str::trim_start).filter(|line| line.starts_with("warning: "));
-            warnings.for_each(|line| say!("{line}"));
+            let is_repeated = |line: &&str| made.left_out.iter().any(|entry| line.contains(&entry.text()));
+            warnings.filter(|line| !is_repeated(line)).for_each(|line| say!("{line}"));
             let word = quoted(&scene.display().to_string());
             Ok(tell(&format!("next: stoss check {word}\n      stoss run {word}")))
         }
@@ -102,9 +104,17 @@ fn report(scene: &Path, mesh: Option<&Path>, made: &deck_import::Import) {
     let beside = mesh.map_or(String::new(), |mesh| format!(" and {}", quoted(&mesh.display().to_string())));
     let mut lines = vec![format!("{}{beside}:", quoted(&scene.display().to_string()))];
     lines.extend(made.mapped.iter().map(|line| format!("  {line}")));
-    if !made.left_out.is_empty() {
-        lines.push("left out or changed:".to_owned());
-        lines.extend(made.left_out.iter().map(|entry| format!("  {entry}")));
+    for severity in Severity::ALL {
+        let own: Vec<_> = made.left_out.iter().filter(|entry| entry.severity == severity).collect();
+        if own.is_empty() {
+            continue;
+        }
+        lines.push(match severity {
+            Severity::Missing => "missing, so that the verdict of a run is at best doubtful:".to_owned(),
+            Severity::Changed => "not as in the deck:".to_owned(),
+            Severity::Note => "notes:".to_owned(),
+        });
+        lines.extend(own.iter().map(|entry| format!("  {entry}")));
     }
     let _ = tell(&lines.join("\n"));
 }

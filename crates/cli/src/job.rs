@@ -174,7 +174,7 @@ pub fn run(job: Job) -> ExitCode {
             let code = code_of(&summary);
             listener.finish(&summary, &out, code);
             if quiet && summary.is_fault() {
-                say!("{}", summary.verdict);
+                say!("{}: {}", summary.outcome.judged(summary.time), summary.verdict);
             }
             tell_diagnosis();
             if let Outcome::Interrupted { last_step, last_time } = summary.outcome {
@@ -195,9 +195,10 @@ pub fn run(job: Job) -> ExitCode {
                 RunError::Scene(problems) => diagnostics::print(&job.scene, problems),
                 error => say!("error: {error}"),
             }
-            if let RunError::Simulation { last_step, verdict, .. } = &error
+            if let RunError::Simulation { last_step, last_time, verdict, .. } = &error
                 && (!quiet || verdict.level == Severity::Wrong)
             {
+                say!("outcome: failed after step {last_step} at t = {}", digits(*last_time));
                 say!("verdict up to step {last_step}: {verdict}");
             }
             tell_diagnosis();

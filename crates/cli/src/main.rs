@@ -24,7 +24,8 @@ mod values;
 use clap::{CommandFactory, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use stoss::run::{RunError, RunOptions};
+use stoss::output::Outcome;
+use stoss::run::{RunError, RunOptions, Summary};
 use terminal::{say, tell};
 
 /// Large-deformation contact elastodynamics.
@@ -142,7 +143,11 @@ pub(crate) const WRONG: u8 = 4;
 fn judge(out: &Path) -> ExitCode {
     match stoss::run::judge_folder(out) {
         Ok(verdict) => {
-            let told = tell(&verdict.to_string());
+            // The outcome is another thing than the verdict on what is stored.
+            let ended =
+                Summary::read(out).ok().map(|summary| summary.outcome).filter(|ended| *ended != Outcome::Completed);
+            let ended = ended.map(|ended| format!("outcome: {ended}\n")).unwrap_or_default();
+            let told = tell(&format!("{ended}{verdict}"));
             if verdict.level == stoss::watch::Severity::Wrong { ExitCode::from(WRONG) } else { told }
         }
         Err(error) => {

@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use stoss::output::OutputError;
 use stoss::run::RunError;
+use stoss::solver::digits;
 use stoss::sweep::{Case, CaseResult, CaseState, SweepPlan, TABLE};
 
 /// How often a running case is checked.
@@ -199,7 +200,11 @@ impl Running<'_> {
             ("", _) => String::new(),
             (reason, _) => format!(": {reason}"),
         };
-        let verdict = if result.verdict.is_empty() { String::new() } else { format!(", {}", result.verdict) };
+        let verdict = match (result.verdict.as_str(), result.outcome, result.time) {
+            ("", ..) => String::new(),
+            (verdict, "completed", _) | (verdict, _, None) => format!(", {verdict}"),
+            (verdict, _, Some(time)) => format!(" ({verdict} up to t = {})", digits(time)),
+        };
         say!("case {} of {}  {}  {}{verdict}{reason}", case.number, results.len(), case.label(), result.outcome);
         Ok(())
     }
@@ -223,12 +228,20 @@ impl Running<'_> {
 
     fn finish(&self, results: &[CaseResult], has_page: bool) -> ExitCode {
         let count = |outcome: &str| results.iter().filter(|result| result.outcome == outcome).count();
-        let wrong = results.iter().filter(|result| result.verdict == "wrong").count();
         let (completed, failed) = (count("completed"), count("failed"));
+        // The watch may have stopped a case that is wrong; that of a failed one is a verdict on a part of it.
+        let judged = |verdict: &str| {
+            results.iter().filter(|result| result.verdict == verdict && result.outcome != "failed").count()
+        };
+        let (wrong, doubtful) = (judged("wrong"), judged("doubtful"));
         if !self.quiet {
             let table = self.out.join(TABLE);
             let rest = results.len() - completed - failed;
-            say!("{completed} completed ({wrong} wrong), {failed} failed, {rest} not done: {}", table.display());
+            let doubts = if doubtful > 0 { format!(", {doubtful} doubtful") } else { String::new() };
+            say!(
+                "{completed} completed ({wrong} wrong{doubts}), {failed} failed, {rest} not done: {}",
+                table.display()
+            );
             if has_page {
                 say!("page: {}", self.out.join(stoss_report::page::NAME).display());
             }

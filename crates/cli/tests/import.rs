@@ -117,11 +117,15 @@ fn what_is_left_out_is_said_and_files_stay() {
     let folder = Folder::new("left-out.inp");
     let (code, text) = folder.stoss(&["import", "left-out.inp"]);
     assert_eq!(code, Some(0), "{text}");
-    for part in
-        ["left out or changed:", "left-out.inp:36: *PLASTIC: there is no plasticity", "next: stoss check left-out.toml"]
-    {
-        assert!(text.contains(part), "{part} in\n{text}");
-    }
+    let parts = [
+        "missing, so that the verdict of a run is at best doubtful:",
+        "left-out.inp:44: *EQUATION: its equations are left out",
+        "not as in the deck:",
+        "left-out.inp:36: *PLASTIC: there is no plasticity",
+        "next: stoss check left-out.toml",
+    ];
+    let places = parts.map(|part| text.find(part).unwrap_or_else(|| panic!("{part} in\n{text}")));
+    assert!(places.is_sorted() && text.matches("there is no plasticity").count() == 1, "{text}");
     assert!(folder.path("left-out.toml").exists() && folder.path("left-out.mesh.inp").exists());
     let (code, text) = folder.stoss(&["import", "left-out.inp"]);
     assert!(code == Some(1) && text.contains("--force"), "{text}");
@@ -230,5 +234,148 @@ fn forces_that_a_dynamic_step_changes_act_at_once() {
         let row = rows.iter().find(|row| (row[times] - time).abs() < 1e-9).unwrap_or_else(|| panic!("{time} {probes}"));
         // Strains of 1e-5 stiffen the cube by as much.
         assert!((row[tops] - u).abs() < 1e-4 * 8e-6, "{time}: {} for {u}", row[tops]);
+    }
+}
+
+/// A bar of unit area along z with two elements a unit of length, from z = 0 on, without Poisson's effect; `first` is added to the numbers, `z` and `name` to the places and names.
+fn bar(name: &str, length: usize, first: usize, z: f64, young: f64) -> String {
+    let layers = 2 * length + 1;
+    let mut text = String::from("*NODE\n");
+    let corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
+    for layer in 0..layers {
+        for (c, [x, y]) in corners.iter().enumerate() {
+            text += &format!("{}, {x}, {y}, {}\n", first + 4 * layer + c + 1, z + 0.5 * layer as f64);
+        }
+    }
+    text += &format!("*ELEMENT, TYPE=C3D8I, ELSET={name}\n");
+    for e in 0..layers - 1 {
+        let nodes: Vec<String> = (1..=8).map(|n| (first + 4 * e + n).to_string()).collect();
+        text += &format!("{}, {}\n", first + e + 1, nodes.join(", "));
+    }
+    let end = first + 4 * (layers - 1);
+    text += &format!("*NSET, NSET={name}-START\n{}, {}, {}, {}\n", first + 1, first + 2, first + 3, first + 4);
+    text += &format!("*NSET, NSET={name}-END\n{}, {}, {}, {}\n", end + 1, end + 2, end + 3, end + 4);
+    text += &format!(
+        "*SURFACE, NAME={name}-LOW\n{}, S1\n*SURFACE, NAME={name}-TOP\n{}, S2\n",
+        first + 1,
+        first + layers - 1
+    );
+    text +=
+        &format!("*MATERIAL, NAME=M-{name}\n*ELASTIC\n{young}, 0.0\n*SOLID SECTION, ELSET={name}, MATERIAL=M-{name}\n");
+    text
+}
+
+impl Folder {
+    /// With a deck of this text.
+    fn with(deck: &str) -> Folder {
+        let folder = Folder(tempfile::tempdir().unwrap());
+        std::fs::write(folder.path("deck.inp"), deck).unwrap();
+        folder
+    }
+
+    /// Runs the imported scene; the printed text, the verdict, and the strain energy at the end.
+    fn judged(&self) -> (String, serde_json::Value, f64) {
+        let (code, text) = self.stoss(&["run", "deck.toml", "--out", "out", "--no-report"]);
+        assert_eq!(code, Some(0), "{text}");
+        let summary = std::fs::read_to_string(self.path("out/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+        let balance = std::fs::read_to_string(self.path("out/balance.csv")).unwrap();
+        let mut lines = balance.lines();
+        let column = lines.next().unwrap().split(',').position(|head| head == "strain").unwrap();
+        let energy = lines.next_back().unwrap().split(',').nth(column).unwrap().parse().unwrap();
+        (text, summary["verdict"].clone(), energy)
+    }
+}
+
+/// Energy of a bar of unit area that carries a force: `F^2 L / (2 E)`.
+fn bar_energy(force: f64, length: f64, young: f64) -> f64 {
+    force * force * length / (2.0 * young)
+}
+
+/// The only load acts through a coupling that is not imported: the bar carries nothing where it should have `F^2 L / (2 E A)`, and check, run and verdict say so, until
+/// the load is in the scene and the entries are removed.
+#[test]
+fn a_load_that_is_lost_makes_the_verdict_doubtful() {
+    let (force, young) = (2.0, 1e4);
+    let deck = bar("B", 3, 0, 0.0, young)
+        + "*NODE, NSET=REF\n99, 0.5, 0.5, 4\n*COUPLING, REF NODE=99, SURFACE=B-TOP, CONSTRAINT NAME=C\n*KINEMATIC\n3\n"
+        + "*BOUNDARY\nB-START, 1, 3\n*STEP, NLGEOM\n*STATIC\n1., 1.\n*CLOAD\nREF, 3, 2.0\n*NODE PRINT, NSET=REF\nU\n*END STEP\n";
+    let folder = Folder::with(&deck);
+    let (code, text) = folder.stoss(&["import", "deck.inp"]);
+    assert!(code == Some(0) && text.contains("*COUPLING: its nodes are not coupled"), "{text}");
+    let (code, text) = folder.stoss(&["check", "deck.toml"]);
+    assert_eq!(code, Some(0), "{text}");
+    for part in [
+        "warning: missing: *COUPLING (deck.inp:",
+        "warning: missing: *CLOAD (deck.inp:",
+        "lacks 2 things that its deck has",
+    ] {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+    assert!(!text.contains("no problems found") && !text.contains("NODE PRINT"), "{text}");
+    let (text, verdict, energy) = folder.judged();
+    assert!(energy.abs() < 1e-9 * bar_energy(force, 3.0, young));
+    assert!(
+        text.contains("warning: missing: *COUPLING") && text.contains("verdict: doubtful: the scene lacks"),
+        "{text}"
+    );
+    assert_eq!(
+        (verdict["level"].as_str(), verdict["reasons"][0]["kind"].as_str()),
+        (Some("doubtful"), Some("left-out"))
+    );
+    // Stored results are judged alike.
+    assert!(folder.stoss(&["judge", "out"]).1.contains("doubtful: the scene lacks what its deck has: *COUPLING"));
+
+    let scene = std::fs::read_to_string(folder.path("deck.toml")).unwrap();
+    let tables = scene.split_inclusive("\n\n").filter(|table| !table.contains("severity = \"missing\""));
+    let load = format!("\n[[load]]\nset = \"B.B-TOP\"\ntraction = {{ table = [[0, 0, 0, 0], [1, 0, 0, {force}]] }}\n");
+    std::fs::write(folder.path("deck.toml"), tables.collect::<String>() + &load).unwrap();
+    let (text, verdict, energy) = folder.judged();
+    assert_eq!(verdict["level"], "sound", "{text}");
+    // Strains are F / E = 2e-4.
+    assert!((energy / bar_energy(force, 3.0, young) - 1.0).abs() < 1e-3, "{energy}");
+}
+
+/// A bar between two fixed ends that a pretension pulls: without it the energy is zero and not `F^2 L / (2 E A)`.
+#[test]
+fn a_pretension_that_is_lost_makes_the_verdict_doubtful() {
+    let deck = bar("B", 2, 0, 0.0, 1e4)
+        + "*NODE\n99, 0.5, 0.5, 9\n*PRE-TENSION SECTION, SURFACE=B-TOP, NODE=99\n0., 0., 1.\n"
+        + "*BOUNDARY\nB-START, 1, 3\nB-END, 1, 3\n*STEP, NLGEOM\n*STATIC\n1., 1.\n*CLOAD\n99, 1, 5.0\n*END STEP\n";
+    let folder = Folder::with(&deck);
+    assert_eq!(folder.stoss(&["import", "deck.inp"]).0, Some(0));
+    let (text, verdict, energy) = folder.judged();
+    assert!(energy < 1e-9 * bar_energy(5.0, 2.0, 1e4) && verdict["level"] == "doubtful", "{text}");
+    assert!(verdict["reasons"][0]["sentence"].as_str().unwrap().contains("*PRE-TENSION SECTION"), "{verdict}");
+}
+
+/// Two bars with a gap, or an overlap, of 0.02, which `ADJUST` closes without strain: pressed with `p` they have the energy `p^2 L / (2 E)` of both, and the end moves by
+/// `p L / E`, whatever the gap was. Nothing else holds the upper bar along z.
+#[test]
+fn adjusted_surfaces_touch_without_strain() {
+    let (pressure, young) = (3.0, 1e4);
+    for (gap, adjust) in [(0.02, "0.05"), (-0.02, "0.05"), (0.02, "U-START")] {
+        let deck = bar("L", 1, 0, 0.0, young)
+            + &bar("U", 2, 100, 1.0 + gap, young)
+            + "*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n"
+            + &format!("*CONTACT PAIR, INTERACTION=I, TYPE=SURFACE TO SURFACE, ADJUST={adjust}\nU-LOW, L-TOP\n")
+            + "*BOUNDARY\nL-START, 1, 3\nU-END, 1, 2\n*STEP, NLGEOM, INC=500, NAME=press\n*STATIC\n0.5, 1.\n*DSLOAD\n"
+            + &format!("U-TOP, P, {pressure}\n*END STEP\n");
+        let folder = Folder::with(&deck);
+        let (code, text) = folder.stoss(&["import", "deck.inp"]);
+        assert_eq!(code, Some(0), "{text}");
+        assert!(text.contains("4 nodes of U-LOW moved onto L-TOP without strain, by at most 2.000e-2"), "{text}");
+        let probe = "\n[[probe]]\nname = \"end\"\nset = \"U.U-TOP\"\nquantity = \"displacement\"\n";
+        let scene = std::fs::read_to_string(folder.path("deck.toml")).unwrap();
+        std::fs::write(folder.path("deck.toml"), scene + probe).unwrap();
+        let (text, verdict, energy) = folder.judged();
+        assert_eq!(verdict["level"], "sound", "{text}");
+        // The element at the contact has become longer by the gap, or shorter.
+        let length = 3.0 + gap;
+        let exact = bar_energy(pressure, length, young);
+        assert!((energy / exact - 1.0).abs() < 1e-3, "{gap} {adjust}: {energy} for {exact}");
+        let probes = std::fs::read_to_string(folder.path("out/probes.csv")).unwrap();
+        let end: f64 = probes.lines().next_back().unwrap().split(',').next_back().unwrap().parse().unwrap();
+        assert!((end / (-pressure * length / young) - 1.0).abs() < 1e-3, "{gap} {adjust}: {end}");
     }
 }

@@ -8,7 +8,7 @@ use stoss_mesh_io::deck::{Damping, Deck};
 use stoss_reference_element::{CellKind, Integration};
 
 use crate::ImportError;
-use crate::left_out::List;
+use crate::left_out::{List, Severity};
 use crate::material::{self, Law};
 use crate::sets::Lookup;
 use crate::text::count;
@@ -210,6 +210,7 @@ pub(crate) fn bodies(
                 let reason = format!("{}: there is no material {}", list.place(section.place), section.material);
                 if !reasons.contains(&reason) {
                     list.add(
+                        Severity::Missing,
                         section.place,
                         "*SOLID SECTION",
                         format!("there is no material {}: its elements are not in the scene", section.material),
@@ -223,6 +224,7 @@ pub(crate) fn bodies(
     if bare > 0 {
         reasons.push(format!("{bare} elements have no *SOLID SECTION"));
         list.add_general(
+            Severity::Missing,
             format!("{bare} elements without *SOLID SECTION"),
             "they are not in the scene",
             "give them a section with a material",
@@ -240,6 +242,7 @@ pub(crate) fn bodies(
                 reasons.push(format!("{}: {reason}", list.place(material.place)));
                 let consequence = format!("{reason}: its {} elements are not in the scene", elements.len());
                 list.add(
+                    Severity::Missing,
                     material.place,
                     "*MATERIAL",
                     consequence,
@@ -249,9 +252,12 @@ pub(crate) fn bodies(
             }
         };
         let notes = law.notes.iter().chain(&variants.notes);
-        notes.for_each(|(note, remedy)| list.add(material.place, format!("material {}", material.name), note, remedy));
+        notes.for_each(|(note, remedy)| {
+            list.add(Severity::Changed, material.place, format!("material {}", material.name), note, remedy);
+        });
         if law.is_incompressible && !is_mixed(&law) {
             list.add(
+                Severity::Changed,
                 material.place,
                 format!("material {}", material.name),
                 "it is nearly incompressible, and its elements lock",
@@ -329,6 +335,7 @@ fn join(all: Vec<Body>, solids: &Solids, list: &mut List) -> Bodies {
     for ((b, a), nodes) in &shared {
         if !interfaces.contains_key(&(*b, *a)) {
             list.add_general(
+                Severity::Missing,
                 format!("bodies {} and {}", all[*a].name, all[*b].name),
                 format!(
                     "they have different materials and share {} nodes but no facet: they are not joined at these nodes",
@@ -340,6 +347,7 @@ fn join(all: Vec<Body>, solids: &Solids, list: &mut List) -> Bodies {
     }
     if !interfaces.is_empty() {
         list.add_general(
+            Severity::Note,
             "bodies of different materials that share nodes",
             "they are joined by ties: displacements agree in the mean of each facet, not at each node",
             "",

@@ -5,9 +5,11 @@ use std::collections::BTreeSet;
 use stoss_mesh::Facet;
 use stoss_mesh_io::deck::{ContactPair, DeckPlace, Interaction};
 
+use crate::adjust::{Moved, Which};
 use crate::context::Context;
+use crate::left_out::Severity;
 use crate::sets::Selection;
-use crate::text::number;
+use crate::text::{count, number};
 
 /// The coefficient in place of `ROUGH` of `*FRICTION`.
 const ROUGH: f64 = 10.0;
@@ -39,14 +41,14 @@ impl Context<'_> {
                 "there is no surface of solid elements with this name"
             };
             let consequence = format!("{name}: {why}: the two surfaces do not act on each other");
-            self.list.add(place, keyword, consequence, "give it a surface of element faces");
+            self.list.add(Severity::Missing, place, keyword, consequence, "give it a surface of element faces");
             return None;
         };
         if is_of_nodes {
             let consequence = format!(
                 "{name} is a surface of nodes: it is replaced by the facets of the boundary that have all their corners in it"
             );
-            self.list.add(place, keyword, consequence, "");
+            self.list.add(Severity::Changed, place, keyword, consequence, "");
         }
         Some(surface)
     }
@@ -95,7 +97,7 @@ impl Context<'_> {
             let pairs = self.between_bodies(&surfaces, names, true);
             if pairs.is_empty() {
                 let consequence = "no two of their facets belong to bodies that can be tied: they are not joined";
-                self.list.add(tie.place, "*TIE", consequence, "");
+                self.list.add(Severity::Missing, tie.place, "*TIE", consequence, "");
             }
             pairs.iter().for_each(|[slave, master]| self.scene.tie(slave, master, &keys));
         }
@@ -137,7 +139,7 @@ impl Context<'_> {
         for pair in &deck.pairs {
             if pair.slave.eq_ignore_ascii_case(&pair.master) {
                 let consequence = "contact of a surface with itself is left out";
-                self.list.add(pair.place, "*CONTACT PAIR", consequence, "see [general_contact]");
+                self.list.add(Severity::Missing, pair.place, "*CONTACT PAIR", consequence, "see [general_contact]");
                 continue;
             }
             let names = [pair.slave.as_str(), pair.master.as_str()];
@@ -147,36 +149,100 @@ impl Context<'_> {
                 if found.is_none() {
                     let consequence =
                         format!("there is no interaction {name}: the contact is hard and has no friction");
-                    self.list.add(pair.place, "*CONTACT PAIR", consequence, "");
+                    self.list.add(Severity::Changed, pair.place, "*CONTACT PAIR", consequence, "");
                 }
                 found
             });
             if interaction.and_then(|i| i.behavior.as_ref()).is_some_and(|behavior| behavior.law == "TIED") {
                 let pairs = self.between_bodies(&surfaces, names, true);
+                if pairs.is_empty() {
+                    let consequence = "no two of its facets belong to bodies that can be tied: they are not joined";
+                    self.list.add(Severity::Missing, pair.place, "*CONTACT PAIR", consequence, "");
+                }
                 pairs.iter().for_each(|[slave, master]| self.scene.tie(slave, master, &[]));
                 continue;
             }
+            self.adjust(pair, &surfaces);
             let keys = self.contact_keys(pair, interaction);
             let pairs = self.between_bodies(&surfaces, names, false);
             if pairs.is_empty() {
                 let consequence = "both surfaces belong to one connected body: the contact is left out";
                 let remedy = "see [general_contact], which includes contact of a body with itself";
-                self.list.add(pair.place, "*CONTACT PAIR", consequence, remedy);
+                self.list.add(Severity::Missing, pair.place, "*CONTACT PAIR", consequence, remedy);
             }
             pairs.iter().for_each(|[slave, master]| self.scene.contact(slave, master, &keys));
+        }
+    }
+
+    /// Moves slave nodes onto the master surface, as `ADJUST` says.
+    fn adjust(&mut self, pair: &ContactPair, [slave, master]: &[Selection<Facet>; 2]) {
+        const WHAT: &str = "*CONTACT PAIR, ADJUST";
+        let Some(adjust) = &pair.adjust else { return };
+        let set;
+        let which = match adjust.trim().parse::<f64>() {
+            Ok(distance) if distance >= 0.0 => Which::Within(distance),
+            Ok(_) => {
+                let consequence =
+                    format!("ADJUST={adjust} is negative: nodes are not moved, gaps are those of the mesh");
+                self.list.add(Severity::Missing, pair.place, WHAT, consequence, "give a distance that is not negative");
+                return;
+            }
+            Err(_) => match self.lookup.node_set(adjust) {
+                Some(found) => {
+                    set = found.members;
+                    Which::Of(&set)
+                }
+                None => {
+                    let consequence = format!(
+                        "there is no node set {adjust} with nodes of solids: nodes are not moved, gaps are those of the mesh"
+                    );
+                    self.list.add(
+                        Severity::Missing,
+                        pair.place,
+                        WHAT,
+                        consequence,
+                        "name a set of slave nodes, or a distance",
+                    );
+                    return;
+                }
+            },
+        };
+        let bodies = self.bodies;
+        let of_bodies = |surface: &Selection<Facet>| -> Vec<Facet> {
+            let own = surface.members.iter().copied();
+            own.filter(|facet| bodies.of_element(facet.element).is_some() && !bodies.is_inner(facet)).collect()
+        };
+        let Moved { count: number, farthest, too_deep } =
+            self.sets.adjust(&of_bodies(slave), &of_bodies(master), which);
+        if number > 0 {
+            let consequence = format!(
+                "{} of {} moved onto {} without strain, by at most {farthest:.3e}, in the mesh beside the scene",
+                count(number, "node", "nodes"),
+                pair.slave,
+                pair.master
+            );
+            self.list.add(Severity::Note, pair.place, WHAT, consequence, "");
+        }
+        if too_deep > 0 {
+            let consequence = format!(
+                "{} of {} behind {} by more than one of its edges: not moved",
+                count(too_deep, "node is", "nodes are"),
+                pair.slave,
+                pair.master
+            );
+            self.list.add(Severity::Changed, pair.place, WHAT, consequence, "name surfaces that face each other");
         }
     }
 
     /// Keys of a contact but for the surfaces.
     fn contact_keys(&mut self, pair: &ContactPair, interaction: Option<&Interaction>) -> Vec<String> {
         let mut keys = Vec::new();
-        if let Some(adjust) = &pair.adjust {
-            let consequence = format!("ADJUST={adjust}: nodes are not moved, gaps are those of the mesh");
-            self.list.add(pair.place, "*CONTACT PAIR", consequence, "");
+        if let Some(kind) = pair.kind.as_ref().filter(|kind| !kind.ends_with("MORTAR")) {
+            self.list.add_unread(pair.place, format!("parameter TYPE of *CONTACT PAIR, {kind}"));
         }
         if pair.is_small_sliding {
             let consequence = "SMALL SLIDING is not used: surfaces may slide by any distance";
-            self.list.add(pair.place, "*CONTACT PAIR", consequence, "");
+            self.list.add(Severity::Note, pair.place, "*CONTACT PAIR", consequence, "");
         }
         let Some(interaction) = interaction else { return keys };
         keys.extend(self.contact_stiffness(interaction));
@@ -185,11 +251,12 @@ impl Context<'_> {
         if !friction.coefficient.is_finite() {
             let consequence =
                 format!("ROUGH: the coefficient of friction is {ROUGH}, and closed surfaces may still open");
-            self.list.add(interaction.place, "*FRICTION", consequence, "");
+            self.list.add(Severity::Changed, interaction.place, "*FRICTION", consequence, "");
         }
         if friction.stick_slope.is_some() {
             let consequence = "the stick slope is not used: points that stick do not slide at all";
-            self.list.add(interaction.place, "*FRICTION", consequence, "for a stiffness see `stick` of `friction`");
+            let remedy = "for a stiffness see `stick` of `friction`";
+            self.list.add(Severity::Changed, interaction.place, "*FRICTION", consequence, remedy);
         }
         if mu > 0.0 {
             keys.push(format!("friction = {{ law = \"coulomb\", mu = {} }}", number(mu)));
@@ -213,7 +280,7 @@ impl Context<'_> {
             (law, _) => format!("*SURFACE BEHAVIOR, {law}: the contact is hard"),
         };
         let remedy = "for a penalty stiffness see `enforcement` of [[contact]]";
-        self.list.add(interaction.place, "*SURFACE INTERACTION", consequence, remedy);
+        self.list.add(Severity::Changed, interaction.place, "*SURFACE INTERACTION", consequence, remedy);
         None
     }
 }

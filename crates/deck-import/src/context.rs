@@ -1,13 +1,13 @@
 //! What contacts, supports and loads need of the deck, and where they write.
 
-use stoss_mesh_io::deck::{Deck, DeckPlace};
+use stoss_mesh_io::deck::{Deck, DeckPlace, Target};
 
 use crate::axes::LocalAxes;
 use crate::bodies::Bodies;
 use crate::history::amplitude;
-use crate::left_out::List;
+use crate::left_out::{List, Severity};
 use crate::set_names::SetNames;
-use crate::sets::Lookup;
+use crate::sets::{Lookup, Selection};
 use crate::timeline::Timeline;
 use crate::write::Tables;
 
@@ -24,6 +24,13 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
+    /// How many of the nodes that a line of the deck names belong to no body; `found` are those that belong to an element.
+    pub fn nodes_outside(&self, found: &Selection<u32>, target: &Target) -> usize {
+        let all = if let Target::Set(name) = target { self.lookup.node_set_size(name) } else { found.members.len() };
+        let own = found.members.iter().filter(|node| self.bodies.owner(**node).is_some()).count();
+        all.saturating_sub(own)
+    }
+
     /// The number of the amplitude of a line, none if the line names none. Nothing, with an entry, if it names one that was not read.
     pub fn amplitude(
         &mut self,
@@ -36,7 +43,7 @@ impl Context<'_> {
         let found = amplitude(self.deck, name);
         if found.is_none() {
             let consequence = format!("there is no amplitude {name} that can be read: {consequence}");
-            self.list.add(place, keyword, consequence, "define it by a table of times and values");
+            self.list.add(Severity::Missing, place, keyword, consequence, "define it by a table of times and values");
         }
         found.map(Some)
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use stoss_mesh_io::deck::Deck;
 
 use crate::bodies::Bodies;
-use crate::left_out::List;
+use crate::left_out::{List, Severity};
 use crate::sets::Lookup;
 use crate::timeline::Timeline;
 
@@ -21,6 +21,7 @@ pub(crate) fn velocities(
     let Some(first) = deck.velocities.first() else { return all };
     if !timeline.is_dynamic() {
         list.add(
+            Severity::Note,
             first.place,
             "*INITIAL CONDITIONS, TYPE=VELOCITY",
             "there is no dynamic step: bodies begin at rest",
@@ -41,6 +42,7 @@ pub(crate) fn velocities(
             *velocity = uniform;
         } else {
             list.add(
+                Severity::Missing,
                 first.place,
                 "*INITIAL CONDITIONS, TYPE=VELOCITY",
                 format!("velocities of body {} are not all the same: it begins at rest", body.name),
@@ -57,16 +59,16 @@ pub(crate) fn damping(deck: &Deck, bodies: &mut Bodies, timeline: &Timeline, lis
         let Some(damping) = body.damping else { continue };
         let place =
             deck.materials.iter().find(|material| material.name == body.material).map(|material| material.place);
-        let reason = if !timeline.is_dynamic() {
-            "there is no dynamic step: it has no effect"
+        let (severity, reason) = if !timeline.is_dynamic() {
+            (Severity::Note, "there is no dynamic step: it has no effect")
         } else if damping.alpha < 0.0 || damping.beta < 0.0 {
-            "ALPHA or BETA is negative: the body is not damped"
+            (Severity::Changed, "ALPHA or BETA is negative: the body is not damped")
         } else {
             continue;
         };
         body.damping = None;
         if let Some(place) = place {
-            list.add(place, format!("*DAMPING of material {}", body.material), reason, "");
+            list.add(severity, place, format!("*DAMPING of material {}", body.material), reason, "");
         }
     }
 }

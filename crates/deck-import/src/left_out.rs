@@ -6,11 +6,39 @@ use std::path::Path;
 
 use stoss_mesh_io::deck::{Deck, DeckPlace};
 
-use crate::text::count;
+use crate::keywords::{Meaning, meaning};
+use crate::text::{count, string};
+
+/// What it means for the results that something of a deck is not in the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// A load, a support, a constraint, a contact or a part is missing: the scene is another problem than the deck.
+    Missing,
+    /// A law, an element or a setting of the solution is another one.
+    Changed,
+    /// The results do not differ by it, as far as can be said.
+    Note,
+}
+
+impl Severity {
+    /// All of them, the worst first.
+    pub const ALL: [Self; 3] = [Self::Missing, Self::Changed, Self::Note];
+
+    /// Its name in a scene.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Missing => "missing",
+            Self::Changed => "changed",
+            Self::Note => "note",
+        }
+    }
+}
 
 /// Something of a deck that the scene does not have, or has in another form.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
+    /// What it means for the results.
+    pub severity: Severity,
     /// "part.inp:12"; the file alone where it concerns no line.
     pub place: String,
     /// As "*PLASTIC".
@@ -21,10 +49,23 @@ pub struct LeftOut {
     pub remedy: String,
 }
 
+impl LeftOut {
+    /// What it changes and what to do, in one sentence.
+    pub fn text(&self) -> String {
+        if self.remedy.is_empty() { self.consequence.clone() } else { format!("{}; {}", self.consequence, self.remedy) }
+    }
+
+    /// Its table `[[left_out]]` of a scene.
+    pub(crate) fn table(&self) -> String {
+        let [keyword, line, text] = [&self.what, &self.place, &self.text()].map(|text| string(text));
+        let severity = string(self.severity.name());
+        format!("[[left_out]]\nseverity = {severity}\nkeyword = {keyword}\nline = {line}\ntext = {text}\n")
+    }
+}
+
 impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}: {}", self.place, self.what, self.consequence)?;
-        if self.remedy.is_empty() { Ok(()) } else { write!(f, "; {}", self.remedy) }
+        write!(f, "{}: {}: {}", self.place, self.what, self.text())
     }
 }
 
@@ -34,6 +75,8 @@ pub(crate) struct List {
     file: String,
     /// Names of the files by their numbers.
     files: Vec<String>,
+    /// Whether a material of the deck has thermal strains.
+    expands: bool,
 }
 
 /// The last part of a path: readers know the folder of their deck.
@@ -44,7 +87,8 @@ fn file_name(path: &Path) -> String {
 impl List {
     pub fn new(deck: &Deck) -> Self {
         let files: Vec<String> = deck.files().iter().map(|path| file_name(path)).collect();
-        Self { entries: Vec::new(), file: file_name(deck.contents.path()), files }
+        let expands = deck.left_out.iter().any(|left| left.what == "*EXPANSION");
+        Self { entries: Vec::new(), file: file_name(deck.contents.path()), files, expands }
     }
 
     /// "part.inp:12".
@@ -55,21 +99,36 @@ impl List {
     /// Adds an entry.
     pub fn add(
         &mut self,
+        severity: Severity,
         place: DeckPlace,
         what: impl Into<String>,
         consequence: impl Into<String>,
         remedy: impl Into<String>,
     ) {
         let (what, consequence, remedy) = (what.into(), consequence.into(), remedy.into());
-        let entry = LeftOut { place: self.place(place), what, consequence, remedy };
+        let entry = LeftOut { severity, place: self.place(place), what, consequence, remedy };
         if !self.entries.iter().any(|(_, other)| *other == entry) {
             self.entries.push((Some(place), entry));
         }
     }
 
+    /// Adds an entry for something that is not read, with what the table of keywords says of it.
+    pub fn add_unread(&mut self, place: DeckPlace, what: impl Into<String>) {
+        let what = what.into();
+        let Meaning { severity, consequence, remedy } = meaning(&what, self.expands);
+        self.add(severity, place, what, consequence, remedy);
+    }
+
     /// Adds an entry that concerns no line.
-    pub fn add_general(&mut self, what: impl Into<String>, consequence: impl Into<String>, remedy: impl Into<String>) {
+    pub fn add_general(
+        &mut self,
+        severity: Severity,
+        what: impl Into<String>,
+        consequence: impl Into<String>,
+        remedy: impl Into<String>,
+    ) {
         let entry = LeftOut {
+            severity,
             place: self.file.clone(),
             what: what.into(),
             consequence: consequence.into(),
@@ -78,7 +137,7 @@ impl List {
         self.entries.push((None, entry));
     }
 
-    /// All entries with those of the reader, in the order of the deck.
+    /// All entries with those of the reader, the worst first and then in the order of the deck.
     pub fn finish(mut self, deck: &Deck) -> Vec<LeftOut> {
         for other in deck.contents.other_elements() {
             let file = file_name(&other.path);
@@ -88,6 +147,7 @@ impl List {
                 None => format!("{} {}", other.count, other.what),
             };
             self.add(
+                Severity::Missing,
                 DeckPlace { file: number, line: other.line },
                 what,
                 "they are not in the scene: their stiffness and mass are missing",
@@ -95,27 +155,13 @@ impl List {
             );
         }
         for note in deck.contents.notes().iter().filter(|note| !note.contains(" is read as ")) {
-            self.add_general("mesh", note.clone(), "");
+            self.add_general(Severity::Note, "mesh", note.clone(), "");
         }
-        let mut output: Vec<&str> = Vec::new();
-        for left in &deck.left_out {
-            if !left.changes_results {
-                output.push(&left.what);
-                continue;
-            }
-            let (consequence, remedy) = meaning(&left.what);
-            self.add(left.place, left.what.clone(), consequence, remedy);
+        // Requests of output change no result.
+        for left in deck.left_out.iter().filter(|left| left.changes_results) {
+            self.add_unread(left.place, left.what.clone());
         }
-        output.sort_unstable();
-        output.dedup();
-        if !output.is_empty() {
-            self.add_general(
-                output.join(", "),
-                "requests of output are not used: results of every step have displacements, stresses and contact fields",
-                "for values at nodes and points over time add [[probe]]",
-            );
-        }
-        self.entries.sort_by_key(|(place, _)| *place);
+        self.entries.sort_by_key(|(place, entry)| (entry.severity, *place));
         once(self.entries.into_iter().map(|(_, entry)| entry))
     }
 }
@@ -125,7 +171,7 @@ fn once(entries: impl Iterator<Item = LeftOut>) -> Vec<LeftOut> {
     let mut all: Vec<(LeftOut, usize)> = Vec::new();
     let mut known = BTreeMap::new();
     for entry in entries {
-        let text = (entry.what.clone(), entry.consequence.clone(), entry.remedy.clone());
+        let text = (entry.severity, entry.what.clone(), entry.consequence.clone(), entry.remedy.clone());
         let index = *known.entry(text).or_insert(all.len());
         match all.get_mut(index) {
             Some((_, more)) => *more += 1,
@@ -138,138 +184,4 @@ fn once(entries: impl Iterator<Item = LeftOut>) -> Vec<LeftOut> {
         n => LeftOut { what: format!("{} (and {n} more lines)", entry.what), ..entry },
     };
     all.into_iter().map(counted).collect()
-}
-
-/// What it changes that a keyword is left out, and what to do.
-fn meaning(what: &str) -> (&'static str, &'static str) {
-    let name = what.trim_start_matches("parameter ").trim_start_matches("all lines of ");
-    let keyword: String = name
-        .split_once('*')
-        .map_or(name, |(_, keyword)| keyword)
-        .chars()
-        .take_while(|c| *c != ',')
-        .filter(|c| !c.is_whitespace())
-        .collect();
-    if what.starts_with("all lines of") {
-        return ("the values of its first line are used at all temperatures", "put the line of your temperature first");
-    }
-    if what.starts_with("parameter ") {
-        return match keyword.as_str() {
-            "SOLIDSECTION" => ("directions of the section are not used: materials are isotropic", ""),
-            "STEP" | "STATIC" | "DYNAMIC" => ("it is ignored: Stoss has no such option for a step", ""),
-            _ => (
-                "it is ignored: the keyword is read as if it were not there",
-                "check that the results do not depend on it",
-            ),
-        };
-    }
-    if what.starts_with("degree of freedom") {
-        return (
-            "it is ignored: nodes of solids have the components x, y and z only",
-            "remove it; for rotations see [[joint]] and `moment` of [[load]]",
-        );
-    }
-    if what.starts_with("load ") {
-        return ("this load does not act", "see [[load]] for the kinds of loads of Stoss");
-    }
-    match keyword.as_str() {
-        "PLASTIC" | "CYCLICHARDENING" | "DEFORMATIONPLASTICITY" | "DRUCKERPRAGER" => (
-            "there is no plasticity: the body has the elastic part only, and stresses above the yield stress are wrong",
-            "use the scene only where the deck stays elastic",
-        ),
-        "CREEP" | "VISCOELASTIC" => {
-            ("there is no creep and no relaxation: the material is elastic", "use the scene only for short times")
-        }
-        "EXPANSION" | "TEMPERATURE" | "CONDUCTIVITY" | "SPECIFICHEAT" | "CFLUX" | "DFLUX" | "FILM" | "RADIATE"
-        | "GAPCONDUCTANCE" | "PHYSICALCONSTANTS" | "GAPHEATGENERATION" => (
-            "temperatures and thermal strains are not computed",
-            "no change is needed if they do not matter for the mechanical results",
-        ),
-        "HEATTRANSFER"
-        | "COUPLEDTEMPERATURE-DISPLACEMENT"
-        | "UNCOUPLEDTEMPERATURE-DISPLACEMENT"
-        | "DYNAMICTEMPERATURE-DISPLACEMENT" => (
-            "the step is left out: temperatures are not computed",
-            "make it *STATIC or *DYNAMIC for its mechanical part",
-        ),
-        "FREQUENCY"
-        | "COMPLEXFREQUENCY"
-        | "BUCKLE"
-        | "MODALDYNAMIC"
-        | "STEADYSTATEDYNAMICS"
-        | "RANDOMRESPONSE"
-        | "RESPONSESPECTRUM"
-        | "SUBSTRUCTUREGENERATE"
-        | "GREEN" => (
-            "the step is left out: Stoss computes no modes and no linear perturbations",
-            "make it *STATIC or *DYNAMIC for a computation over time",
-        ),
-        "VISCO" | "GEOSTATIC" | "CFD" | "ELECTROMAGNETICS" | "SENSITIVITY" | "NOANALYSIS" | "MASSDIFFUSION" => (
-            "the step is left out: Stoss computes *STATIC and *DYNAMIC steps only",
-            "make it *STATIC or *DYNAMIC for its mechanical part",
-        ),
-        "MODALDAMPING" | "SELECTCYCLICSYMMETRYMODES" => ("Stoss computes no modes", ""),
-        "DAMPING" => (
-            "it damps nothing: only *DAMPING, ALPHA=, BETA= of a material is imported",
-            "give the body `damping = { mass = ALPHA, stiffness = BETA }`",
-        ),
-        "EQUATION" | "MPC" => (
-            "its equations are left out: the nodes are not coupled",
-            "use [[tie]], [[joint]] or [[prescribe]] in its place, or mesh the parts together",
-        ),
-        "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "DISTRIBUTINGCOUPLING" | "RIGIDBODY" => (
-            "its nodes are not coupled to the reference node, and loads and supports of the reference node are left out",
-            "see [[joint]], `moment` of [[load]], and `rotation` of [[prescribe]]",
-        ),
-        "TRANSFORM" => (
-            "only rectangular and cylindrical axes of node sets are read: supports and forces in these axes are left out, except where all three components of a node are fixed",
-            "write them into the scene, with `normal` of [[prescribe]]",
-        ),
-        "ORIENTATION" => ("its directions are not used: materials are isotropic", ""),
-        "PRE-TENSIONSECTION" => {
-            ("the bolt has no pretension", "cut the bolt, and use a [[joint]] of kind `slider` with `pretension`")
-        }
-        "SPRING" | "DASHPOT" | "GAP" | "MASS" => ("it is not in the scene", "see [[spring]], [[support]] and [[mass]]"),
-        "SHELLSECTION" | "BEAMSECTION" | "BEAMGENERALSECTION" | "MEMBRANESECTION" | "MEMBRANE" | "FLUIDSECTION"
-        | "NODALTHICKNESS" => ("its elements are not in the scene", "for beams see [[beam]]"),
-        "CYCLICSYMMETRYMODEL" => ("the cut surfaces are free", "mesh the whole part, or prescribe planes of symmetry"),
-        "MODELCHANGE" => ("nothing is added or removed between steps", "for contacts and loads see `off` of [[stage]]"),
-        "CHANGEFRICTION" | "CHANGESURFACEBEHAVIOR" | "CHANGEMATERIAL" | "CHANGEPLASTIC" | "CHANGESOLIDSECTION" => {
-            ("it changes nothing: properties stay as they are at the start", "")
-        }
-        "INITIALCONDITIONS" => {
-            ("these initial conditions are left out", "check that the results do not depend on them")
-        }
-        "ELASTIC" => ("only isotropic elasticity is imported", "give isotropic constants"),
-        "CONTROLS" => ("Stoss has step control and tolerances of its own", "see [solver] and `automatic` of [time]"),
-        "CONTACTDAMPING" => ("contact has no damping", ""),
-        "CLEARANCE" => ("gaps are those of the mesh", ""),
-        "AMPLITUDE" => {
-            ("loads and displacements with this amplitude are left out", "define it by a table of times and values")
-        }
-        "SUBMODEL" => ("displacements of the other model are not read", "prescribe them by [[prescribe]]"),
-        "USERMATERIAL" | "DEPVAR" => {
-            ("the law of the material is not known to Stoss", "see docs/how-to-add/material-law.md")
-        }
-        _ => ("it is left out: Stoss has nothing like it", "check that the results do not depend on it"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::meaning;
-
-    #[test]
-    fn what_keywords_change() {
-        // A step that is left out is called so, whatever it computes.
-        for procedure in
-            ["*VISCO", "*BUCKLE", "*HEAT TRANSFER", "*MASS DIFFUSION, TYPE=A", "*DYNAMIC TEMPERATURE-DISPLACEMENT"]
-        {
-            assert!(meaning(procedure).0.starts_with("the step is left out"), "{procedure}");
-        }
-        assert!(meaning("all lines of *ELASTIC but the first").0.contains("first line"));
-        assert!(meaning("parameter ORIENTATION of *SOLID SECTION").0.contains("isotropic"));
-        assert!(meaning("*AMPLITUDE, DEFINITION=SMOOTH STEP").0.contains("with this amplitude"));
-        assert!(meaning("*UNHEARD OF").0.starts_with("it is left out"));
-    }
 }

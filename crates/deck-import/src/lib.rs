@@ -16,6 +16,8 @@
 //! | `context` | what the next three share |
 //! | `supports`, `loads`, `contacts` | the tables of the scene |
 //! | `left_out` | the list |
+//! | `keywords` | what it means that a keyword is not read |
+//! | `adjust` | nodes moved onto the master surface |
 //! | `write`, `text` | the scene; TOML |
 //!
 //! # What it is not
@@ -23,12 +25,14 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod adjust;
 mod axes;
 mod bodies;
 mod contacts;
 mod context;
 mod dynamics;
 mod history;
+mod keywords;
 mod left_out;
 mod loads;
 mod material;
@@ -40,7 +44,7 @@ mod text;
 mod timeline;
 mod write;
 
-pub use left_out::LeftOut;
+pub use left_out::{LeftOut, Severity};
 
 use stoss_mesh::Mesh;
 use stoss_mesh_io::MeshIoError;
@@ -58,14 +62,14 @@ pub struct FileNames {
 /// A scene made from a deck.
 #[derive(Clone, Debug)]
 pub struct Import {
-    /// The scene (TOML), with what was mapped and what was left out in comments at its head.
+    /// The scene (TOML), with what was mapped in comments at its head, and what was left out in tables `[[left_out]]`.
     pub scene: String,
-    /// The mesh to be written under [`FileNames::mesh`]: that of the deck, with the sets that the deck has no name for. None if the scene refers to the
-    /// deck itself.
+    /// The mesh to be written under [`FileNames::mesh`]: that of the deck, with the sets that the deck has no name for, and with the nodes that `ADJUST` moves in
+    /// their new places. None if the scene refers to the deck itself.
     pub mesh: Option<Mesh>,
     /// What was mapped, one line each.
     pub mapped: Vec<String>,
-    /// What was left out, in the order of the deck; first what concerns no line of it.
+    /// What was left out, the worst first, then in the order of the deck; first what concerns no line of it.
     pub left_out: Vec<LeftOut>,
 }
 

@@ -7,9 +7,10 @@ use stoss_mesh_io::deck::{DeckPlace, ElementLoad, LoadKind, OpNew, Target};
 
 use crate::context::Context;
 use crate::history::{History, Value, by_history, history};
+use crate::left_out::Severity;
 use crate::records::{DeckLine, members_by_records};
 use crate::sets::{Selection, named};
-use crate::text::{text, vector};
+use crate::text::{count, text, vector};
 
 /// Straight pieces in place of the square root of a straight one.
 const PIECES: usize = 16;
@@ -43,10 +44,19 @@ impl Context<'_> {
                 let amplitude = self.amplitude(force.amplitude.as_ref(), "*CLOAD", force.place, NO_LOAD);
                 let Some(amplitude) = amplitude else { continue };
                 let mut nodes = self.lookup.nodes(&force.nodes);
-                if !nodes.members.iter().any(|node| self.bodies.owner(*node).is_some()) {
-                    let consequence = format!("{} has no node of a body: the force does not act", text(&force.nodes));
+                let outside = self.nodes_outside(&nodes, &force.nodes);
+                let is_none = !nodes.members.iter().any(|node| self.bodies.owner(*node).is_some());
+                if force.value != 0.0 && (is_none || outside > 0) {
+                    let consequence = if is_none {
+                        format!("{} has no node of a body: the force does not act", text(&force.nodes))
+                    } else {
+                        let number = count(outside, "node", "nodes");
+                        format!("{number} of {} in no body: no force acts there", text(&force.nodes))
+                    };
                     let remedy = "if it is a reference node, see [[joint]] and `moment` of [[load]]";
-                    self.list.add(force.place, "*CLOAD", consequence, remedy);
+                    self.list.add(Severity::Missing, force.place, "*CLOAD", consequence, remedy);
+                }
+                if is_none {
                     continue;
                 }
                 self.drop_unknown_axes(&mut nodes, "*CLOAD", force.place);
@@ -114,7 +124,7 @@ impl Context<'_> {
                     elements.iter().filter(|e| has_face(e)).map(|&e| mesh.facet(e, face)).collect();
                 if facets.len() < elements.len() {
                     let consequence = format!("{} elements have no face P{}", elements.len() - facets.len(), face + 1);
-                    self.list.add(load.place, "*DLOAD", consequence, "name a face that they have");
+                    self.list.add(Severity::Missing, load.place, "*DLOAD", consequence, "name a face that they have");
                 }
                 let value = Value { value, amplitude, is_rate: false };
                 self.pressure(
@@ -140,7 +150,13 @@ impl Context<'_> {
                 let Some(amplitude) = amplitude else { continue };
                 let Some((surface, _)) = self.lookup.surface(&load.surface) else {
                     let consequence = format!("there is no surface {}: the pressure does not act", load.surface);
-                    self.list.add(load.place, "*DSLOAD", consequence, "name a surface of solid elements");
+                    self.list.add(
+                        Severity::Missing,
+                        load.place,
+                        "*DSLOAD",
+                        consequence,
+                        "name a surface of solid elements",
+                    );
                     continue;
                 };
                 let value = Value { value: load.value, amplitude, is_rate: false };
@@ -168,7 +184,7 @@ impl Context<'_> {
                 "{} faces lie inside of a body, or belong to none: no pressure acts on them",
                 facets.len() - members.len()
             );
-            self.list.add(place, keyword, consequence, "");
+            self.list.add(Severity::Missing, place, keyword, consequence, "");
         }
         let name = name.filter(|_| members.len() == facets.len());
         let record = pressures.values.len() as u32;
@@ -208,7 +224,7 @@ impl Context<'_> {
         elements.retain(|&e| self.bodies.of_element(e).is_some());
         if elements.is_empty() {
             let consequence = format!("{} has no element of a body: the load does not act", text(&load.elements));
-            self.list.add(load.place, "*DLOAD", consequence, "");
+            self.list.add(Severity::Missing, load.place, "*DLOAD", consequence, "");
         }
         elements
     }
@@ -235,7 +251,8 @@ impl Context<'_> {
                     body.elements.len(),
                     body.name
                 );
-                self.list.add(load.place, "*DLOAD", consequence, "give these elements a material of their own");
+                let remedy = "give these elements a material of their own";
+                self.list.add(Severity::Missing, load.place, "*DLOAD", consequence, remedy);
             }
         }
     }
@@ -273,7 +290,8 @@ impl Context<'_> {
         if let Some(own) = acceleration {
             if body.density.is_none() {
                 let what = format!("gravity of body {}", body.name);
-                self.list.add_general(what, "its material has no *DENSITY: it has no weight", "give it a density");
+                let consequence = "its material has no *DENSITY: it has no weight";
+                self.list.add_general(Severity::Missing, what, consequence, "give it a density");
             } else {
                 self.scene.load(self.timeline, ("body", &body.name), "acceleration", &own.each_ref(), "");
             }
@@ -298,7 +316,8 @@ impl Context<'_> {
             let Some(vector) = value(&load.kind) else { continue };
             if vector == [None; 3] {
                 let remedy = "give its three components";
-                self.list.add(load.place, "*DLOAD", "it has no direction: it does not act", remedy);
+                let consequence = "it has no direction: it does not act";
+                self.list.add(Severity::Missing, load.place, "*DLOAD", consequence, remedy);
                 continue;
             }
             let amplitude = self.amplitude(load.amplitude.as_ref(), "*DLOAD", load.place, NO_LOAD);
@@ -343,7 +362,8 @@ impl Context<'_> {
                 ),
             ];
             if let Some((_, reason, remedy)) = reasons.into_iter().find(|(holds, ..)| *holds) {
-                self.list.add(load.place, "*DLOAD, CENTRIF", format!("{reason}: {NO_LOAD}"), remedy);
+                let consequence = format!("{reason}: {NO_LOAD}");
+                self.list.add(Severity::Missing, load.place, "*DLOAD, CENTRIF", consequence, remedy);
                 continue;
             }
             let amplitude = self.amplitude(load.amplitude.as_ref(), "*DLOAD", load.place, NO_LOAD);
@@ -356,6 +376,7 @@ impl Context<'_> {
         let speed = History { rows: square_root(&squared.rows), ..squared.clone() };
         if speed.rows.len() > squared.rows.len() {
             self.list.add_general(
+                Severity::Note,
                 format!("centrifugal force of body {}", body.name),
                 format!(
                     "a scene has the angular velocity, the square root of this load: each straight piece of the load becomes {PIECES} of the velocity"

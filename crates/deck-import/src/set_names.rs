@@ -7,6 +7,7 @@ use stoss_mesh_io::Solids;
 use stoss_mesh_io::deck::Deck;
 
 use crate::FileNames;
+use crate::adjust::{Moved, Which, adjust};
 use crate::bodies::{Bodies, unique_name};
 
 /// The mesh of a body as the scene names it.
@@ -74,6 +75,13 @@ impl<'a> SetNames<'a> {
     /// The mesh of the deck.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    /// Moves nodes of the mesh, which is then written beside the scene if any is moved.
+    pub fn adjust(&mut self, slave: &[Facet], master: &[Facet], which: Which<'_>) -> Moved {
+        let moved = adjust(&mut self.mesh.nodes, slave, master, which);
+        self.needs_mesh |= moved.count > 0;
+        moved
     }
 
     fn reference(&self, body: usize, set: &str) -> String {

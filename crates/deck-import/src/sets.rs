@@ -105,6 +105,17 @@ impl<'a> Lookup<'a> {
         find(&self.node_sets, &self.solids.mesh.node_sets, name)
     }
 
+    /// How many nodes a set has, whether or not they belong to elements which are read.
+    pub fn node_set_size(&self, name: &str) -> usize {
+        let upper = name.to_uppercase();
+        let ending = format!(".{upper}");
+        let sizes = || self.contents.node_set_sizes().map(|(name, size)| (name.to_uppercase(), size));
+        match sizes().find(|(name, _)| *name == upper) {
+            Some((_, size)) => size,
+            None => sizes().filter(|(name, _)| name.ends_with(&ending)).map(|(_, size)| size).sum(),
+        }
+    }
+
     pub fn elements(&self, target: &Target) -> Selection<u32> {
         match target {
             Target::All => Selection { name: None, members: (0..self.solids.mesh.elements.len() as u32).collect() },

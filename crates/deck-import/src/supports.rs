@@ -7,6 +7,7 @@ use stoss_mesh_io::deck::{DeckPlace, Prescribed, Support};
 use crate::axes::{Direction, LocalAxes};
 use crate::context::Context;
 use crate::history::{History, Value, amplitude, by_history, parts};
+use crate::left_out::Severity;
 use crate::records::{DeckLine, StageRecords, members_by_records};
 use crate::sets::{Selection, named};
 use crate::text::{count, text, vector};
@@ -39,7 +40,8 @@ impl Context<'_> {
                 "it does not act on {} whose *TRANSFORM gives no axes there: its type is not read, or the node lies on the line of cylindrical axes",
                 count(out, "node", "nodes")
             );
-            self.list.add(place, keyword, consequence, "write [[prescribe]] or [[load]] for these nodes");
+            let remedy = "write [[prescribe]] or [[load]] for these nodes";
+            self.list.add(Severity::Missing, place, keyword, consequence, remedy);
         }
     }
 
@@ -50,8 +52,17 @@ impl Context<'_> {
         if !nodes.members.iter().any(|node| self.bodies.owner(*node).is_some()) {
             let consequence = format!("{} has no node of a body: nothing is prescribed", text(&support.nodes));
             let remedy = "if it is a reference node, see [[joint]] and `rotation` of [[prescribe]]";
-            self.list.add(place, "*BOUNDARY", consequence, remedy);
+            self.list.add(Severity::Missing, place, "*BOUNDARY", consequence, remedy);
             return None;
+        }
+        let outside = self.nodes_outside(&nodes, &support.nodes);
+        if outside > 0 {
+            let consequence = format!(
+                "{} of {} in no body: nothing is prescribed there",
+                count(outside, "node", "nodes"),
+                text(&support.nodes)
+            );
+            self.list.add(Severity::Note, place, "*BOUNDARY", consequence, "");
         }
         let is_zero = support.value == 0.0;
         // Of a node that is held in all directions the axes do not matter.
@@ -77,7 +88,7 @@ impl Context<'_> {
                 };
                 let consequence = format!("{what} is not prescribed: the nodes are free");
                 let remedy = "prescribe the displacement over time: an amplitude with a table of times and values";
-                self.list.add(place, "*BOUNDARY", consequence, remedy);
+                self.list.add(Severity::Missing, place, "*BOUNDARY", consequence, remedy);
                 return None;
             }
         };
@@ -133,7 +144,7 @@ impl Context<'_> {
                     let place = records.first().map_or(places[0], |&record| places[record as usize]);
                     let consequence = "it begins in a later step along an inclined axis of a *TRANSFORM: it does not begin where the nodes are, but takes them to its value in the first increment";
                     let remedy = "let it begin in the first step, or turn the mesh so that the axis is x, y or z";
-                    self.list.add(place, "*BOUNDARY", consequence, remedy);
+                    self.list.add(Severity::Changed, place, "*BOUNDARY", consequence, remedy);
                 }
                 for (b, body) in self.bodies.all.iter().enumerate() {
                     let wanted: BTreeSet<u32> =

@@ -2,7 +2,7 @@
 
 use stoss_mesh_io::deck::{Amplitude, Deck, Procedure, Step, Times};
 
-use crate::left_out::List;
+use crate::left_out::{List, Severity};
 use crate::text::number;
 
 /// A step of the deck as a part of the run.
@@ -54,20 +54,29 @@ impl Timeline {
         for (s, step) in deck.steps.iter().enumerate() {
             let start = stages.last().map_or(0.0, |stage| stage.end);
             match stage(deck, s, step, start, list) {
-                Some(stage) => stages.push(stage),
+                Some(mut stage) => {
+                    let own = stage.name.clone();
+                    let mut number = 2;
+                    while stages.iter().any(|other| other.name == stage.name) {
+                        stage.name = format!("{own}-{number}");
+                        number += 1;
+                    }
+                    stages.push(stage);
+                }
                 None => {
                     let lines = step.supports.len() + step.forces.len() + step.loads.len() + step.pressures.len();
                     if lines > 0 {
                         let consequence = format!(
                             "its {lines} lines of supports and loads act in the later steps that do not end them"
                         );
-                        list.add(step.place, "*STEP that is left out", consequence, "");
+                        list.add(Severity::Note, step.place, "*STEP that is left out", consequence, "");
                     }
                 }
             }
         }
         if stages.is_empty() {
             list.add_general(
+                Severity::Missing,
                 "no step with *STATIC or *DYNAMIC",
                 "the scene has one static step of length 1, with the supports and loads that are left after all steps",
                 "set [time], supports and loads as you need them",
@@ -117,7 +126,7 @@ fn without_jumps(amplitude: &Amplitude, increment: f64, list: &mut List) -> Ampl
                 number(time),
                 number(start)
             );
-            list.add(amplitude.place, what, consequence, "begin a step there if the jump matters");
+            list.add(Severity::Changed, amplitude.place, what, consequence, "begin a step there if the jump matters");
         }
         points.push(last);
     }
@@ -128,6 +137,7 @@ fn without_jumps(amplitude: &Amplitude, increment: f64, list: &mut List) -> Ampl
 fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) -> Option<Stage> {
     if step.is_perturbation {
         list.add(
+            Severity::Note,
             step.place,
             "parameter PERTURBATION of *STEP",
             "the step is left out: Stoss has no linear perturbations",
@@ -135,13 +145,16 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
         );
         return None;
     }
+    if step.increments.is_some() {
+        list.add_unread(step.place, "parameter INC of *STEP");
+    }
     let has_contact = !deck.pairs.is_empty();
     let (times, is_dynamic) = match &step.procedure {
         Some(Procedure::Static(times)) => (*times, false),
         Some(Procedure::Dynamic { times, .. }) => (*times, true),
         Some(Procedure::Other(_)) => return None,
         None => {
-            list.add(step.place, "*STEP without a procedure", "it is computed as *STATIC", "");
+            list.add(Severity::Changed, step.place, "*STEP without a procedure", "it is computed as *STATIC", "");
             (Times::default(), false)
         }
     };
@@ -155,7 +168,7 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
     let first = first.max(period / RATIO);
     let mut stage = Stage {
         step: Some(index),
-        name: format!("step-{}", index + 1),
+        name: stage_name(step, index, list),
         start,
         end,
         is_dynamic,
@@ -171,7 +184,7 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
         let (text, note) = integrator(*alpha, *is_explicit, has_contact);
         stage.integrator = Some(text);
         if let Some(note) = note {
-            list.add(step.place, "*DYNAMIC", note, "for another scheme set `integrator` of [time]");
+            list.add(Severity::Changed, step.place, "*DYNAMIC", note, "for another scheme set `integrator` of [time]");
         }
         if !times.is_fixed {
             // The increments of the deck may grow to the largest one; that of a step that gives none is not known.
@@ -184,6 +197,7 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
                 "the first increment of the deck"
             };
             list.add(
+                Severity::Note,
                 step.place,
                 "*DYNAMIC",
                 format!(
@@ -204,6 +218,7 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
     }
     if !step.is_nonlinear && !has_contact {
         list.add(
+            Severity::Note,
             step.place,
             "*STEP without NLGEOM",
             "Stoss always computes with large displacements: results agree as far as strains and rotations are small",
@@ -211,6 +226,19 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
         );
     }
     Some(stage)
+}
+
+/// The name of the stage of a step: that of the step, if a scene can have it.
+fn stage_name(step: &Step, index: usize, list: &mut List) -> String {
+    let good = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
+    match &step.name {
+        Some(name) if name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(good) => name.clone(),
+        Some(name) => {
+            list.add_unread(step.place, format!("parameter NAME of *STEP, {name}"));
+            format!("step-{}", index + 1)
+        }
+        None => format!("step-{}", index + 1),
+    }
 }
 
 /// The scheme, and what is not as in the deck.

@@ -219,9 +219,12 @@ pub(crate) fn scene(
     mapped.iter().for_each(|line| {
         let _ = writeln!(text, "#   {}", comment(line));
     });
-    text.push_str(if left_out.is_empty() { "# Nothing was left out.\n" } else { "#\n# Left out or changed:\n" });
+    text.push_str(match left_out {
+        [] => "# Nothing was left out.\n",
+        _ => "#\n# What the deck has and this scene has not is in the tables [[left_out]]. `stoss check` and `stoss run` repeat it. While something is \"missing\"\n# (a load, a support, a constraint, a contact, a part) the verdict of a run is at best doubtful: add it, then remove its entry.\n",
+    });
     left_out.iter().for_each(|entry| {
-        let _ = writeln!(text, "#   {}", comment(&entry.to_string()));
+        let _ = write!(text, "\n{}", entry.table());
     });
     let title = deck.title.as_deref().map(str::trim).filter(|title| !title.is_empty()).unwrap_or(&names.deck);
     let kind = if timeline.is_dynamic() { "dynamic" } else { "quasi-static" };

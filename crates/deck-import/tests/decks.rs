@@ -2,7 +2,7 @@
 
 use std::io::ErrorKind;
 
-use stoss_deck_import::{FileNames, Import, ImportError, import};
+use stoss_deck_import::{FileNames, Import, ImportError, Severity, import};
 use stoss_mesh_io::MeshIoError;
 use stoss_mesh_io::deck::read_deck_from_bytes;
 
@@ -137,10 +137,29 @@ fn what_is_left_out_is_told_with_its_line() {
         assert_eq!(entry(&import, what).place, format!("part.inp:{}", line(text)), "{what}");
     }
     assert!(entry(&import, "gravity").consequence.contains("*DENSITY"));
-    // All of it stands at the head of the scene, too.
-    for entry in &import.left_out {
-        assert!(import.scene.contains(&format!("#   {entry}")), "{entry}");
+    // All of it stands in the scene, too, the worst first.
+    let entries = tables(&import, "left_out");
+    let words = |key: &str| strings(&entries, key);
+    assert_eq!(words("line"), import.left_out.iter().map(|entry| entry.place.clone()).collect::<Vec<_>>());
+    assert_eq!(words("keyword"), import.left_out.iter().map(|entry| entry.what.clone()).collect::<Vec<_>>());
+    assert_eq!(words("text"), import.left_out.iter().map(|entry| entry.text()).collect::<Vec<_>>());
+    assert_eq!(words("severity"), import.left_out.iter().map(|entry| entry.severity.name()).collect::<Vec<_>>());
+    assert!(import.left_out.is_sorted_by_key(|entry| entry.severity));
+    for (what, severity) in [
+        ("1 element S4", Severity::Missing),
+        ("*SPRING", Severity::Missing),
+        ("*EQUATION", Severity::Missing),
+        ("*CLOAD", Severity::Missing),
+        ("gravity", Severity::Missing),
+        ("*PLASTIC", Severity::Changed),
+        ("all lines of *ELASTIC", Severity::Changed),
+        ("*FREQUENCY", Severity::Note),
+        ("*EXPANSION", Severity::Note),
+    ] {
+        assert_eq!(entry(&import, what).severity, severity, "{what}");
     }
+    // A request of output changes nothing.
+    assert!(import.left_out.iter().all(|entry| !entry.what.contains("FILE")), "{:#?}", import.left_out);
     // One of the two turned nodes lies on the line of the cylindrical axes and has no radial direction; the shell's nodes have only what they have of the solid.
     assert!(import.left_out.iter().any(|entry| entry.consequence.contains("on 1 node whose *TRANSFORM gives no axes")));
     assert_eq!(strings(&tables(&import, "prescribe"), "set"), ["block.base", "block.support"]);

@@ -77,6 +77,11 @@ impl Contents {
         list
     }
 
+    /// The sets of nodes, with the numbers of their nodes: also of those that no element has, such as reference nodes.
+    pub fn node_set_sizes(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.node_sets.iter().map(|(name, nodes)| (name.as_str(), nodes.len()))
+    }
+
     /// The instances of a part, by their names; names compare without regard to case.
     pub fn instances_of(&self, part: &str) -> Vec<&str> {
         let own = self.parts.iter().filter(|(_, of)| of.eq_ignore_ascii_case(part));

@@ -407,3 +407,106 @@ fn a_browser_shows_a_sweep_and_keeps_what_it_shows_over_a_reload() {
     assert_eq!((title(&document), console), ("ready", Vec::new()));
     passes(browser, &[sweep.path()], &["panel Sweep", "panel Compare", "chart tip at the end over mu", "scrub"]);
 }
+
+/// Another outcome and verdict in a summary.
+fn ended(folder: &Path, outcome: Value, level: &str) {
+    let file = folder.join("summary.json");
+    let mut summary: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+    summary["outcome"] = outcome;
+    summary["verdict"] = serde_json::json!({"level": level, "reasons": []});
+    std::fs::write(file, summary.to_string()).unwrap();
+}
+
+/// Classes and text of an element of a document.
+fn element<'a>(document: &'a str, id: &str) -> (&'a str, &'a str) {
+    let (_, rest) = document.split_once(&format!("id=\"{id}\"")).unwrap_or_else(|| panic!("no {id}"));
+    let (head, rest) = rest.split_once('>').unwrap();
+    let class = head.split_once("class=\"").map_or("", |(_, rest)| rest.split('"').next().unwrap());
+    (class, rest.split('<').next().unwrap())
+}
+
+/// Only a run that reached its end has a badge in the colour of its verdict; that of another one says up to where it goes, after the outcome.
+#[test]
+fn a_browser_shows_the_outcome_before_the_verdict() {
+    let Some(browser) = chromium() else {
+        println!("skipped: no chromium on this machine");
+        return;
+    };
+    let folder = folder();
+    let shown = |outcome: Value, level: &str| {
+        ended(folder.path(), outcome, level);
+        write(&[folder.path()]).unwrap();
+        let (document, console) = load(browser, &folder.path().join(NAME), "#tab=Verdict");
+        assert_eq!(console, Vec::<String>::new());
+        assert!(document.find("id=\"outcome\"") < document.find("id=\"verdict\""));
+        let of = |id: &str| {
+            let (class, text) = element(&document, id);
+            format!("{class}: {text}")
+        };
+        let headings: Vec<String> =
+            document.split("<h2>").skip(1).map(|rest| rest.split('<').next().unwrap().to_owned()).collect();
+        ([of("outcome"), of("verdict"), of("failure")], headings[..2].to_vec())
+    };
+    let kind = |kind: &str| serde_json::json!({"kind": kind, "last_step": 5, "last_time": 0.5});
+    let (badges, headings) = shown(kind("completed"), "sound");
+    assert_eq!(badges, ["badge completed: completed", "badge sound: sound", ": "]);
+    assert_eq!(headings, ["Outcome: completed", "Verdict: sound"]);
+    let failed =
+        serde_json::json!({"kind": "failed", "reason": "the system is singular", "last_step": 5, "last_time": 0.5});
+    let (badges, headings) = shown(failed, "sound");
+    assert_eq!(badges, ["badge failed: failed", "badge part: sound up to t = 0.5", ": the system is singular"]);
+    assert_eq!(headings, ["Outcome: failed", "Verdict up to t = 0.5: sound"]);
+    for (outcome, words) in
+        [("stopped", "stopped before its end"), ("interrupted", "interrupted"), ("running", "running")]
+    {
+        let (badges, _) = shown(kind(outcome), "wrong");
+        assert_eq!(
+            badges[..2],
+            [format!("badge {outcome}: {words}"), "badge part wrong: wrong up to t = 0.5".to_owned()]
+        );
+    }
+}
+
+/// In a frame as wide as the screen of a telephone nothing sticks out, and words of labels are whole.
+#[test]
+fn a_narrow_browser_shows_it() {
+    let Some(browser) = chromium() else {
+        println!("skipped: no chromium on this machine");
+        return;
+    };
+    let (folder, sweep) = (folder(), sweep());
+    let reason = "step 6 from time 0.5 failed even at the step size 4.883e-4: ".repeat(4);
+    ended(
+        folder.path(),
+        serde_json::json!({"kind": "failed", "reason": reason, "last_step": 5, "last_time": 0.5}),
+        "sound",
+    );
+    write(&[folder.path()]).unwrap();
+    write(&[sweep.path()]).unwrap();
+    const MEASURE: &str = "<script>
+      started.then((app) => {
+        const wide = [...app.panels.tabs.keys()].map((name) => {
+          app.panels.open(name);
+          return document.documentElement.scrollWidth - document.documentElement.clientWidth;
+        });
+        app.panels.open('Run');
+        const label = [...document.querySelectorAll('#panels .on th')].find((found) => found.textContent === 'outcome');
+        const line = label && label.getClientRects().length && new Range();
+        if (line) line.selectNodeContents(label);
+        parent.postMessage(JSON.stringify({ wide: Math.max(...wide), lines: line ? line.getClientRects().length : 0 }), '*');
+      });
+    </script></body>";
+    for page in [folder.path(), sweep.path()] {
+        let text = std::fs::read_to_string(page.join(NAME)).unwrap();
+        std::fs::write(page.join("measured.html"), text.replacen("</body>", MEASURE, 1)).unwrap();
+        for width in [390, 320] {
+            let frame = format!(
+                "<title>none</title><iframe src=\"measured.html\" style=\"width: {width}px; height: 800px\"></iframe>\
+                 <script>onmessage = (event) => {{ document.title = event.data; }}</script>"
+            );
+            std::fs::write(page.join("frame.html"), frame).unwrap();
+            let (document, _) = load(browser, &page.join("frame.html"), "");
+            assert_eq!(title(&document), "{\"wide\":0,\"lines\":1}", "{width}");
+        }
+    }
+}

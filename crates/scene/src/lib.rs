@@ -28,6 +28,7 @@ mod general;
 mod general_contact;
 mod gravity;
 mod joint;
+mod left_out;
 mod material;
 mod mesh;
 mod names;
@@ -71,6 +72,7 @@ pub use joint::{
     ActingOn, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension,
     Spring,
 };
+pub use left_out::{LeftOut, Omission};
 pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
 pub use mesh::{
     Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,
@@ -189,6 +191,9 @@ pub struct Scene {
     /// `[expect]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expect: Option<Expect>,
+    /// `[[left_out]]`.
+    #[serde(default, rename = "left_out", skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOut>,
     #[serde(skip)]
     source: Source,
 }

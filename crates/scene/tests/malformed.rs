@@ -545,6 +545,12 @@ const CASES: &[Case] = &[
     quasi("[time]", "[sets]\nleft = 1\n[time]", "left", "sets.left"),
     quasi("max_newton_mean = 6", "energy_drift = 1e-9", "energy_drift", "expect.energy_drift"),
     quasi("max_newton_mean = 6", "contact_at_end = false", "contact_at_end", "expect.contact_at_end"),
+    quasi("severity = \"note\"", "severity = \"remark\"", "remark", "left_out[1].severity"),
+    quasi("severity = \"missing\"\n", "", "[[left_out]]", "left_out[0].severity"),
+    quasi("keyword = \"*CONTROLS\"\n", "", "[[left_out]]\nseverity = \"note\"", "left_out[1].keyword"),
+    quasi("line = \"part.inp:12\"", "line = 12", "line = 12", "left_out[0].line"),
+    quasi("text = \"Stoss has tolerances of its own\"", "text = \" \"", "text = \" \"", "left_out[1].text"),
+    quasi("text = \"Stoss has tolerances of its own\"", "text = \"x\"\nplace = \"a\"", "place = ", "left_out[1].place"),
 ];
 
 #[test]

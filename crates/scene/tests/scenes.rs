@@ -3,8 +3,9 @@
 use crate::support::schema;
 use std::path::PathBuf;
 use stoss_scene::{
-    BoxShape, Component, Coupling, Dimension, Friction, JointKind, Kind, LoadKind, Material, MeshSource, OwnNames,
-    Parameter, PartKind, ProbeComponent, Problem, Scene, Section, Series, Shape, json_schema, parse, parse_with,
+    BoxShape, Component, Coupling, Dimension, Friction, JointKind, Kind, LoadKind, Material, MeshSource, Omission,
+    OwnNames, Parameter, PartKind, ProbeComponent, Problem, Scene, Section, Series, Shape, json_schema, parse,
+    parse_with,
 };
 
 const DYNAMIC: &str = include_str!("data/dynamic.toml");
@@ -135,6 +136,10 @@ fn values_arrive_where_they_belong() {
     assert_eq!(turn.prescribed_components().len(), 3);
     let rotation = turn.rotation.as_ref().unwrap();
     assert_eq!((rotation.axis, rotation.about), ([0.0, 0.0, 1.0], [0.0, 0.0, 2.0]));
+    let [coupling, controls] = &scene.left_out[..] else { panic!("{:?}", scene.left_out) };
+    assert_eq!((coupling.severity, controls.severity), (Omission::Missing, Omission::Note));
+    assert!(coupling.to_string().starts_with("*COUPLING (part.inp:12): its nodes"), "{coupling}");
+    assert_eq!(controls.to_string(), "*CONTROLS: Stoss has tolerances of its own");
     assert_eq!(rotation.degrees.rows(), [[0.0, 0.0], [1.0, 720.0]]);
 }
 

@@ -143,7 +143,7 @@ pub struct EndEvent {
     pub time: f64,
     /// Folder of the results.
     pub out: String,
-    /// Verdict of the watch: `sound`, `doubtful` or `wrong`.
+    /// Verdict of the watch: `sound`, `doubtful` or `wrong`; of a run that is not completed on the part up to `time`.
     pub verdict: String,
     /// Why it is not sound, the worst first.
     pub reasons: Vec<String>,
@@ -159,6 +159,8 @@ pub struct EndEvent {
 pub struct ErrorEvent {
     /// In words.
     pub message: String,
+    /// `failed` if the simulation stopped early; null if the run did not begin, or its results could not be written.
+    pub outcome: Option<String>,
     /// Problems of the scene; empty if it is none of the scene.
     pub problems: Vec<ProblemEvent>,
     /// Last completed step, if the simulation stopped early.
@@ -248,6 +250,7 @@ impl EventRecord {
         };
         Self::Error(ErrorEvent {
             message: error.to_string(),
+            outcome: last.map(|_| "failed".to_owned()),
             problems,
             last_step: last.map(|(step, ..)| step),
             last_time: last.map(|(_, time, _)| time),

@@ -2,6 +2,7 @@
 
 use crate::build::{Built, OwnLaws, Schedule, build_with};
 use crate::diagnosis::{Case, Cause, Confidence, Diagnosis};
+use crate::left_out;
 use crate::output::{
     Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, UnitLabels, Watched,
     changed_by, contact_bodies, judge_start, promises,
@@ -91,7 +92,8 @@ fn load(path: &Path, laws: &OwnLaws, set: &[(String, String)]) -> Result<(Scene,
     let text = read_text(path)?;
     let scene =
         crate::scene::parse_set(&text, &path.display().to_string(), &laws.names(), set).map_err(RunError::Scene)?;
-    let built = build_with(&scene, scene_folder(path), laws).map_err(RunError::Scene)?;
+    let mut built = build_with(&scene, scene_folder(path), laws).map_err(RunError::Scene)?;
+    built.warnings.extend(left_out::warnings(&scene));
     Ok((scene, built))
 }
 
@@ -153,6 +155,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         changed_by: changed_by(&scene, simulation.model()),
         contacts,
         watch: scene.watch.clone(),
+        left_out: left_out::finding(&scene),
         drawing,
         joints,
         schedule: schedule.clone(),
@@ -165,10 +168,11 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         resumed: options.resume,
     });
     let diagnose = |simulation: &Simulation, summary: &Summary, error: Option<String>| {
-        let verdict = &summary.verdict;
+        // A cause is looked for of what happened in the run.
+        let verdict = left_out::without(&summary.verdict);
         let place = scene_folder(path);
         let diagnosis =
-            Diagnosis::of(&Case::new(&scene, place, &options.laws, simulation, watched.clone(), verdict, error));
+            Diagnosis::of(&Case::new(&scene, place, &options.laws, simulation, watched.clone(), &verdict, error));
         Diagnosis::remove(&options.out)?;
         if diagnosis.is_worth_reading() {
             diagnosis.write(&options.out)?;
@@ -329,6 +333,7 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
 pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, RunError> {
     let (scene, built) = load(path, &options.laws, &options.set)?;
     let mut lines = plan_lines(&scene, &built);
+    lines.extend(left_out::notes(&scene).into_iter().map(|note| format!("  {note}")));
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
     let start = judge_start(&built.simulation, &scene, &built.drawing)?;
     lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
@@ -340,7 +345,13 @@ pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, 
             lines.push(format!("  warning: {}{remedy}", found.sentence));
         }
     }
-    lines.push("no problems found".to_owned());
+    lines.push(match left_out::count(&scene) {
+        0 => "no problems found".to_owned(),
+        n => format!(
+            "the scene can run, but lacks {n} {} that its deck has ([[left_out]], severity \"missing\"): the verdict of a run is at best doubtful",
+            if n == 1 { "thing" } else { "things" }
+        ),
+    });
     Ok(PlanReport { lines })
 }
 

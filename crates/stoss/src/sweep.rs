@@ -82,7 +82,7 @@ impl Case {
     }
 
     fn summary(&self, out: &Path) -> Option<Summary> {
-        serde_json::from_slice(&std::fs::read(self.folder(out).join("summary.json")).ok()?).ok()
+        Summary::read(&self.folder(out)).ok()
     }
 
     /// The last error that its run printed.
@@ -255,12 +255,17 @@ impl SweepPlan {
         };
         result.outcome = summary.outcome.kind();
         result.verdict = summary.verdict.level.to_string();
-        result.reason = match (&summary.outcome, summary.verdict.reasons.first()) {
-            (Outcome::Failed { reason, .. }, _) => reason.clone(),
-            (Outcome::Running, _) => "its process runs still, or was killed".to_owned(),
-            (_, Some(found)) => found.sentence.clone(),
-            _ => String::new(),
+        let ended = match &summary.outcome {
+            Outcome::Failed { reason, .. } => Some(reason.clone()),
+            Outcome::Running => Some("its process is running still, or was killed".to_owned()),
+            _ => None,
         };
+        // Why it failed, then what was found up to there.
+        let found = summary.verdict.reasons.first().map(|found| match ended {
+            Some(_) => format!("{}: {}", summary.outcome.judged(summary.time), found.sentence),
+            None => found.sentence.clone(),
+        });
+        result.reason = ended.into_iter().chain(found).collect::<Vec<_>>().join("; ");
         result.time = Some(summary.time);
         result.steps = Some(summary.steps);
         result.wall_seconds = Some(summary.wall_seconds);
@@ -286,7 +291,7 @@ impl SweepPlan {
 pub struct CaseResult {
     /// `completed`, `stopped`, `interrupted`, `running`, `failed`, or `missing` if it was not run.
     pub outcome: &'static str,
-    /// `sound`, `doubtful` or `wrong`; empty without results.
+    /// `sound`, `doubtful` or `wrong`; empty without results. Of a case that is not completed it is the verdict on the part up to `time`.
     pub verdict: String,
     /// Why it failed or is not sound; empty otherwise.
     pub reason: String,

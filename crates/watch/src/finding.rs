@@ -50,6 +50,8 @@ pub enum FindingKind {
     Contact,
     /// A static equilibrium is unstable.
     Unstable,
+    /// A load, a support, a constraint, a contact or a part of the deck is not in the scene that was imported from it. No check of the watch finds this; the scene says so.
+    LeftOut,
 }
 
 /// One finding, at its worst.

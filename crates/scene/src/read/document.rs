@@ -5,8 +5,8 @@ use super::sets::Sets;
 use super::table::Table;
 use super::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
 use super::{
-    beam, body, conditions, event, general, general_contact, joint, parameters, prescribe, results, rigid, string,
-    support, sweep, tie,
+    beam, body, conditions, event, general, general_contact, joint, left_out, parameters, prescribe, results, rigid,
+    string, support, sweep, tie,
 };
 use crate::general_contact::is_default;
 use crate::source::Source;
@@ -193,6 +193,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let output = root.default("output", crate::Output::default(), |n| results::output(n, &world));
     let watch = root.default("watch", crate::Watch::default(), results::watch);
     let expect = root.optional("expect", |n| results::expect(n, &world));
+    let left_out: Vec<_> = root.tables("left_out").iter().map(|table| left_out::left_out(table.as_ref()?)).collect();
     let parameters = root.default("parameters", BTreeMap::new(), parameters::values);
     let sweep = root.optional("sweep", sweep::sweep);
     root.finish();
@@ -225,6 +226,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         output: output?,
         watch: watch?,
         expect: expect?,
+        left_out: all(left_out)?,
         source: Source::of_expressions(world.sets.into_list()),
     })
 }

@@ -12,6 +12,7 @@ mod friction;
 mod general;
 mod general_contact;
 mod joint;
+mod left_out;
 mod material;
 mod mesh;
 mod node;

@@ -164,6 +164,7 @@ impl ResultFolder {
                 &settings.contacts,
                 settings.promises.clone(),
                 &settings.drawing,
+                settings.left_out.clone(),
             )?,
             watched: open(watch::TABLE, watch::COLUMNS)?,
             path: path.to_path_buf(),

@@ -7,12 +7,12 @@ use sha2::{Digest, Sha256};
 
 /// Tables of a scene that say what is written and judged, not what is computed.
 /// Of parameters what counts is where they are used.
-const WITHOUT_INFLUENCE: [&str; 5] = ["output", "watch", "expect", "parameters", "sweep"];
+const WITHOUT_INFLUENCE: [&str; 6] = ["output", "watch", "expect", "parameters", "sweep", "left_out"];
 
 /// How many differences are named.
 const NAMED: usize = 5;
 
-/// Version, parsed scene and mesh files; comments, title, units, end, probes on which no event depends, `[output]`, `[watch]` and `[expect]` are left out.
+/// Version, parsed scene and mesh files; comments, title, units, end, probes on which no event depends, `[output]`, `[watch]`, `[expect]` and `[[left_out]]` do not count.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneIdentity {
     version: String,

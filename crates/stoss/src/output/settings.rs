@@ -3,7 +3,7 @@
 use super::identity::SceneIdentity;
 use crate::build::{ContactPlan, JointPlace, Probe};
 use crate::scene::{Field, FrameFormat, Frames, Watch as WatchTable};
-use stoss_watch::Promises;
+use stoss_watch::{Finding, Promises};
 
 /// What a folder needs to know of the scene.
 #[derive(Clone, Debug)]
@@ -46,6 +46,8 @@ pub struct FolderSettings {
     pub promises: Vec<Option<Promises>>,
     /// What is checked, and what a verdict `wrong` does.
     pub watch: WatchTable,
+    /// The finding that the scene lacks something of its deck.
+    pub left_out: Option<Finding>,
 }
 
 impl FolderSettings {

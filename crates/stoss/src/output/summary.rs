@@ -69,6 +69,10 @@ pub struct Summary {
     pub version: String,
     /// Title of the scene.
     pub title: String,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// What the watch found: sound, doubtful or wrong, and why. Of a run that is not completed it is the verdict on the part up to `time`.
+    pub verdict: Verdict,
     /// SHA-256 of all that the results depend on: version, parsed scene, mesh files.
     pub scene_hash: String,
     /// Scheme, or "quasi-static".
@@ -109,15 +113,11 @@ pub struct Summary {
     pub drift: BTreeMap<String, Drift>,
     /// Every decision of step control and active set.
     pub decisions: Vec<Decision>,
-    /// What the watch found: sound, doubtful or wrong, and why.
-    pub verdict: Verdict,
     /// How often the watch checked, and what a verdict `wrong` does.
     pub watch: WatchSummary,
     /// Wall seconds that writing the page `report.html` at the end of the run took, if it was written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub page_seconds: Option<f64>,
-    /// How it ended.
-    pub outcome: Outcome,
 }
 
 impl Outcome {
@@ -131,9 +131,42 @@ impl Outcome {
             Self::Failed { .. } => "failed",
         }
     }
+
+    /// What the verdict on a run with this outcome, which has reached a time, is called: of one that is not completed it says up to where.
+    pub fn judged(&self, time: f64) -> String {
+        match self {
+            Self::Completed => "verdict".to_owned(),
+            _ => format!("verdict up to t = {}", digits(time)),
+        }
+    }
+}
+
+impl std::fmt::Display for Outcome {
+    /// In words, for instance "failed after step 3 at t = 0.25: ...".
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Completed | Self::Running => f.write_str(self.kind()),
+            Self::Stopped { last_step, last_time }
+            | Self::Interrupted { last_step, last_time }
+            | Self::Failed { last_step, last_time, .. } => {
+                write!(f, "{} after step {last_step} at t = {}", self.kind(), digits(*last_time))?;
+                if let Self::Failed { reason, .. } = self { write!(f, ": {reason}") } else { Ok(()) }
+            }
+        }
+    }
 }
 
 impl Summary {
+    /// Reads that of a folder of results.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn read(folder: &Path) -> Result<Self, OutputError> {
+        let path = folder.join("summary.json");
+        let bytes = std::fs::read(&path).map_err(OutputError::io(&path))?;
+        serde_json::from_slice(&bytes).map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })
+    }
+
     /// Writes it into a folder of results, as `summary.json`.
     ///
     /// # Errors
@@ -156,9 +189,7 @@ impl Summary {
         if !path.is_file() {
             return Ok(());
         }
-        let bytes = std::fs::read(&path).map_err(OutputError::io(&path))?;
-        let mut summary: Self = serde_json::from_slice(&bytes)
-            .map_err(|e| OutputError::Damaged { path: path.clone(), reason: e.to_string() })?;
+        let mut summary = Self::read(folder)?;
         summary.page_seconds = Some(seconds);
         summary.write(folder)
     }
@@ -200,6 +231,6 @@ impl std::fmt::Display for Summary {
                 None => write!(f, "  {} -", name.replace('_', " "))?,
             }
         }
-        write!(f, "\n{}", self.verdict)
+        write!(f, "\n{}: {}", self.outcome.judged(self.time), self.verdict)
     }
 }

@@ -42,10 +42,13 @@ class App {
     this.run = run;
     byId('run').value = number;
     byId('title').textContent = run.summary?.title ?? run.name;
-    const level = run.summary?.verdict?.level ?? 'no verdict';
-    Object.assign(byId('verdict'), { textContent: level, className: `badge ${level}`, onclick: () => this.panels.open('Verdict') });
     const s = run.summary;
-    byId('facts').textContent = s ? `${run.name} · ${ending(s)} · ${s.steps} steps to t = ${text(s.time)}${after(unitOf(run, 'time'))} · ${text(s.wall_seconds)} s` : run.name;
+    // How the run ended comes first: a verdict on a part of it is none on its result.
+    const { kind, words } = ending(s);
+    Object.assign(byId('outcome'), { textContent: words, className: `badge ${kind}` });
+    Object.assign(byId('verdict'), { ...judgement(s, unitOf(run, 'time')), onclick: () => this.panels.open('Verdict') });
+    byId('failure').textContent = s?.outcome?.reason ?? '';
+    byId('facts').textContent = s ? `${run.name} · ${s.steps} steps to t = ${text(s.time)}${after(unitOf(run, 'time'))} · ${text(s.wall_seconds)} s` : run.name;
     this.panels.setRun(run);
     this.place = null;
     this.pick(null);

@@ -131,12 +131,33 @@ function verdict(run, go) {
   });
   const checked = watch ? ` Bodies and elements were checked every ${watch.every === 1 ? 'step' : `${watch.every} steps`}.` : '';
   const words = found.reasons.length ? 'What the watch found. A click shows the time and the place.' : 'The watch found nothing.';
-  return [...out, element('h2', { textContent: `Verdict: ${found.level}` }), element('p', { textContent: words + checked }), ...found.reasons.map(reason)];
+  const { words: end, isWhole } = ending(run.summary);
+  const failure = run.summary.outcome?.reason;
+  const heading = isWhole ? `Verdict: ${found.level}` : `Verdict ${until(run.summary, unitOf(run, 'time'))}: ${found.level}`;
+  return [
+    ...out, element('h2', { textContent: `Outcome: ${end}` }), ...(failure ? [element('p', { textContent: failure })] : []),
+    element('h2', { textContent: heading }), element('p', { textContent: words + checked }), ...found.reasons.map(reason),
+  ];
 }
 
-/** How a run ended, in words. */
-function ending({ outcome }) {
-  return outcome ? outcome.kind + (outcome.reason ? `: ${outcome.reason}` : '') : '-';
+/** How a run ended: the name of its outcome, that in words, and whether it reached its end, so that the verdict is one on all of it. */
+function ending(summary) {
+  const kind = summary?.outcome?.kind ?? 'unknown';
+  const words = { stopped: 'stopped before its end', unknown: 'outcome unknown' }[kind] ?? kind;
+  return { kind, words, isWhole: kind === 'completed' };
+}
+
+/** The part of a run that its verdict is about. */
+function until(summary, unit) {
+  return `up to t = ${text(summary.time)}${after(unit)}`;
+}
+
+/** Text and classes of the badge of the verdict; of a run that did not reach its end it says to which part it belongs, and has no colour that means that all is well. */
+function judgement(summary, unit) {
+  const level = summary?.verdict?.level;
+  if (!level) return { textContent: 'no verdict', className: 'badge' };
+  if (ending(summary).isWhole) return { textContent: level, className: `badge ${level}` };
+  return { textContent: `${level} ${until(summary, unit)}`, className: `badge part ${level === 'sound' ? '' : level}`.trim() };
 }
 
 function driftOf({ relative, reason }) {
@@ -150,7 +171,7 @@ function summaryRows(run) {
   const drifts = Object.entries(s.drift ?? {}).map(([name, drift]) => [`drift of ${name.replaceAll('_', ' ')}`, driftOf(drift)]);
   const memory = s.memory?.peak_resident_bytes;
   return [
-    ['outcome', ending(s)], ['verdict', s.verdict?.level], ['scheme', s.scheme], ['time reached', s.time], ['steps', s.steps],
+    ['outcome', ending(s).words + (s.outcome?.reason ? `: ${s.outcome.reason}` : '')], ['verdict', judgement(s, unitOf(run, 'time')).textContent], ['scheme', s.scheme], ['time reached', s.time], ['steps', s.steps],
     ['halved steps', s.cuts], ['iterations a step', s.mean_iterations], ['most iterations', s.max_iterations], ...drifts,
     ['wall seconds', s.wall_seconds], ['CPU seconds', s.cpu_seconds], ['part of contact', s.contact_share],
     ['memory in MB', memory ? memory / 1e6 : '-'], ...Object.entries(s.unknowns ?? {}).map(([name, value]) => [name.replaceAll('_', ' '), value]),

@@ -14,7 +14,9 @@ function sweepCharts(sweep) {
   const x = cases.map(({ parameters }) => parameters[0]);
   const charts = new Map();
   sweep.results.forEach((result, k) => {
-    const y = cases.map(({ results }) => results[k]);
+    // A case that did not reach its end has no values at the end; what it cost is known.
+    const isCost = ['time', 'steps', 'wall_seconds'].includes(result);
+    const y = cases.map(({ results, outcome }) => (isCost || outcome === 'completed' ? results[k] : null));
     if (!y.some((value) => value !== null)) return;
     const { title, name } = resultName(result);
     const chart = charts.get(title) ?? { group: 'Sweep', title: `${title} over ${sweep.parameters[0]}`, over: sweep.parameters[0], series: [], marks: [] };
@@ -45,7 +47,9 @@ function resultName(result) {
 function sweepTable(sweep, choose) {
   const head = ['case', ...sweep.parameters, 'outcome', 'verdict', ...sweep.results.map((name) => name.replaceAll('_', ' ')), 'reason'];
   const rows = sweep.cases.map(({ number, parameters, outcome, verdict, results, reason, run }) => {
-    const cells = [...parameters, outcome, verdict || '-', ...results, reason].map(cell);
+    // The verdict on a run that did not reach its end is one on the part up to there.
+    const judged = element('td', outcome === 'completed' ? { textContent: verdict || '-' } : { className: 'part', textContent: verdict ? `(${verdict} up to there)` : '-' });
+    const cells = [...parameters, element('td', { className: outcome, textContent: outcome }), judged, ...results, element('td', { className: 'reason', textContent: reason })].map(cell);
     const row = element('tr', {}, [element('th', { textContent: number }), ...cells]);
     if (run !== null) {
       row.className = 'case';

@@ -1,13 +1,14 @@
 //! What a run leaves for `stoss judge`, and the judgement of stored results.
 
 use super::model::watched;
+use crate::left_out;
 use crate::output::{OutputError, frames};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use stoss_mesh::Elements;
 use stoss_mesh_io::VtuData;
 use stoss_watch::{
-    BalanceState, BalanceWatch, Judge, Limits, TiedPair, Verdict, Watch, WatchBody, WatchModel, WatchShape,
+    BalanceState, BalanceWatch, Finding, Judge, Limits, TiedPair, Verdict, Watch, WatchBody, WatchModel, WatchShape,
 };
 
 /// Name of the file that says what the frames do not.
@@ -23,6 +24,9 @@ pub(super) struct WatchFile {
     contacts: Vec<[usize; 2]>,
     /// The balance as it was at the beginning; none in statics.
     balance: Option<BalanceWatch>,
+    /// The finding that the scene lacks something of its deck.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    left_out: Option<Finding>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -48,7 +52,13 @@ struct Tied {
 
 impl WatchFile {
     /// Of what is watched.
-    pub fn new(model: &WatchModel, limits: Limits, contacts: Vec<[usize; 2]>, balance: Option<BalanceWatch>) -> Self {
+    pub fn new(
+        model: &WatchModel,
+        limits: Limits,
+        contacts: Vec<[usize; 2]>,
+        balance: Option<BalanceWatch>,
+        left_out: Option<Finding>,
+    ) -> Self {
         let bodies = model.bodies.iter().map(|body| {
             let (elements, facets, is_open) = match &body.shape {
                 WatchShape::Solid(elements) => (elements.len(), 0, false),
@@ -64,7 +74,7 @@ impl WatchFile {
             }
         });
         let ties = model.ties.iter().map(|tie| Tied { bodies: tie.bodies, nodes: tie.nodes.clone() });
-        Self { bodies: bodies.collect(), ties: ties.collect(), limits, contacts, balance }
+        Self { bodies: bodies.collect(), ties: ties.collect(), limits, contacts, balance, left_out }
     }
 
     /// Writes it into a folder of results.
@@ -188,5 +198,5 @@ pub fn judge_folder(folder: &Path) -> Result<Verdict, OutputError> {
     if watch.is_none() {
         return Err(damaged(folder, "there are no frames".into()));
     }
-    Ok(judge.verdict())
+    Ok(left_out::with(judge.verdict(), file.left_out.as_ref()))
 }

@@ -12,6 +12,7 @@ pub(crate) use model::contact_bodies;
 use super::table::CsvTable;
 use super::{Drawing, OutputError};
 use crate::build::ContactPlan;
+use crate::left_out;
 use crate::points::Points;
 use crate::scene::{OnFault, Scene, Watch as WatchTable};
 use file::WatchFile;
@@ -20,8 +21,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use stoss_solver::{Balance, Simulation, StepRecord};
 use stoss_watch::{
-    BalanceState, BalanceWatch, ContactPoint, ContactState, Judge, Limits, PointFriction, Promises, Resolution,
-    Verdict, Watch, WatchModel,
+    BalanceState, BalanceWatch, ContactPoint, ContactState, Finding, Judge, Limits, PointFriction, Promises,
+    Resolution, Verdict, Watch, WatchModel,
 };
 
 /// Columns of `watch.csv`. Depth in the scene's length, and over the edge length of the facet that the node passed.
@@ -78,6 +79,8 @@ pub(super) struct RunWatch {
     last: Option<u64>,
     /// Depth and relative depth of the deepest penetration so far.
     deepest: [f64; 2],
+    /// The finding that the scene lacks something of its deck.
+    left_out: Option<Finding>,
     spent: Duration,
 }
 
@@ -90,6 +93,7 @@ impl RunWatch {
         described: &[ContactPlan],
         promises: Vec<Option<Promises>>,
         drawing: &Drawing,
+        left_out: Option<Finding>,
     ) -> Result<Self, OutputError> {
         let points = Points::of(simulation.model());
         let (stage, mass) = (simulation.stage(), simulation.total_mass());
@@ -100,7 +104,7 @@ impl RunWatch {
         let is_one = promises.iter().all(|of| *of == promised(&promises, stage));
         let stored = balance.clone().filter(|_| is_one);
         let between: Vec<[usize; 2]> = contacts.iter().flatten().copied().collect();
-        let file = WatchFile::new(&model, limits(settings), between.clone(), stored);
+        let file = WatchFile::new(&model, limits(settings), between.clone(), stored, left_out.clone());
         let judge = judge(&model, between, settings);
         let watch = Watch::new(model)?;
         let every = settings.every.map_or_else(|| watch.default_every(), u64::from);
@@ -120,6 +124,7 @@ impl RunWatch {
             previous: Vec::new(),
             last: None,
             deepest: [0.0; 2],
+            left_out,
             spent: Duration::ZERO,
         })
     }
@@ -181,7 +186,7 @@ impl RunWatch {
         for count in [seen.nodes_inside, seen.cutting, seen.tunnelled.len()] {
             table.integer(count as u64);
         }
-        table.text(&self.judge.verdict().level.to_string()).end_row()
+        table.text(&self.verdict().level.to_string()).end_row()
     }
 
     /// Takes note of what the contacts report.
@@ -228,9 +233,9 @@ impl RunWatch {
         Watched { drift: self.balance.as_ref().and_then(BalanceWatch::worst_drift), depth, relative_depth }
     }
 
-    /// Verdict on what was seen so far.
+    /// Verdict on what was seen so far, and on what the scene lacks of its deck.
     pub(super) fn verdict(&self) -> Verdict {
-        self.judge.verdict()
+        left_out::with(self.judge.verdict(), self.left_out.as_ref())
     }
 
     /// Wall seconds that the watch took in this session.
