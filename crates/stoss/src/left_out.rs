@@ -8,7 +8,7 @@ use stoss_watch::{Finding, FindingKind, Severity, Verdict};
 /// Entries that the sentence of the finding repeats; more are counted.
 const REPEATED: usize = 3;
 
-fn of<'a>(scene: &'a Scene, severity: Omission) -> impl Iterator<Item = &'a LeftOut> {
+fn of(scene: &Scene, severity: Omission) -> impl Iterator<Item = &LeftOut> {
     scene.left_out.iter().filter(move |entry| entry.severity == severity)
 }
 

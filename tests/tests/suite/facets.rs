@@ -2,9 +2,9 @@
 
 use crate::support::drift;
 use std::sync::Arc;
-use stoss::contact::{Constraint, ContactRule, SearchOptions};
+use stoss::contact::SearchOptions;
 use stoss::contact_mortar::tie::{MeshTie, TieOptions};
-use stoss::contact_mortar::{Force, MortarContact, MortarOptions, MultiplierSpace};
+use stoss::contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
 use stoss::contact_nts::{NodeToSurface, NodeToSurfaceOptions};
 use stoss::continuum::HyperelasticLaw;
 use stoss::fe_solid::{MassKind, SolidBody};
@@ -80,11 +80,6 @@ impl Blocks {
             rotation: None,
             ramp_until: None,
         });
-    }
-
-    fn prescribed(&self, node: u32) -> [bool; 3] {
-        let of = |c: u8| self.model.prescriptions.iter().any(|p| p.components.contains(&c) && p.nodes.contains(&node));
-        [of(0), of(1), of(2)]
     }
 
     fn simulation(mut self, method: Coupling, step: f64, end: f64) -> Simulation {

@@ -9,7 +9,6 @@ use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
 use crate::scene::{ContactMethod, Enforcement, Scene, split_set};
 use crate::solver::Model;
-use std::collections::BTreeSet;
 use stoss_contact::Support;
 use stoss_reference_element::{FacePiece, FacetNodes};
 

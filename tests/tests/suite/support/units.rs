@@ -133,10 +133,8 @@ impl<'a> Scaling<'a> {
                 let items = items.unwrap_or_else(|| panic!("no schema for {list:?}"));
                 list.iter_mut().for_each(|value| self.visit(value, items, dimension, place));
             }
-            Value::Float(_) | Value::Integer(_) => {
-                if alternatives.iter().any(|schema| schema["format"] == "double") {
-                    times(value, dimension.unwrap_or_else(|| panic!("no dimension for {value}")));
-                }
+            Value::Float(_) | Value::Integer(_) if alternatives.iter().any(|schema| schema["format"] == "double") => {
+                times(value, dimension.unwrap_or_else(|| panic!("no dimension for {value}")));
             }
             _ => {}
         }
