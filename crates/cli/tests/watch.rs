@@ -227,7 +227,7 @@ displacement = { table = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, -0.5]] }
     let folder = folder_with(scene);
     let output = stoss(folder.path(), &["run", "scene.toml", "--out", "out", "--quiet"]);
     assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
-    assert!(stderr(&output).starts_with("wrong:"), "{}", stderr(&output));
+    assert!(stderr(&output).starts_with("verdict: wrong:"), "{}", stderr(&output));
     // Judged again from what is stored.
     assert_eq!(stoss(folder.path(), &["judge", "out"]).status.code(), Some(4));
 }

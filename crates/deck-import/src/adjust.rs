@@ -273,7 +273,7 @@ mod tests {
     /// An inclined master surface: nodes move along its normal, to z = x/2.
     #[test]
     fn inclined_surfaces() {
-        let (mut mesh, slave, master) = touching([1.0; 4], 0.0);
+        let (mut mesh, slave, master) = touching([0.9; 4], 0.0);
         let incline = |x: [f64; 3]| [x[0], x[1], x[2] + 0.5 * x[0]];
         mesh.nodes[..18].iter_mut().for_each(|x| *x = incline(*x));
         let before = mesh.nodes.clone();

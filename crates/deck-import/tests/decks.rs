@@ -104,7 +104,7 @@ fn materials_of_one_mesh_are_tied_and_steps_are_stages() {
     }
     // Only what OP=NEW does not name again ends.
     let stages = tables(&import, "stage");
-    assert_eq!(strings(&stages, "name"), ["step-1", "step-2"]);
+    assert_eq!(strings(&stages, "name"), ["pull", "release"]);
     assert!(!stages[0].contains_key("off"));
     let off = stages[1]["off"].as_array().unwrap();
     let ended: Vec<toml::Table> =
