@@ -41,7 +41,7 @@ fn curved_quadratic_bodies_may_touch() {
             "[scene]\ntitle = \"round\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n[general_contact]\n\
              [[body]]\nname = \"round\"\nmesh = {{ {mesh} }}\ncell = \"{cell}\"\n{material}\
              [[rigid]]\nname = \"floor\"\nshape = {{ kind = \"plane\", size = [4, 4] }}\nposition = [0, 0, -1]\nfixed = true\n\
-             [[prescribe]]\nset = \"round.all\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n"
+             [[prescribe]]\nset = \"round.outer\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n"
         );
         let mut built = try_build(&text).unwrap_or_else(|e| panic!("{mesh} {cell}: {e}"));
         let record = built.simulation.advance().unwrap_or_else(|e| panic!("{mesh} {cell}: {e}"));
