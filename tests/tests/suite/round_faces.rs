@@ -15,7 +15,7 @@ fn run(simulation: &mut Simulation) {
 
 /// A quarter of a tube of C3D20 with all nodes on circles, for an Abaqus file, with surfaces of its sides; nodes and elements are counted on from `first`.
 fn tube(text: &mut String, name: &str, radii: [f64; 2], around: usize, first: &mut [usize; 2]) {
-    const RADIAL: usize = 2;
+    const RADIAL: usize = 4;
     let at = |i: usize, j: usize, k: usize| (i * (2 * around + 1) + j) * 3 + k;
     let number = |i, j, k| first[0] + 1 + at(i, j, k);
     text.push_str("*NODE\n");
@@ -105,15 +105,16 @@ fn press_fit() -> f64 {
 
 #[test]
 fn a_press_fit_of_quadratic_cells_is_that_of_lame() {
-    let either = [("in.in_outer", "out.out_inner"), ("out.out_inner", "in.in_outer")];
-    for (slave, master) in either {
-        for (multipliers, bound) in [("standard", 5e-3), ("dual", 1e-3)] {
-            let between = contact(slave, master, &format!("multipliers = \"{multipliers}\""));
-            let mut simulation = tubes([12, 10], OVERLAP, [""; 2], &between);
-            run(&mut simulation);
-            let error = outside(&simulation) / press_fit() - 1.0;
-            assert!(error.abs() < bound, "{slave} {multipliers}: {error}");
-        }
+    // With the coarser side as slave the mean over facets on different arcs leaves more; another program (CalculiX 2.20) is 0.54 % off on these meshes.
+    let [fine, coarse] = [("in.in_outer", "out.out_inner"), ("out.out_inner", "in.in_outer")];
+    for ((slave, master), multipliers, bound) in
+        [(fine, "standard", 5e-3), (fine, "dual", 1e-3), (coarse, "standard", 6e-3), (coarse, "dual", 6e-3)]
+    {
+        let between = contact(slave, master, &format!("multipliers = \"{multipliers}\"\n"));
+        let mut simulation = tubes([12, 10], OVERLAP, [""; 2], &between);
+        run(&mut simulation);
+        let error = outside(&simulation) / press_fit() - 1.0;
+        assert!(error.abs() < bound, "{slave} {multipliers}: {error}");
     }
     // It falls with the mesh.
     let mut fine = tubes([24, 20], OVERLAP, [""; 2], &contact("in.in_outer", "out.out_inner", ""));
@@ -160,8 +161,8 @@ fn balls(cell: &str, degrees: f64, steps: u32, tie: &str) -> Simulation {
          [[prescribe]]\nset = \"outer.outer\"\n\
          rotation = {{ axis = [1.0, 2.0, 2.0], about = [0.0, 0.0, 0.0], degrees = {{ table = [[0.0, 0.0], [1.0, {degrees:?}]] }} }}\n\
          [[tie]]\nslave = \"outer.inner\"\nmaster = \"inner.outer\"\n{tie}",
-        ball("inner", [1.0, 1.5], 2),
-        ball("outer", [1.5, 2.0], 3)
+        ball("inner", [1.0, 1.5], 3),
+        ball("outer", [1.5, 2.0], 4)
     ));
     run(&mut simulation);
     simulation

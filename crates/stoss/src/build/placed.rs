@@ -62,7 +62,10 @@ impl Placed {
     }
 
     /// Facets of a set as pieces of their faces, in global node numbers, outward.
-    #[cfg(any(feature = "nts", feature = "mortar"))]
+    #[cfg_attr(
+        not(any(feature = "nts", feature = "mortar")),
+        expect(dead_code, reason = "for contacts, which are not built in")
+    )]
     pub fn pieces_of(&self, set: &str) -> Result<Vec<FacePiece>, MeshError> {
         match &self.shape {
             Shape::Solid { mesh, traces, .. } => {
