@@ -169,6 +169,9 @@ impl Equilibration {
     /// are, that of a multiplier divided by what it does to displacements. After [`Self::measure_displacements`].
     fn measure_multipliers(&mut self, pattern: &SparsityPattern, values: &[f64]) {
         let first = pattern.first_multiplier();
+        if first == pattern.n() {
+            return;
+        }
         for j in first..pattern.n() {
             let range = pattern.column_range(j);
             let (rows, column) = (pattern.column(j), &values[range]);
@@ -183,10 +186,11 @@ impl Equilibration {
                 self.sizes[i] = self.sizes[i].max(v.abs() * factor);
             }
         }
-        for (row, size) in
-            self.rows[first..].iter_mut().zip(self.sizes.iter().skip(first)).filter(|(_, size)| **size > 0.0)
-        {
-            *row = *size;
+        let stiffness = self.sizes[..first].iter().copied().fold(0.0, f64::max);
+        for (row, size) in self.rows[first..].iter_mut().zip(self.sizes.iter().skip(first)) {
+            // A diagonal alone is the compliance of a multiplier that does not act at present, the square of what it would do to displacements over their stiffness.
+            let of_diagonal = if stiffness > 0.0 { (*row * stiffness).sqrt() } else { *row };
+            *row = if *size > 0.0 { *size } else { of_diagonal };
         }
     }
 

@@ -1,9 +1,10 @@
 //! Systems written to files and read again; a solver that shows what it solves.
 
 use crate::common::tangents::{Setting, block_pair};
+use std::sync::Arc;
 use std::sync::mpsc::channel;
 use stoss_linalg::matrix_market::{SystemFileError, read_system, write_system};
-use stoss_linalg::{LinearSolver, MatrixKind, MultifrontalSolver, RecordingSolver};
+use stoss_linalg::{LinearSolver, MatrixKind, MultifrontalSolver, RecordingSolver, SparsityPattern};
 
 fn folder(name: &str) -> std::path::PathBuf {
     let folder = std::env::temp_dir().join(format!("stoss-linalg-{name}-{}", std::process::id()));
@@ -16,8 +17,11 @@ fn a_system_is_read_as_it_was_written() {
     let folder = folder("round-trip");
     let file = folder.join("system.mtx");
     for unsymmetric in [true, false] {
-        let (a, mut b) = block_pair(2, Setting::new(unsymmetric));
+        let (mut a, mut b) = block_pair(2, Setting::new(unsymmetric));
         b[0] = 0.1 + 0.2;
+        // With and without multipliers that are told from displacements.
+        let first = if unsymmetric { a.n() } else { 30 };
+        a.pattern = Arc::new(SparsityPattern::clone(&a.pattern).with_first_multiplier(first));
         write_system(&file, &a.pattern, &a.values, &b).unwrap();
         let read = read_system(&file).unwrap();
         assert_eq!(read.matrix.pattern, a.pattern);

@@ -5,7 +5,7 @@ use crate::common::tangents::{Setting, block_pair};
 use std::sync::Arc;
 use stoss_linalg::{
     AutoSolver, DenseSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, Place, SolverOptions,
-    SparseMatrix,
+    SparseMatrix, SparsityPattern,
 };
 
 /// A saddle point that is large enough to be worth an iteration.
@@ -73,6 +73,42 @@ fn a_solution_is_that_of_the_new_values() {
         solver.solve(&b, &mut after).unwrap();
         assert_eq!(before, after);
         assert_eq!((solver.statistics().factorisations, solver.statistics().nearby_solves), (1, 3));
+    }
+}
+
+/// A multiplier that begins to act has its part in the residual, also where its row and column are tiny or huge in the units of the system: the compliance on its diagonal before tells how
+/// large they will be.
+#[test]
+fn a_multiplier_that_begins_to_act_counts_in_all_units() {
+    for (unsymmetric, kind) in [(true, MatrixKind::General), (false, MatrixKind::Symmetric)] {
+        let (a, b) = system(unsymmetric);
+        let n = a.n();
+        let first = (0..n).find(|&j| a.get(j as u32, j as u32) == 0.0).unwrap();
+        let mut exact = vec![0.0; n];
+        factorised(&a, kind).solve(&b, &mut exact).unwrap();
+        for unit in [1.0, 2f64.powi(-60), 2f64.powi(60)] {
+            let of = |i: usize| if i < first { 1.0 } else { unit };
+            let mut a = a.clone();
+            a.pattern = Arc::new(SparsityPattern::clone(&a.pattern).with_first_multiplier(first));
+            let (mut row, mut stiffness) = (0f64, 0f64);
+            for j in 0..n {
+                for k in a.pattern.column_range(j) {
+                    let i = a.pattern.row_indices()[k];
+                    a.values[k] *= of(i) * of(j);
+                    if j < first {
+                        let largest = if i == n - 1 { &mut row } else { &mut stiffness };
+                        *largest = largest.max(if i < first || i == n - 1 { a.values[k].abs() } else { 0.0 });
+                    }
+                }
+            }
+            let b: Vec<f64> = (0..n).map(|i| of(i) * b[i]).collect();
+            let mut off = switched_off(&a, 1);
+            let diagonal = a.pattern.position(n as u32 - 1, n as u32 - 1).unwrap();
+            off.values[diagonal] = row * row / stiffness;
+            let (_, x) = nearby(&mut factorised(&off, kind), &a, &b, 1e-10).expect("near enough");
+            let found = difference(&x[..first], &exact[..first]);
+            assert!(found < 1e-6, "{kind:?}, unit {unit:e}: {found:e}");
+        }
     }
 }
 

@@ -43,8 +43,10 @@ pub(crate) struct System {
     pub slot_equation: Vec<Vec<u32>>,
     /// Equations of a slot of each contact pair: one and those of its auxiliaries.
     pub slot_width: Vec<u32>,
-    /// Positions of the diagonal entries of inactive slots.
-    pub inactive_diagonal: Vec<u32>,
+    /// Positions of the diagonal entries of inactive slots, and the weights of the slots, see [`System::fill_inactive`]; infinity for a force row.
+    inactive_diagonal: Vec<(u32, f64)>,
+    /// Largest stiffness on the diagonal when the step was first linearised.
+    slot_stiffness: f64,
     /// What the pattern was made from.
     contributions: Contributions,
     /// With the active constraints; empty without contact: then the matrix is `solid_values`.
@@ -474,6 +476,7 @@ impl System {
                 .collect(),
             slot_equation,
             inactive_diagonal: Vec::new(),
+            slot_stiffness: 0.0,
             contributions: Contributions::default(),
             solver,
             has_followers,
@@ -568,20 +571,20 @@ impl System {
         if all != self.contributions || self.solid_to_global.is_empty() {
             self.set_pattern(all)?;
         }
-        self.set_contact_map(&present, active)
+        self.set_contact_map(model, &present, active)
     }
 
     /// Maps for the present active set and pairings. The pattern grows if it has no room for them, else it stays as it is.
     pub fn renew_pattern(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
         let present = Contributions::active(model, active);
-        match self.set_contact_map(&present, active) {
+        match self.set_contact_map(model, &present, active) {
             Err(StepError::Linear(LinalgError::EntryNotInPattern { .. })) => {}
             result => return result,
         }
         let mut all = std::mem::take(&mut self.contributions);
         all.append(&present);
         self.set_pattern(all)?;
-        self.set_contact_map(&present, active)
+        self.set_contact_map(model, &present, active)
     }
 
     /// The pattern of solids and contributions, with an equation for each slot.
@@ -640,7 +643,12 @@ impl System {
     }
 
     /// Where the entries of the active contributions go; [`LinalgError::EntryNotInPattern`] if the pattern has no room for them.
-    fn set_contact_map(&mut self, present: &Contributions, active: &[Vec<bool>]) -> Result<(), StepError> {
+    fn set_contact_map(
+        &mut self,
+        model: &Model,
+        present: &Contributions,
+        active: &[Vec<bool>],
+    ) -> Result<(), StepError> {
         for (stencil, (pair, _, slots)) in present.iter().enumerate() {
             if slots.iter().any(|&slot| self.slot_equation[pair][slot as usize] == NONE) {
                 return Err(LinalgError::EntryNotInPattern { stencil, row: NONE, column: NONE }.into());
@@ -649,16 +657,38 @@ impl System {
         let stencils = present.stencils(self);
         self.contact_map = ScatterMap::new(&self.pattern, stencils.iter())?;
         self.inactive_diagonal.clear();
-        for ((equations, active), &width) in self.slot_equation.iter().zip(active).zip(&self.slot_width) {
-            for (&first, _) in equations.iter().zip(active).filter(|&(&first, &active)| first != NONE && !active) {
-                for equation in first..first + width {
+        for ((equations, active), pair) in self.slot_equation.iter().zip(active).zip(&model.contacts) {
+            let slots = equations.iter().zip(active).enumerate();
+            for (slot, (&first, _)) in slots.filter(|&(_, (&first, &active))| first != NONE && !active) {
+                let weight = pair.method.slot_weight(slot);
+                let of_auxiliaries = pair.method.auxiliaries().iter().filter_map(|kind| match kind {
+                    Auxiliary::Condensed => None,
+                    Auxiliary::Balance => Some(f64::INFINITY),
+                    _ => Some(weight),
+                });
+                for (equation, weight) in (first..).zip(std::iter::once(weight).chain(of_auxiliaries)) {
                     let missing = LinalgError::EntryNotInPattern { stencil: 0, row: equation, column: equation };
                     let position = self.pattern.position(equation, equation).ok_or(missing)?;
-                    self.inactive_diagonal.push(position as u32);
+                    self.inactive_diagonal.push((position as u32, weight));
                 }
             }
         }
         Ok(())
+    }
+
+    /// Writes the rows of inactive slots, which say that a multiplier stays: a compliance on the diagonal that the slot would have if it were closed, so that the row has the units of
+    /// a row that is. The factors of such a matrix may serve when the slot has closed ([`LinearSolver::solve_nearby`]), and the row counts then as others do.
+    pub fn fill_inactive(&mut self) {
+        if self.tangents == 0 {
+            let diagonal = (0..self.numbering.free.len() as u32).filter_map(|i| self.solid_pattern.position(i, i));
+            let largest = diagonal.map(|at| self.solid_values[at].abs()).fold(0.0, f64::max);
+            self.slot_stiffness = if largest > 0.0 { largest } else { 1.0 };
+        }
+        for &(at, weight) in &self.inactive_diagonal {
+            let stiffness = self.slot_stiffness;
+            self.values[at as usize] =
+                if weight > 0.0 && weight.is_finite() { weight * weight / stiffness } else { stiffness };
+        }
     }
 }
 

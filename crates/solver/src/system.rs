@@ -241,9 +241,7 @@ impl SecondOrderSystem for FeSystem<'_> {
             for (value, &at) in s.solid_values.iter().zip(&s.solid_to_global) {
                 s.values[at as usize] = *value;
             }
-            for &at in &s.inactive_diagonal {
-                s.values[at as usize] = 1.0;
-            }
+            s.fill_inactive();
         }
         let free = s.numbering.free.len();
         s.rhs[free..].fill(0.0);

@@ -392,6 +392,55 @@ quantity = "position"
 set = "rope.end"
 "#;
 
+/// What has no size of its own: point masses, a spring without a rest length, a rigid body without a surface.
+const POINTS: &str = r#"
+[scene]
+title = "points"
+kind = "dynamic"
+[time]
+end = 1.0
+step = 0.02
+integrator = { scheme = "energy-momentum" }
+[gravity]
+acceleration = [0, 0, -9.81]
+[[mass]]
+name = "upper"
+at = [0.3, 0.1, 2.0]
+mass = 2.0
+velocity = [0.5, 1.0, 0]
+[[mass]]
+name = "lower"
+at = [0.3, 0.1, 1.2]
+mass = 3.0
+[[rigid]]
+name = "top"
+mass = 1.5
+euler = [0.02, 0.03, 0.05]
+centre = [0.3, 0.4, 1.2]
+angular_velocity = [0, 3.0, 1.0]
+[[spring]]
+name = "bungee"
+between = ["upper", "ground"]
+at = [[0.3, 0.1, 2.0], [0, 0, 2.5]]
+stiffness = 150.0
+rest_length = 0.0
+damping = 1.0
+[[joint]]
+name = "rod"
+kind = "distance"
+between = ["upper", "lower"]
+at = [[0.3, 0.1, 2.0], [0.3, 0.1, 1.2]]
+[[joint]]
+name = "eye"
+kind = "ball"
+between = ["top", "lower"]
+at = [0.3, 0.1, 1.2]
+[[probe]]
+name = "end"
+quantity = "position"
+set = "lower.all"
+"#;
+
 /// What a run says: how it went, and the columns of its tables.
 struct Run {
     went: String,
@@ -412,7 +461,7 @@ fn run(scene: &str, units: Units) -> Run {
     let summary = result.unwrap_or_else(|e| panic!("{units:?}: {e}\n{scene}"));
     let (verdict, steps) = (summary.verdict.level, summary.steps);
     let went = format!("{verdict:?}, {steps} steps, {cuts} decisions, {warnings:?}");
-    let mut columns = BTreeMap::new();
+    let mut columns: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for table in ["newton", "contact", "balance", "probes", "general", "joints", "watch"] {
         let Ok(text) = std::fs::read_to_string(options.out.join(table).with_extension("csv")) else { continue };
         let mut lines = text.lines().map(|line| line.split(','));
@@ -420,8 +469,8 @@ fn run(scene: &str, units: Units) -> Run {
         for line in lines {
             for (name, value) in names.iter().zip(line) {
                 // Names of bodies are no numbers.
-                let Ok(value) = value.parse() else { continue };
-                columns.entry(name.clone()).or_insert_with(Vec::new).push(value);
+                let Ok(value) = value.parse::<f64>() else { continue };
+                columns.entry(name.clone()).or_default().push(value);
             }
         }
     }
@@ -434,10 +483,13 @@ fn without_numbers(text: &str) -> String {
 
 /// The factor between two columns if all numbers have the same one, a power of two; 1 if there is nothing but zeros.
 fn exact_factor(from: &[f64], to: &[f64]) -> Option<f64> {
+    if from.len() != to.len() {
+        return None;
+    }
     let same = |a: f64, b: f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
     let first = from.iter().position(|x| x.is_finite() && *x != 0.0);
     let factor = first.map_or(1.0, |k| to[k] / from[k]);
-    let all = from.len() == to.len() && from.iter().zip(to).all(|(a, b)| same(a * factor, *b));
+    let all = from.iter().zip(to).all(|(a, b)| same(a * factor, *b));
     (all && factor > 0.0 && factor.log2().fract() == 0.0).then_some(factor)
 }
 
@@ -557,4 +609,10 @@ fn joints_with_limits_springs_and_friction() {
 #[test]
 fn beam_and_string() {
     check(LINES, &[ENERGY, STEP, INCREMENT, MOMENTUM, PRESSURE, ("probes.end.z", Dimension::Length)]);
+}
+
+#[test]
+fn parts_without_a_size() {
+    let end = ("probes.end.z", Dimension::Length);
+    check(POINTS, &[("balance.potential", Dimension::Energy), STEP, INCREMENT, MOMENTUM, end]);
 }

@@ -44,8 +44,8 @@ pub fn in_units(text: &str, units: Units) -> String {
 struct Place {
     /// Of a joint that turns.
     turns: bool,
-    /// Of a support per area.
-    per_area: bool,
+    /// Of a support per node, not per area.
+    per_node: bool,
 }
 
 struct Scaling<'a> {
@@ -86,7 +86,10 @@ impl<'a> Scaling<'a> {
 
     fn dimension(&self, of: &Schema, place: &Place) -> Option<Dimension> {
         let name = match of {
-            Schema::Array(two) => &two[usize::from(!(place.turns || place.per_area))],
+            Schema::Array(two) => {
+                let per_area = two[0].as_str().is_some_and(|name| name.contains("length³"));
+                &two[usize::from(if per_area { place.per_node } else { !place.turns })]
+            }
             one => one,
         };
         name.as_str().and_then(Dimension::from_name)
@@ -111,7 +114,7 @@ impl<'a> Scaling<'a> {
                 if let Some(kind) = table.get("kind").and_then(Value::as_str) {
                     place.turns = ["hinge", "cylindrical", "universal", "ball"].contains(&kind);
                 }
-                place.per_area |= table.get("per").and_then(Value::as_str) == Some("area");
+                place.per_node |= table.get("per").and_then(Value::as_str) == Some("node");
                 for (key, value) in table {
                     let property = &properties[key];
                     match (key.as_str(), value) {
