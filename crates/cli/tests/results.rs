@@ -299,12 +299,14 @@ fn springs_that_make_too_little_friction_are_noticed() {
         let folder = folder_with(&changed(&[("method = \"nts\"", &contact), ("scheme = \"energy-momentum\"", scheme)]));
         let plan = stoss(folder.path(), &["check", "scene.toml"]);
         assert_eq!(plan.status.code(), Some(0), "{}", stderr(&plan));
-        String::from_utf8_lossy(&plan.stdout).contains("warning: contact[0].friction: springs")
+        String::from_utf8_lossy(&plan.stdout).contains("warning: contact[0].friction.midpoint = \"c\": springs")
     };
     let [conserving, midpoint, dissipative] =
         ["energy-momentum", "midpoint", "backward-euler"].map(|name| format!("scheme = \"{name}\""));
-    assert!(warned(", penalty = 1e4", &conserving) && warned(", stick = \"penalty\"", &midpoint));
-    assert!(warned(", penalty = 1e4, midpoint = \"c\"", &conserving));
+    // No default is warned of.
+    assert!(!warned(", penalty = 1e4", &conserving) && !warned(", stick = \"penalty\"", &midpoint));
+    let mean = ", penalty = 1e4, midpoint = \"c\"";
+    assert!(warned(mean, &conserving) && warned(mean, &midpoint) && !warned(mean, &dissipative));
     assert!(!warned("", &conserving) && !warned(", penalty = 1e4", &dissipative));
     assert!(!warned(", penalty = 1e4, midpoint = \"b\"", &conserving));
     assert!(!warned(", penalty = 1e4, stick = \"augmented\"", &conserving));

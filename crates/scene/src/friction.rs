@@ -26,9 +26,9 @@ named! {
     MidpointFriction {
         /// Return mapping at the midpoint, the traction at the end extrapolated: it can leave the friction cone and oscillate.
         A = "a",
-        /// Return mapping over the step, its result used in the equations: robust, damps stick.
+        /// Return mapping over the step, its result used in the equations: in slip exactly the law, whatever the pressure does from step to step; damps stick. The default.
         B = "b",
-        /// Mean of the tractions at both ends of the step, second order; too small where the pressure oscillates from step to step. The default.
+        /// Mean of the tractions at both ends of the step, second order where the pressure is smooth; too small where it alternates from step to step.
         C = "c",
     }
 }
@@ -103,7 +103,7 @@ pub struct Sticking {
     pub penalty: Option<f64>,
     /// Enforcement of stick; `None`: by multipliers, or by springs if a `penalty` is given.
     pub stick: Option<Stick>,
-    /// Friction traction of the midpoint schemes; `None`: the mean of both ends. Not used with exact stick.
+    /// Friction traction of the midpoint schemes; `None`: the one at the end. Not used with exact stick.
     pub midpoint: Option<MidpointFriction>,
 }
 
@@ -119,7 +119,7 @@ impl Sticking {
         self.midpoint.unwrap_or(Self::DEFAULT_MIDPOINT)
     }
     /// Stepping if left out.
-    pub const DEFAULT_MIDPOINT: MidpointFriction = MidpointFriction::C;
+    pub const DEFAULT_MIDPOINT: MidpointFriction = MidpointFriction::B;
 }
 
 /// Parameters of `coulomb`.
@@ -138,7 +138,7 @@ pub struct CoulombFriction {
     /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stick: Option<Stick>,
-    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `c` if left out.
+    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `b` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub midpoint: Option<MidpointFriction>,
     /// Measure of the slip, for `mortar` only; `objective` if left out.
@@ -168,7 +168,7 @@ pub struct StaticDynamicFriction {
     /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stick: Option<Stick>,
-    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `c` if left out.
+    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `b` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub midpoint: Option<MidpointFriction>,
     /// Measure of the slip, for `mortar` only; `objective` if left out.

@@ -202,15 +202,17 @@ pub struct Motor {
 }
 
 /// Pretension of a bolt that is cut in two: until the lock time a given force along the axis pulls both sides of the cut together. After it the relative displacement
-/// is constant, and the bolt force follows from the loads.
+/// is constant, and the bolt force follows from the loads. The axis points from the first side of `between` to the second: here the shank ends below the cut, and the
+/// head begins above it.
 ///
 /// ```toml
 /// [[joint]]
 /// name = "cut"
 /// kind = "slider"
-/// between = ["head.cut", "shank.cut"]
+/// between = ["shank.cut", "head.cut"]
 /// at = [0, 0, 0.5]
 /// axis = [0, 0, 1]
+/// coupling = "kinematic"
 /// pretension = { force = { table = [[0.0, 0.0], [1.0, 2.0e4]] }, lock = 1.0 }
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,6 +9,9 @@ use stoss_linalg::{LinalgError, NONE};
 /// Constraints violated by more than this part of the largest violation are named too.
 const PART: f64 = 0.1;
 
+/// Strain energy of a body without stress, in parts of that of a strain of one.
+const UNSTRESSED: f64 = 1.0e-20;
+
 /// Name of a node in messages: its number in its body, and its position.
 pub(crate) fn node_name(model: &Model, node: u32, q: &[f64]) -> String {
     let at = 3 * node as usize;
@@ -82,7 +85,7 @@ pub(crate) fn linear_error(
         return StepError::Singular {
             unknown: Unknown::Position { component: (component % 3) as u8, node: node_name(model, node, &iterate.q) },
             at: Box::new(Place { component: Some((component % 3) as u8), ..Place::of_node(node) }),
-            hint: position_hint(model, system, &iterate.active, dynamic, node),
+            hint: position_hint(model, system, iterate, dynamic, node),
         };
     }
     let slot = row.and_then(|row| {
@@ -118,7 +121,7 @@ pub(crate) fn linear_error(
 /// Why a multiplier of a constraint that always holds is not determined.
 fn multiplier_hint(model: &Model, pair: usize, slot: usize, active: &[Vec<bool>]) -> &'static str {
     let Some(held) = model.contacts[pair].method.supported_node(slot, 0.0) else {
-        return "it is redundant at this moment: a mechanism is in a singular position, a joint, tie or support is given twice, or a part is fixed at both ends; try another step size";
+        return "it is redundant at this moment: a mechanism is in a singular position, a joint, tie or support is given twice, or a part is fixed at both ends";
     };
     let mut touches = false;
     for (pair, active) in model.contacts.iter().zip(active).filter(|(pair, _)| pair.method.as_contact().is_some()) {
@@ -202,15 +205,14 @@ pub(crate) fn largest_residual(
                 }
                 let others = if others.is_empty() { String::new() } else { format!(" (and in {})", others.join(", ")) };
                 let text = format!(
-                    "largest in equation {} of {name}{others}: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support; try \
-                     another step size",
+                    "largest in equation {} of {name}{others}: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support",
                     slot + 1
                 );
                 return (text, at);
             }
             let node = slot_name(model, pair, slot, &iterate.q);
             let text = format!(
-                "largest in the constraint of {node} in contact {name}: try smaller steps; if the master has an edge or a rim there, exchange slave and master"
+                "largest in the constraint of {node} in contact {name}: if the master has an edge or a rim there, exchange slave and master"
             );
             return (text, at);
         }
@@ -221,30 +223,43 @@ pub(crate) fn largest_residual(
     };
     let node = component / 3;
     let place = node_name(model, node, &iterate.q);
-    let mut contact = None;
+    // What touches there says more than what holds it, and a support along a normal no more than one along an axis.
+    let mut contact: Option<(&str, bool, bool)> = None;
     for (pair, active) in model.contacts.iter().zip(&iterate.active) {
+        let is_bilateral = pair.method.is_bilateral();
+        if is_bilateral && (contact.is_some_and(|(_, bilateral, _)| !bilateral) || is_sliding_support(pair)) {
+            continue;
+        }
         pair.method.stencils(active, &mut |nodes, _| {
             if nodes.contains(&node) {
-                contact = Some((pair.name.as_str(), pair.method.is_bilateral(), pair.method.keeps_apart()));
+                contact = Some((pair.name.as_str(), is_bilateral, pair.method.keeps_apart()));
             }
         });
     }
     let text = match contact {
         Some((name, true, _)) => format!(
-            "largest at {place}, which {name} holds: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support, or the load there may be too large; try another step size"
+            "largest at {place}, which {name} holds: it may be in a singular position (a mechanism in line), or contradict another joint, motor or support, or the load there may be too large"
         ),
         Some((name, false, true)) => format!(
-            "largest at {place}, which is in contact {name}: in one step the bodies there slide, or move by much more than the thickness of the layer; try smaller steps, or a larger `thickness`"
+            "largest at {place}, which is in contact {name}: in one step the bodies there slide, or move by much more than the thickness of the layer; a larger `thickness` may help"
         ),
-        Some((name, false, false)) => format!(
-            "largest at {place}, which is in contact {name}: contact points there may change facets, or between stick and slip, with every iteration; try \
-             smaller steps, or exchange slave and master"
-        ),
+        Some((name, false, false)) => {
+            let with_friction = model.contacts.iter().any(|pair| pair.name == name && pair.method.has_friction());
+            let stick = if with_friction { ", or between stick and slip," } else { "" };
+            format!(
+                "largest at {place}, which is in contact {name}: contact points there may change facets{stick} with every iteration; exchanging slave and master may help"
+            )
+        }
         None => format!(
-            "largest at {place}: the elements there may deform too much for one step, or the load there may be too large; try smaller steps"
+            "largest at {place}: the elements there may deform too much for one step, or the load there may be too large"
         ),
     };
     (text, Place { component: Some((component % 3) as u8), ..Place::of_node(node) })
+}
+
+/// Whether a pair is a support along a normal.
+fn is_sliding_support(pair: &crate::ContactPair) -> bool {
+    pair.method.supported_node(0, 0.0).is_some()
 }
 
 /// Why a vector of a part (position or director) is not determined.
@@ -254,9 +269,7 @@ fn part_hint(model: &Model, dynamic: bool, node: u32) -> String {
     };
     let name = part.name();
     if dynamic {
-        return format!(
-            "{name} has neither mass nor stiffness along it, or is unstable at this step size: try smaller steps"
-        );
+        return format!("{name} has neither mass nor stiffness along it, or is unstable at this step size");
     }
     let mut elastic = Vec::new();
     for other in &model.parts {
@@ -279,23 +292,26 @@ fn part_hint(model: &Model, dynamic: bool, node: u32) -> String {
     )
 }
 
-fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: bool, node: u32) -> String {
+fn position_hint(model: &Model, system: &System, iterate: &Iterate, dynamic: bool, node: u32) -> String {
     let Some(body) = model.bodies.iter().find(|body| body.nodes.contains(&node)) else {
         return part_hint(model, dynamic, node);
     };
     let name = body.solid.name();
     if dynamic {
-        return format!("body {name} is unstable at this load and step size: try smaller steps");
+        return format!("body {name} is unstable at this load and step size");
     }
     let supports = model.prescriptions.iter().zip(&system.acting.prescriptions).filter(|(_, acts)| **acts);
     let mut held = supports.flat_map(|(p, _)| &p.nodes).any(|node| body.nodes.contains(node));
     let mut touches = false;
-    for (pair, active) in model.contacts.iter().zip(active) {
+    for (pair, active) in model.contacts.iter().zip(&iterate.active) {
         let is_support = pair.method.supported_node(0, 0.0).is_some();
         let reached = if is_support { &mut held } else { &mut touches };
         pair.method.stencils(active, &mut |nodes, _| *reached |= nodes.iter().any(|node| body.nodes.contains(node)));
     }
-    let contact = if model.keeps_apart() {
+    let is_stabilised = system.stabilisation.is_some();
+    let contact = if is_stabilised {
+        ""
+    } else if model.keeps_apart() {
         "; general contact has no stiffness before surfaces are pressed together: where it has to support the body, set `stabilise`"
     } else if model.contacts.is_empty() || touches {
         ""
@@ -305,13 +321,21 @@ fn position_hint(model: &Model, system: &System, active: &[Vec<bool>], dynamic: 
     let reason = match (held, touches) {
         (false, false) => format!("body {name} has no supports: prescribe displacements that exclude a rigid motion"),
         (false, true) => {
+            let or = if is_stabilised { "" } else { ", or stabilise the run" };
             format!(
-                "body {name} is supported by contact alone, which leaves a rigid motion free: prescribe some displacements, or stabilise the run"
+                "body {name} is supported by contact alone, which leaves a rigid motion free: prescribe some displacements{or}"
             )
         }
+        // Without stress nothing buckles.
+        _ if body
+            .solid
+            .strain_energy(&iterate.q)
+            .is_ok_and(|energy| energy <= UNSTRESSED * system.strain_energy_scale) =>
+        {
+            format!("body {name} has too few supports, a rigid motion is free: prescribe more displacements")
+        }
         _ => format!(
-            "body {name} has too few supports (a rigid motion is free), or it buckles at this load: prescribe more \
-             displacements, or try smaller steps"
+            "body {name} has too few supports (a rigid motion is free), or it buckles at this load: prescribe more displacements"
         ),
     };
     reason + contact + single_rows(body)

@@ -165,7 +165,7 @@ pub enum SimulationError {
     #[error("{0}")]
     Model(String),
     /// No step size down to the smallest allowed one worked.
-    #[error("step {step} from time {time} failed even at the step size {dt:.3e}: {cause}{hint}", time = crate::short(*.time, *.dt))]
+    #[error("step {step} from time {time} failed {even}at the step size {dt:.3e}: {cause}{hint}", time = crate::short(*.time, *.dt), even = if *.were_smaller { "even " } else { "" })]
     StepFailed {
         /// Number of the step that failed.
         step: u64,
@@ -173,6 +173,8 @@ pub enum SimulationError {
         time: f64,
         /// Smallest step size tried.
         dt: f64,
+        /// Whether a larger one was tried before.
+        were_smaller: bool,
         /// The last failure.
         cause: Box<StepError>,
         /// What smaller steps do not help against, as the end of the sentence; else empty.

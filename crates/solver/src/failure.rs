@@ -57,6 +57,8 @@ pub struct FailedAttempt {
     pub reason: String,
     /// Where.
     pub place: Place,
+    /// The matrix of the state at the start of a static step is singular, which no step size changes.
+    pub at_any_size: bool,
     /// Newton history.
     pub newton: Vec<NewtonRow>,
     /// The slots that changed most often, those first.
@@ -96,6 +98,11 @@ impl AttemptLog {
         }
     }
 
+    /// Whether the first matrix of the attempt was singular.
+    pub fn first_was_singular(&self, cause: &StepError) -> bool {
+        matches!(cause, StepError::Singular { .. }) && self.solves <= 1
+    }
+
     /// The attempt failed.
     pub fn failed(self, model: &Model, (step, time, dt): (u64, f64, f64), cause: &StepError) -> FailedAttempt {
         let changed = self.changes.iter().enumerate().flat_map(|(pair, counts)| {
@@ -106,7 +113,8 @@ impl AttemptLog {
         slots.sort_by_key(|slot| std::cmp::Reverse(slot.changes));
         slots.truncate(MOST_SLOTS);
         let (kind, place) = classified(model, cause);
-        FailedAttempt { step, time, dt, kind, reason: cause.to_string(), place, newton: self.newton, slots }
+        let (reason, newton) = (cause.to_string(), self.newton);
+        FailedAttempt { step, time, dt, kind, reason, place, at_any_size: false, newton, slots }
     }
 }
 

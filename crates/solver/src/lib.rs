@@ -33,6 +33,7 @@ mod mass_solve;
 mod masses;
 mod model;
 mod moment;
+mod negative_curvature;
 mod numbering;
 mod place;
 mod problem;

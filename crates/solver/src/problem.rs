@@ -437,32 +437,17 @@ impl StepProblem<'_> {
     }
 
     /// Negative eigenvalues of what was factorised last, a symmetric tangent, beyond one for each multiplier; zero if the solver does not count.
-    fn count_excess(&mut self) -> usize {
+    pub fn count_excess(&mut self) -> usize {
         let multipliers = self.iterate.active.iter().flatten().filter(|&&active| active).count();
         self.system.solver.negative_eigenvalues().map_or(0, |count| count.saturating_sub(multipliers))
     }
 
     /// Whether the directions in which the energy falls can be counted: a static step with a symmetric tangent, without stabilisation, and with no unknown but positions and multipliers.
-    fn counts_directions(&self) -> bool {
+    pub fn counts_directions(&self) -> bool {
         !self.step.rule.has_inertia()
             && !self.system.has_damping
             && self.is_symmetric()
             && self.system.slot_width.iter().all(|&width| width == 1)
-    }
-
-    /// Independent directions in which the energy falls at a solution, from the tangent there.
-    pub fn unstable_directions(&mut self) -> usize {
-        // Where the last factors had none there is none here: they belong to an iterate nearby.
-        if self.system.excess == 0 || !self.counts_directions() {
-            return 0;
-        }
-        let s = &mut *self.system;
-        let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
-        let solver = &mut s.solver;
-        match self.timings.measure(Phase::Factorisation, || solver.factorise(values)) {
-            Ok(()) => self.count_excess(),
-            Err(_) => 0,
-        }
     }
 
     /// Mean of the magnitudes on the diagonal of the tangent.
@@ -517,7 +502,7 @@ impl StepProblem<'_> {
     }
 }
 
-fn contact_step<'a>(step: &Step<'a>, q_np1: &'a [f64]) -> ContactStep<'a> {
+pub(crate) fn contact_step<'a>(step: &Step<'a>, q_np1: &'a [f64]) -> ContactStep<'a> {
     ContactStep { q_n: &step.state_n.q, q_np1, rule: contact_rule(step.rule.constraint.rule) }
 }
 

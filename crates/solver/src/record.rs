@@ -140,7 +140,8 @@ pub struct StepRecord {
     pub decisions: Vec<Decision>,
     /// Elements that are turned inside out at a vertex (see [`DecisionKind::Warning`]).
     pub inside_out: usize,
-    /// Independent directions in which the energy falls at the end of a static step whose tangent is symmetric: negative eigenvalues of the tangent beyond those of constraints. Zero for other steps,
+    /// Independent directions in which the energy falls at the end of a static step whose tangent is symmetric: negative eigenvalues of the tangent beyond those of constraints, without the
+    /// negative curvature of layers of general contact. Zero for other steps,
     /// and where the linear solver does not count them.
     pub unstable: usize,
     /// Contact, if the model has any.

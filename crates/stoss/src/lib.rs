@@ -59,6 +59,8 @@ mod error;
 #[cfg(feature = "output")]
 pub mod events;
 #[cfg(feature = "output")]
+mod exact_stick;
+#[cfg(feature = "output")]
 mod left_out;
 #[cfg(feature = "output")]
 pub mod output;

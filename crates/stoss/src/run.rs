@@ -2,6 +2,7 @@
 
 use crate::build::{Built, OwnLaws, Schedule, build_with};
 use crate::diagnosis::{Case, Cause, Confidence, Diagnosis};
+use crate::exact_stick::CutsOfStick;
 use crate::left_out;
 use crate::output::{
     Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, UnitLabels, Watched,
@@ -192,6 +193,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
     // The grid of steps is the scene's; stopping early only stops.
     let mut change = schedule.events(&mut simulation, &probes).and_then(|()| next_stage(&schedule, &mut simulation));
     let mut interrupted = false;
+    let mut cuts_of_stick = CutsOfStick::default();
     while simulation.state().time < end * (1.0 - 1.0e-12) {
         interrupted = change.is_ok() && options.stop.load(Ordering::Relaxed);
         if interrupted {
@@ -204,6 +206,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
         match goes_on.and_then(|_| simulation.advance()) {
             Ok(record) => {
                 folder.write(&mut simulation, &record)?;
+                cuts_of_stick.look(&scene, &mut simulation, &record);
                 if let Some(systems) = &systems {
                     systems.check()?;
                 }

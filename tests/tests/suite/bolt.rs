@@ -128,3 +128,62 @@ fn a_run_resumes_over_the_lock() {
         }
     }
 }
+
+fn refused(scene: &str) -> String {
+    let scene = stoss::scene::parse(scene, "bolt.toml").unwrap_or_else(|e| panic!("{e}"));
+    build(&scene, Path::new(".")).map(|_| ()).unwrap_err().to_string()
+}
+
+fn warned(scene: &str) -> Vec<String> {
+    let scene = stoss::scene::parse(scene, "bolt.toml").unwrap_or_else(|e| panic!("{e}"));
+    build(&scene, Path::new(".")).unwrap_or_else(|e| panic!("{e}")).warnings
+}
+
+/// An axis from the second side to the first makes a bolt that pushes: refused, with what to write, which is then accepted. So with one side that says nothing,
+/// along other axes, and where one half is a beam or a rigid body.
+#[test]
+fn a_cut_the_other_way_round_is_refused() {
+    let sides = r#"between = ["shank.top", "head.bottom"]"#;
+    let turned = r#"between = ["head.bottom", "shank.top"]"#;
+    let axis = "at = [0.8, 0, 0.5]\naxis = [0, 0, 1]\ncoupling";
+    let down = "at = [0.8, 0, 0.5]\naxis = [0, 0, -2]\ncoupling";
+    assert!(SCENE.contains(sides) && SCENE.contains(axis));
+    assert!(warned(SCENE).is_empty());
+    assert!(warned(&SCENE.replace(sides, turned).replace(axis, down)).is_empty());
+    for wrong in [SCENE.replace(sides, turned), SCENE.replace(axis, down)] {
+        let message = refused(&wrong);
+        for part in ["joint[2].between", "push the sides of the cut apart", "write between = ["] {
+            assert!(message.contains(part), "{part}: {message}");
+        }
+    }
+    let message = refused(&SCENE.replace(axis, down));
+    assert!(message.contains(r#"between = ["head.bottom", "shank.top"], or axis = [0.0, 0.0, 2.0]"#), "{message}");
+    // A beam, a rigid body, and the ground, which says nothing, as the shank.
+    let start = SCENE.find("[[body]]\nname = \"shank\"").unwrap();
+    let end = SCENE.find("[[body]]\nname = \"head\"").unwrap();
+    let held = "[[prescribe]]\nset = \"shank.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n";
+    assert!(SCENE.contains(held));
+    let beam = "[[beam]]\nname = \"shank\"\npoints = [[0.8, 0, 0], [0.8, 0, 0.5]]\nelements = 2\nup = [0, 1, 0]\n\
+                section = { shape = \"rectangle\", size = [0.2, 0.2] }\nyoung = 5000.0\npoisson = 0.0\ndensity = 0.1\n\n";
+    let rigid = "[[rigid]]\nname = \"shank\"\nshape = { kind = \"box\", size = [0.2, 0.2, 0.5] }\nposition = [0.8, 0, 0.25]\nfixed = true\n\n";
+    for (shank, side) in [(beam, "shank.end"), (rigid, "shank"), ("", "ground")] {
+        let scene = format!("{}{shank}{}", &SCENE[..start], &SCENE[end..]).replace(held, "").replace("shank.top", side);
+        assert!(warned(&scene).iter().all(|warning| !warning.contains("pretension")), "{side}");
+        let turned = scene.replace(
+            &format!(r#"between = ["{side}", "head.bottom"]"#),
+            &format!(r#"between = ["head.bottom", "{side}"]"#),
+        );
+        assert!(refused(&turned).contains("push the sides of the cut apart"), "{side}");
+    }
+}
+
+/// A negative force pushes: warned of where the cut is the right way round, and a force that pulls where it is not.
+#[test]
+fn a_force_that_pushes_is_warned_of() {
+    let pushes = SCENE.replace("[1.0, 4.0]] }, lock", "[1.0, -4.0]] }, lock");
+    assert_ne!(pushes, SCENE);
+    let warnings = warned(&pushes);
+    assert!(warnings.iter().any(|w| w.contains("joint[2].pretension.force: a negative force pushes")), "{warnings:?}");
+    let sides = r#"between = ["shank.top", "head.bottom"]"#;
+    assert!(warned(&pushes.replace(sides, r#"between = ["head.bottom", "shank.top"]"#)).is_empty());
+}

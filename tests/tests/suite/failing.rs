@@ -6,7 +6,7 @@ use stoss::output::{Outcome, Summary};
 use stoss::run::{Event, RunError, RunOptions, check_scene, diagnose_scene, run_scene};
 use stoss::watch::Severity;
 
-fn text_of(name: &str) -> String {
+pub(crate) fn text_of(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("failing").join(format!("{name}.toml"));
     std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
@@ -39,7 +39,7 @@ pub(crate) fn run_until(text: &str, until: Option<f64>) -> Left {
 }
 
 /// The first finding of a scene that stops or comes out wrong.
-fn diagnosed(name: &str) -> (Finding, Diagnosis) {
+pub(crate) fn diagnosed(name: &str) -> (Finding, Diagnosis) {
     let Left { result, diagnosis } = run(&text_of(name));
     let bad = match &result {
         Err(RunError::Simulation { .. }) => true,
@@ -53,7 +53,7 @@ fn diagnosed(name: &str) -> (Finding, Diagnosis) {
     (diagnosis.findings[0].clone(), diagnosis)
 }
 
-fn is_cause(finding: &Finding, cause: Cause) {
+pub(crate) fn is_cause(finding: &Finding, cause: Cause) {
     assert_eq!((finding.cause, finding.confidence), (cause, Confidence::High), "{finding:#?}");
     assert!(
         !finding.remedies.is_empty() && !finding.evidence.is_empty() && !finding.place.text.is_empty(),
@@ -99,7 +99,7 @@ fn mended(text: &str, finding: &Finding, remedy: usize) -> String {
 }
 
 /// With the changes of a remedy the scene runs to its end, and nothing certain is said about it.
-fn is_mended(name: &str, finding: &Finding, remedy: usize) {
+pub(crate) fn is_mended(name: &str, finding: &Finding, remedy: usize) {
     let text = mended(&text_of(name), finding, remedy);
     let Left { result, diagnosis } = run(&text);
     let summary = result.unwrap_or_else(|e| panic!("{name}: {e}\n{text}"));

@@ -223,9 +223,12 @@ fn a_block_slides_above_the_friction_angle() {
     let load = format!("{{ table = [[0, 0, 0, 0], [1, {}, 0, {}]] }}", weight * tangent, -weight);
     let expected = GRAVITY * (tangent - MU) / (1.0 + tangent * tangent).sqrt();
     for scheme in ["backward-euler", "midpoint", "energy-momentum"] {
-        for stick in
-            [r#"stick = "multiplier""#, r#"penalty = 1e6, midpoint = "b""#, r#"penalty = 1e6, stick = "augmented""#]
-        {
+        for stick in [
+            r#"stick = "multiplier""#,
+            r#"penalty = 1e6, midpoint = "b""#,
+            r#"penalty = 1e6"#,
+            r#"penalty = 1e6, stick = "augmented""#,
+        ] {
             let contact = format!("method = \"nts\"\nfriction = {{ law = \"coulomb\", mu = {MU}, {stick} }}");
             let time = format!("end = 5.0\nstep = 0.05\nintegrator = {{ scheme = \"{scheme}\" }}");
             let mut s = loaded_block(&time, &load, 0.0, &contact);
@@ -253,6 +256,8 @@ fn a_block_stops_at_the_analytic_distance() {
         ("midpoint", r#"stick = "multiplier""#),
         ("energy-momentum", r#"stick = "multiplier""#),
         ("energy-momentum", r#"penalty = 1e6, midpoint = "b""#),
+        // What springs do if nothing is said of the midpoint.
+        ("energy-momentum", r#"penalty = 1e6"#),
     ] {
         let friction = format!(r#"{{ law = "coulomb", mu = {MU}, {stick} }}"#);
         let time = format!("end = 0.5\nstep = 0.001\nintegrator = {{ scheme = \"{scheme}\" }}");

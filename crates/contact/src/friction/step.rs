@@ -11,13 +11,13 @@ pub enum MidpointFriction {
     /// Return at the midpoint; the end traction is extrapolated (Armero and Petoecz). It leaves the cone and alternates.
     A,
     /// Return over the whole step; that traction is force and history. Dissipates in stick too, where it is of first order; in slip the force is
-    /// exactly that of the law with the pressure of the step. For springs under the energy-momentum scheme: pressures of conserving schemes alternate
-    /// from step to step, and the other two then make less of the friction than the law says.
+    /// exactly that of the law with the pressure of the step, also where pressures alternate from step to step, as those of conserving schemes do: the
+    /// other two then make less of the friction than the law says. The default.
+    #[default]
     B,
     /// Return at the end, the force is the mean of both ends. The traction at the start is brought into the cone of the step's pressure first,
     /// our addition: without it the mean could leave the cone, and dissipation be negative, when the pressure falls. Second order where
-    /// the pressure is smooth. The default.
-    #[default]
+    /// the pressure is smooth.
     C,
 }
 

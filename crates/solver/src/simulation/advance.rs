@@ -2,7 +2,7 @@
 
 use super::{InsideOutRule, Simulation};
 use crate::assembly::{Iterate, System, no_auxiliaries};
-use crate::failure::AttemptLog;
+use crate::failure::{AttemptLog, FailedAttempt};
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
@@ -19,6 +19,10 @@ use stoss_part::PartStep;
 /// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
 /// fraction of their motion.
 const EXTRAPOLATION_FITS: f64 = 0.1;
+
+/// End of the message of a step whose size does not matter.
+const AT_ANY_SIZE: &str =
+    "; the matrix at the start of the step is singular whatever the step size, so that smaller steps were not tried";
 
 /// From where the iterations start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,12 +78,14 @@ impl Simulation {
                 Ok(completed) => return Ok(self.accept(completed, first_decision)),
                 Err(cause) => {
                     let (time, dt) = (self.state.time, self.clock.dt());
-                    if !self.clock.cut() {
-                        let hint = self.undivided(&cause);
+                    let at_any_size = self.failures.last().is_some_and(|failure| failure.at_any_size);
+                    if at_any_size || !self.clock.cut() {
+                        let hint = if at_any_size { AT_ANY_SIZE.to_owned() } else { self.undivided(&cause) };
                         return Err(SimulationError::StepFailed {
                             step: self.step + 1,
                             time,
                             dt,
+                            were_smaller: self.failures.iter().any(|failure| failure.dt > dt),
                             cause: Box::new(cause),
                             hint,
                         });
@@ -180,8 +186,13 @@ impl Simulation {
         let result = self.traced(from, dt, rule, &mut trace);
         self.solves += u64::from(trace.solves);
         if let Err(cause) = &result {
+            // Without inertia and stabilisation the step size is in no term of this matrix.
+            let at_any_size = self.scheme.is_none()
+                && self.system.stabilisation.is_none()
+                && from != Start::Extrapolation
+                && trace.first_was_singular(cause);
             let failed = trace.failed(&self.model, (self.step + 1, self.state.time, dt), cause);
-            self.failures.push(failed);
+            self.failures.push(FailedAttempt { at_any_size, ..failed });
         }
         result
     }
@@ -479,6 +490,7 @@ impl Simulation {
             self.decisions.push(decision(self.step, time, dt, kind, reason));
         }
         self.warn_stabilisation();
+        self.warn_fallbacks();
         StepRecord {
             step: self.step,
             stage: self.stage,

@@ -175,6 +175,11 @@ impl Simulation {
         Ok(())
     }
 
+    /// Whether each of [`Model::prescriptions`] acts: neither a stage nor a release switched it off.
+    pub fn acting_prescriptions(&self) -> &[bool] {
+        &self.system.acting.prescriptions
+    }
+
     fn note(&mut self, kind: DecisionKind, reason: String) {
         let note: Decision = decision(self.step + 1, self.state.time, self.clock.dt(), kind, reason);
         self.decisions.push(note);

@@ -12,6 +12,11 @@ const REPORTED_GAIN: f64 = 0.05;
 const REPORTED_STABILISATION: f64 = 0.01;
 /// Start of that warning, by which a second one is avoided.
 const CONTACT_ADDED: &str = "contact added";
+/// Part of the factorisations that are done twice from which on they are reported, and how many have to be known.
+const REPORTED_FALLBACKS: f64 = 0.5;
+const KNOWN_FACTORISATIONS: u64 = 4;
+/// Start of that warning.
+const WITHOUT_PIVOTS: &str = "the multifrontal solver found no good pivots";
 
 impl Simulation {
     /// Bodies that now have elements turned inside out and had none at the last step.
@@ -51,6 +56,31 @@ impl Simulation {
             "stabilisation has dissipated {:.1} % of the strain energy. Its force is zero at the end of the stage; but where surfaces slid, or where there are several equilibria, \
              the result depends on the path. Where bodies only closed gaps this is harmless; otherwise reduce the steps or the fraction of the stage, or support the bodies that move",
             100.0 * stabilisation / strain
+        );
+        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+    }
+
+    /// Adds a warning to the records of the step that comes next, for what the caller found.
+    pub fn warn(&mut self, reason: impl Into<String>) {
+        let warning = decision(self.step + 1, self.state.time, self.clock.dt(), DecisionKind::Warning, reason);
+        self.decisions.push(warning);
+    }
+
+    /// Warns once in a run that many matrices are factorised twice.
+    pub(super) fn warn_fallbacks(&mut self) {
+        let count = self.system.solver.statistics();
+        let (all, twice) = (count.factorisations, count.pivoting_fallbacks);
+        let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(WITHOUT_PIVOTS);
+        if all < KNOWN_FACTORISATIONS
+            || (twice as f64) < REPORTED_FALLBACKS * all as f64
+            || self.decisions.iter().any(reported)
+        {
+            return;
+        }
+        let reason = format!(
+            "{WITHOUT_PIVOTS} in {twice} of {all} matrices, as happens with multipliers of mortar contact and of friction: each was factorised again with pivots from whole columns. Results are \
+             as accurate, but large models take several times as long and more memory. `linear = \"faer\"` in [solver] leaves the first attempt out; `method = \"nts\"`, or friction \
+             with `stick = \"penalty\"`, may do without. This warning is given once in a run"
         );
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }

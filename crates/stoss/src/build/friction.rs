@@ -96,9 +96,9 @@ pub(super) fn friction(
     let at_end = pair.phases.with(&label).all(|phase| phase.rule() == GradientRule::EndPoint);
     if law.is_elastic() && !at_end && (stick, midpoint) == (scene::Stick::Penalty, scene::MidpointFriction::C) {
         warnings.push(format!(
-            "{key}: springs (`stick = \"penalty\"`) with `midpoint = \"c\"` give too little friction where pressures alternate from step to \
-             step, as they do with this scheme; 8 to 14 % too little for a stiff block: leave `penalty` and `stick` out (multipliers), or use \
-             `midpoint = \"b\"`"
+            "{key}.midpoint = \"c\": springs (`stick = \"penalty\"`) with the mean of both ends give too little friction where pressures alternate from step to \
+             step, as they do with this scheme; 8 to 14 % too little for a stiff block: remove `midpoint` (the default, \"b\", takes the \
+             end of the step), or leave `penalty` and `stick` out as well (multipliers)"
         ));
     }
     let mortar = item.slip().is_some() || pair.item.method == scene::ContactMethod::Mortar;

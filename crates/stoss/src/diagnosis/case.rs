@@ -51,6 +51,12 @@ impl<'a> Case<'a> {
         self.simulation.model()
     }
 
+    /// The prescriptions that act now.
+    pub(super) fn prescriptions(&self) -> impl Iterator<Item = &stoss_solver::Prescription> {
+        let acting = self.model().prescriptions.iter().zip(self.simulation.acting_prescriptions());
+        acting.filter(|(_, acts)| **acts).map(|(prescription, _)| prescription)
+    }
+
     /// The last failed attempt, if it was what stopped the run.
     pub(super) fn failure(&self) -> Option<&FailedAttempt> {
         self.failures().last()
@@ -80,9 +86,15 @@ impl<'a> Case<'a> {
 
     /// Half the present step; nothing if as small a one failed already, or the run chooses its steps.
     pub(super) fn smaller_step(&self) -> Option<Remedy> {
-        let smallest = self.smallest_failed().filter(|_| self.scene.time.automatic.is_none())?;
+        let smallest = self.smallest_failed().filter(|_| !self.is_automatic())?;
         let half = toml::down(0.5 * self.step_size());
         (half < smallest).then(|| Remedy::set(self.step_key(), toml::number(half), "half the present value"))
+    }
+
+    /// Whether the run chooses its steps in the present stage.
+    pub(super) fn is_automatic(&self) -> bool {
+        let stage = self.scene.stages.get(self.simulation.stage().saturating_sub(1) as usize);
+        stage.and_then(|stage| stage.automatic.as_ref()).or(self.scene.time.automatic.as_ref()).is_some()
     }
 
     /// Nominal size of the steps of the present stage.
@@ -232,8 +244,16 @@ impl<'a> Case<'a> {
     }
 
     pub(super) fn part(&self, name: &str) -> Option<&Placed> {
-        let parts = self.parts.get_or_init(|| placed_parts(self.scene, &self.folder, &self.laws));
-        parts.iter().find(|part| part.name == name)
+        self.placed().iter().find(|part| part.name == name)
+    }
+
+    /// Names of all parts.
+    pub(super) fn part_names(&self) -> Vec<String> {
+        self.placed().iter().map(|part| part.name.clone()).collect()
+    }
+
+    fn placed(&self) -> &[Placed] {
+        self.parts.get_or_init(|| placed_parts(self.scene, &self.folder, &self.laws))
     }
 
     /// Facets of a set `part.set`, none if it has none.

@@ -1,8 +1,9 @@
 //! Contacts that find no state: friction that locks, points that come and go.
 
 use super::case::Case;
+use super::redundant::is_prescribed_whole;
 use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
-use crate::scene::{Friction, split_set};
+use crate::scene::{ContactMethod, Friction, split_set};
 use stoss_solver::FailureKind;
 
 /// Coefficient, in multiples of the one that just locks, from which on a wedge locks also where bodies give way.
@@ -25,7 +26,8 @@ fn norm(a: [f64; 3]) -> f64 {
 /// second contact, and the mean angle of friction of both sides exceeds half the angle of the gap. A guide has no friction and does not narrow the gap, so that the
 /// contact alone counts then. A body that is only pressed on a surface, or led along it, is no wedge.
 pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
-    if case.failure().is_none() {
+    use FailureKind::{Cycling, InsideOut, InvertedElement, NotConverged, Unsettled};
+    if !case.failed_by(&[NotConverged, Cycling, Unsettled, InvertedElement, InsideOut]) {
         return Vec::new();
     }
     let flanks: Vec<Flank> = case.contacts().filter_map(|(c, item)| Flank::of(case, c, item)).collect();
@@ -267,6 +269,7 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
     let mut remedies = Vec::new();
     if let Some((c, item)) = case.contacts().find(|(_, item)| item.label() == name)
         && let (Some(slave), Some(master)) = (&item.slave, &item.master)
+        && !is_prescribed_whole(case, master)
     {
         let change = |key: &str, value: &String| Change::Set {
             key: format!("contact[{c}].{key}"),
@@ -279,9 +282,11 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
     }
     remedies.extend(case.smaller_step());
     if remedies.is_empty() {
-        remedies.push(Remedy::words(
-            "refine the slave surface where it meets the master, or set `method = \"mortar\"`, whose contact state varies less from node to node",
-        ));
+        let is_mortar = case.contacts().any(|(_, item)| item.label() == name && item.method == ContactMethod::Mortar);
+        remedies.push(Remedy::words(match is_mortar {
+            true => "refine the slave surface where it meets the master",
+            false => "refine the slave surface where it meets the master, or set `method = \"mortar\"`, whose contact state varies less from node to node",
+        }));
     }
     vec![Finding {
         cause: Cause::ContactCycles,

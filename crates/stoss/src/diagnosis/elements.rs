@@ -62,7 +62,9 @@ pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
             }
         };
         let mut remedies = vec![Remedy::words(format!("correct the mesh at node {node} of `{name}`, {from}"))];
-        if case.scene.solver.inside_out != crate::scene::InsideOut::Warn {
+        // Elements that are inverted at the integration points stop the run all the same.
+        let is_inverted = case.failed_by(&[InvertedElement]);
+        if !is_inverted && case.scene.solver.inside_out != crate::scene::InsideOut::Warn {
             remedies.push(Remedy::set("solver.inside_out", "\"warn\"", "the run continues with a warning while the Jacobian is positive at the integration points; do not trust the stresses there"));
         }
         list.push(Finding {
@@ -140,7 +142,9 @@ pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
                 "give `body[{b}].material` a smaller bulk modulus: fifty times the shear modulus is enough"
             )),
         };
-        let is_here = case.is_bad() && case.place().body.as_deref() == Some(name);
+        // Locking is stiff, never singular.
+        let is_singular = case.failed_by(&[FailureKind::Singular]);
+        let is_here = case.is_bad() && !is_singular && case.place().body.as_deref() == Some(name);
         list.push(Finding {
             cause: Cause::Incompressible,
             confidence: if is_here { Confidence::Medium } else { Confidence::Low },

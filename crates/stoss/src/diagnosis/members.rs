@@ -19,6 +19,8 @@ pub(super) struct Member {
     turns: bool,
     /// Whether something elastic, or a string, may hold it.
     pub(super) elastic: bool,
+    /// Whether a penalty or the layer of general contact may hold it, where that is pressed.
+    pub(super) layered: bool,
 }
 
 /// A linear equation for rigid motions: members with six coefficients each.
@@ -51,6 +53,7 @@ pub(super) fn members(case: &Case<'_>) -> Vec<Member> {
                 turns: length > 0.0,
                 length: length.max(f64::MIN_POSITIVE),
                 elastic,
+                layered: false,
             }
         })
         .collect();
@@ -62,13 +65,19 @@ pub(super) fn members(case: &Case<'_>) -> Vec<Member> {
     for part in springs {
         part.stencils(&mut |vectors| elastic.extend_from_slice(vectors));
     }
+    let mut layered: Vec<u32> = Vec::new();
     for pair in model.contacts.iter().filter(|pair| matches!(pair.method, Coupling::Potential(_))) {
         let active = vec![true; pair.method.slot_count()];
-        pair.method.stencils(&active, &mut |nodes, _| elastic.extend_from_slice(nodes));
+        pair.method.stencils(&active, &mut |nodes, _| layered.extend_from_slice(nodes));
     }
     for node in elastic {
         if let Some(m) = member_of(model, &list, node) {
             list[m].elastic = true;
+        }
+    }
+    for node in layered {
+        if let Some(m) = member_of(model, &list, node) {
+            list[m].layered = true;
         }
     }
     list
@@ -145,7 +154,7 @@ pub(super) fn closed(case: &Case<'_>, members: &[Member], group: &[usize]) -> Ve
 /// Prescribed components.
 pub(super) fn prescribed(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
     let mut rows = Vec::new();
-    for prescription in &case.model().prescriptions {
+    for prescription in case.prescriptions() {
         for &node in &prescription.nodes {
             for &component in &prescription.components {
                 rows.push(self::component(case, members, node, usize::from(component)));

@@ -10,13 +10,17 @@
 //! A variant of [`Cause`] with its title, a function in the module of its sense, a line in `FINDINGS`, a scene in `tests/failing`.
 
 mod case;
+mod changes;
 mod contact;
+mod convergence;
 mod density;
 mod elements;
 mod energy;
+mod followed;
 mod members;
 mod motion;
 mod redundant;
+mod rim;
 mod sudden;
 mod supports;
 mod surfaces;
@@ -40,7 +44,7 @@ pub const PAGE: &str = "diagnosis.html";
 type Look = fn(&Case<'_>) -> Vec<Finding>;
 
 /// What is examined.
-const FINDINGS: [Look; 15] = [
+const FINDINGS: [Look; 19] = [
     supports::supports,
     density::density,
     too_large::step,
@@ -53,7 +57,11 @@ const FINDINGS: [Look; 15] = [
     elements::single_rows,
     redundant::redundant,
     sudden::at_once,
+    convergence::exact_stick,
+    convergence::tolerance,
+    convergence::slowly,
     contact::locked_by_friction,
+    rim::at_rim,
     contact::cycles,
     energy::scheme_gains,
 ];
@@ -93,10 +101,47 @@ pub enum Cause {
     ZeroEnergyModes,
     /// A contact or support that is redundant.
     RedundantConstraints,
+    /// No state of stick and slip is found with exact stick.
+    ExactStick,
+    /// Nodes of a slave come and go at the rim of their master.
+    OpenRim,
     /// Contact points that open and close, or stick and slide, with every iteration.
     ContactCycles,
+    /// The residual is small and does not fall to the tolerance.
+    ToleranceNotReached,
+    /// The residual falls slowly, and iterations end first.
+    SlowConvergence,
     /// None that is known.
     Unknown,
+}
+
+impl Cause {
+    /// Whether it is something that happens in the step that failed, not something unusual in the scene that was there before.
+    fn is_of_the_step(self) -> bool {
+        match self {
+            Self::NoSupport
+            | Self::FreeRotation
+            | Self::StepTooLarge
+            | Self::LoadTooLarge
+            | Self::LoadAtOnce
+            | Self::RedundantConstraints
+            | Self::FrictionLocks
+            | Self::ExactStick
+            | Self::OpenRim
+            | Self::ContactCycles
+            | Self::ToleranceNotReached
+            | Self::SlowConvergence => true,
+            Self::OverlapAtStart
+            | Self::SurfacesFaceAway
+            | Self::MissingContact
+            | Self::Density
+            | Self::SchemeGainsEnergy
+            | Self::Sliver
+            | Self::Incompressible
+            | Self::ZeroEnergyModes
+            | Self::Unknown => false,
+        }
+    }
 }
 
 /// How certain a finding is.
@@ -218,7 +263,10 @@ pub struct Diagnosis {
     pub time: f64,
     /// Where it happened.
     pub place: Where,
-    /// Likely causes, the most certain first; at least one if the run stopped with an error.
+    /// What is new in the step that failed: a stage, a load, a contact that closes, friction that begins, a release.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<String>,
+    /// Likely causes, the most certain first, of those as certain as each other first what belongs to the step that failed; at least one if the run stopped with an error.
     pub findings: Vec<Finding>,
     /// The last failed attempts.
     pub attempts: Vec<Attempt>,
@@ -228,8 +276,13 @@ impl Diagnosis {
     /// Of a case. Without an error and with a sound verdict there may be no finding at all.
     pub fn of(case: &Case<'_>) -> Self {
         let mut findings: Vec<Finding> = FINDINGS.iter().flat_map(|look| look(case)).collect();
-        findings.sort_by(|a, b| b.confidence.cmp(&a.confidence).then(a.cause.cmp(&b.cause)));
-        let what = case.what();
+        findings.iter_mut().for_each(|finding| followed::keep(case, &mut finding.remedies));
+        let of_step = |finding: &Finding| finding.cause.is_of_the_step();
+        findings.sort_by(|a, b| {
+            let by_step = || of_step(b).cmp(&of_step(a));
+            b.confidence.cmp(&a.confidence).then_with(by_step).then(a.cause.cmp(&b.cause))
+        });
+        let (what, changes) = (case.what(), changes::changes(case));
         // What a run that ended well enough was found to do is reported by its verdict.
         if findings.is_empty() && case.is_stopped() {
             findings.push(unknown(case));
@@ -239,7 +292,16 @@ impl Diagnosis {
             place => place,
         };
         let (step, time) = (case.simulation.step(), case.simulation.state().time);
-        Self { title: case.scene.header.title.clone(), what, step, time, place, findings, attempts: case.attempts() }
+        Self {
+            title: case.scene.header.title.clone(),
+            what,
+            step,
+            time,
+            place,
+            changes,
+            findings,
+            attempts: case.attempts(),
+        }
     }
 
     /// Whether somebody should read it: a cause was found of what happened, or nothing is known of what stopped the run, or a cause is certain, or a density is likely
@@ -291,15 +353,21 @@ impl Diagnosis {
 
 /// What is said of a run that stopped if no cause was found.
 fn unknown(case: &Case<'_>) -> Finding {
-    let mut remedies: Vec<Remedy> = case.smaller_step().into_iter().collect();
+    // No step size changes a matrix that is singular at its start.
+    let at_any_size = case.failure().is_some_and(|failure| failure.at_any_size);
+    let mut remedies: Vec<Remedy> = case.smaller_step().filter(|_| !at_any_size).into_iter().collect();
     let time = &case.scene.time;
-    if case.failure().is_some() && time.automatic.is_none() && time.max_cuts < crate::scene::Time::DEFAULT_MAX_CUTS {
+    if case.failure().is_some()
+        && !at_any_size
+        && !case.is_automatic()
+        && time.max_cuts < crate::scene::Time::DEFAULT_MAX_CUTS
+    {
         let cuts = crate::scene::Time::DEFAULT_MAX_CUTS.to_string();
         remedies.push(Remedy::set("time.max_cuts", cuts, "the default: a failing step may be halved ten times"));
     }
     let smallest = case.smallest_failed();
     let evidence = smallest
-        .filter(|_| remedies.is_empty())
+        .filter(|_| remedies.is_empty() && !at_any_size)
         .map(|dt| format!("smaller steps, down to {}, failed too", toml::plain(dt)));
     if !remedies.is_empty() {
         remedies
@@ -310,9 +378,11 @@ fn unknown(case: &Case<'_>) -> Finding {
         ));
         if smallest.is_some() {
             let at = toml::plain(case.simulation.state().time);
-            remedies.push(Remedy::words(format!(
-                "check what changes at t = {at}: loads, prescribed motions, contacts that close"
-            )));
+            let changes = changes::changes(case);
+            remedies.push(Remedy::words(match changes.is_empty() {
+                true => format!("check what changes at t = {at}: loads, prescribed motions, contacts"),
+                false => format!("look at what is new in the step from t = {at}: {}", changes.join("; ")),
+            }));
             remedies.push(Remedy::words(
                 "look at the residuals of the last attempts in `diagnosis.html`: if they grow from the first iteration on, check materials and elements; if they stagnate, contact and friction",
             ));

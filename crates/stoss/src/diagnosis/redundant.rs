@@ -1,7 +1,7 @@
 //! Pressures of contact and forces of supports that are not determined, because one constraint follows from others.
 
 use super::case::Case;
-use super::{Cause, Confidence, Finding, Remedy, Where};
+use super::{Cause, Change, Confidence, Finding, Remedy, Where};
 use crate::scene::{ContactMethod, Enforcement};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_solver::FailureKind;
@@ -12,7 +12,7 @@ const HELD: f64 = 1e-2;
 /// Directions in which nodes are held by prescribed motion and by supports along normals.
 fn held_directions(case: &Case<'_>) -> BTreeMap<u32, Vec<[f64; 3]>> {
     let mut held: BTreeMap<u32, Vec<[f64; 3]>> = BTreeMap::new();
-    for prescription in &case.model().prescriptions {
+    for prescription in case.prescriptions() {
         for &node in &prescription.nodes {
             let axes = prescription
                 .components
@@ -105,7 +105,62 @@ pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
             });
         }
     }
+    list.extend(shared_nodes(case, failed));
+    if list.is_empty() {
+        list.extend(alone(case, failed));
+    }
     list
+}
+
+/// Contacts with multipliers whose slaves have nodes in common: two pressures of such a node have one and the same motion.
+fn shared_nodes(case: &Case<'_>, failed: usize) -> Option<Finding> {
+    let nodes = |c: usize| -> BTreeSet<u32> {
+        let points = case.simulation.contact_report(c).unwrap_or_default();
+        let reach = case.model().contacts[c].method.length_scale();
+        points.iter().filter(|point| point.gap.is_some_and(|gap| gap <= reach)).map(|point| point.node).collect()
+    };
+    let of_failed = nodes(failed);
+    let is_exact = |item: &crate::scene::Contact| item.enforcement == Enforcement::Multiplier;
+    let (_, item) = case.contacts().find(|(c, item)| *c == failed && is_exact(item))?;
+    let others = case.contacts().filter(|(c, other)| *c != failed && is_exact(other));
+    let (other, shared) =
+        others.map(|(c, other)| (other, nodes(c).intersection(&of_failed).count())).find(|(_, shared)| *shared > 0)?;
+    let (label, second) = (item.label(), other.label());
+    let [a, b] = [item, other].map(|item| item.surfaces()[0].to_owned());
+    Some(Finding {
+        cause: Cause::RedundantConstraints,
+        confidence: Confidence::High,
+        place: Where { pair: Some(label.clone()), ..case.place() },
+        sentence: format!(
+            "the contacts `{label}` and `{second}` have slave nodes in common: each gives such a node a pressure, and how they share its force is not determined"
+        ),
+        evidence: vec![
+            format!("{shared} nodes near the masters are slaves of both"),
+            "the undetermined unknown is a pressure, not a motion".to_owned(),
+        ],
+        remedies: vec![
+            Remedy::words(format!(
+                "make one contact of both, with the union of the slaves (`({a}) | ({b})`) and of the masters"
+            )),
+            Remedy::words("or leave the nodes in common out of one of the slaves"),
+        ],
+    })
+}
+
+/// A pressure of mortar contact with multipliers that nothing else explains: hardly any of the slave around its node lies opposite the master.
+fn alone(case: &Case<'_>, failed: usize) -> Option<Finding> {
+    let (c, item) = case.contacts().find(|(c, item)| *c == failed && item.method == ContactMethod::Mortar)?;
+    let label = item.label();
+    Some(Finding {
+        cause: Cause::RedundantConstraints,
+        confidence: Confidence::Medium,
+        place: Where { pair: Some(label.clone()), ..case.place() },
+        sentence: format!(
+            "a pressure of `{label}` has hardly any effect on the bodies: very little of the slave around its node lies opposite the master, as at a corner that touches first"
+        ),
+        evidence: vec!["the undetermined unknown is a pressure, not a motion".to_owned()],
+        remedies: vec![Remedy::set(format!("contact[{c}].method"), "\"nts\"", "there each pressure acts at its node")],
+    })
 }
 
 /// The finding for nodes that a contact and supports hold along the same direction.
@@ -124,6 +179,17 @@ fn held_twice(case: &Case<'_>, c: usize, nodes: &BTreeSet<u32>, place: Where) ->
         .map(|(p, given)| format!("`prescribe[{p}]` on `{}`", given.set.as_deref().unwrap_or_default()))
         .collect();
     let by = if supports.is_empty() { "prescribed motion".to_owned() } else { supports.join(" and ") };
+    let mut remedies = vec![
+        Remedy::words(format!(
+            "let only one of them hold these nodes: leave the nodes that touch out of the set of the prescription (a [[set]] without them), or the nodes that are held out of `{slave}`"
+        )),
+        Remedy::words(
+            "or `enforcement = { penalty = k }` for the contact, with the modulus over the length of an element for `k`",
+        ),
+    ];
+    let exchanged = exchanged(case, c);
+    let at = if is_prescribed_whole(case, slave) { 0 } else { 1 };
+    exchanged.into_iter().for_each(|remedy| remedies.insert(at, remedy));
     Finding {
         cause: Cause::RedundantConstraints,
         confidence: Confidence::High,
@@ -135,18 +201,37 @@ fn held_twice(case: &Case<'_>, c: usize, nodes: &BTreeSet<u32>, place: Where) ->
             format!("{} nodes near the master are held along the normal of the contact", nodes.len()),
             "the undetermined unknown is a pressure or the force of a support, not a motion".to_owned(),
         ],
-        remedies: vec![
-            Remedy::words(format!(
-                "let only one of them hold these nodes: leave the nodes that touch out of the set of the prescription (a [[set]] without them), or the nodes that are held out of `{slave}`"
-            )),
-            Remedy::words(
-                "or exchange `slave` and `master` of the contact, if nothing holds the master along the normal",
-            ),
-            Remedy::words(
-                "or `enforcement = { penalty = k }` for the contact, with the modulus over the length of an element for `k`",
-            ),
-        ],
+        remedies,
     }
+}
+
+/// Whether all nodes of a set are prescribed in all components: a tool.
+pub(super) fn is_prescribed_whole(case: &Case<'_>, set: &str) -> bool {
+    let mut held: BTreeMap<u32, BTreeSet<u8>> = BTreeMap::new();
+    for prescription in case.prescriptions() {
+        for &node in &prescription.nodes {
+            held.entry(node).or_default().extend(&prescription.components);
+        }
+    }
+    let nodes = case.nodes(set);
+    !nodes.is_empty() && nodes.iter().all(|node| held.get(node).is_some_and(|components| components.len() == 3))
+}
+
+/// Slave and master the other way round; nothing if the master is prescribed whole, too.
+fn exchanged(case: &Case<'_>, c: usize) -> Option<Remedy> {
+    let item = &case.scene.contacts[c];
+    let (slave, master) = (item.slave.as_ref()?, item.master.as_ref()?);
+    if is_prescribed_whole(case, master) {
+        return None;
+    }
+    let set =
+        |key: &str, value: &str| Change::Set { key: format!("contact[{c}].{key}"), value: format!("\"{value}\"") };
+    Some(Remedy {
+        text: format!(
+            "exchange slave and master, so that the slave can move: set `contact[{c}].slave = \"{master}\"` and `contact[{c}].master = \"{slave}\"`"
+        ),
+        changes: vec![set("slave", master), set("master", slave)],
+    })
 }
 
 #[cfg(test)]

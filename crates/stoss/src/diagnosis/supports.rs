@@ -7,6 +7,7 @@ use super::members::{
 };
 use super::motion::Motions;
 use super::{Cause, Change, Confidence, Finding, Remedy, toml};
+use crate::build::general_schemes::keeps_apart;
 use crate::scene::split_set;
 use std::collections::BTreeSet;
 use stoss_solver::FailureKind;
@@ -27,18 +28,29 @@ pub(super) fn supports(case: &Case<'_>) -> Vec<Finding> {
     rows.extend(supported(case, &members));
     rows.extend(bilateral(case, &members));
     let touching = touching(case);
+    // Where the matrix is singular in a motion of a body, no layer holds it.
+    let place = case.place();
+    let is_singular =
+        |m: usize| case.failed_by(&[FailureKind::Singular]) && place.body.as_deref() == Some(members[m].name.as_str());
+    let is_held = |group: &[usize]| {
+        group.iter().any(|&m| members[m].elastic)
+            || group.iter().any(|&m| members[m].layered) && !group.iter().any(|&m| is_singular(m))
+    };
     groups(members.len(), &rows)
         .into_iter()
-        .filter(|group| group.len() <= MOST_MEMBERS && !group.iter().any(|&m| members[m].elastic))
+        .filter(|group| group.len() <= MOST_MEMBERS && !is_held(group))
         .filter_map(|group| finding(case, &members, &rows, &group, &touching))
         .collect()
 }
 
-/// Names of the bodies that a contact of the scene touches.
+/// Names of the bodies that a contact of the scene touches, or general contact may.
 fn touching(case: &Case<'_>) -> BTreeSet<String> {
     let names =
         |item: &crate::scene::Contact| item.surfaces().map(|set| split_set(set).map(|(body, _)| body.to_owned()));
-    case.scene.contacts.iter().flat_map(names).flatten().collect()
+    let named = case.scene.contacts.iter().flat_map(names).flatten();
+    let all: Vec<String> = case.part_names();
+    let by_layer = all.iter().filter(|a| all.iter().any(|b| b != *a && keeps_apart(case.scene, [a, b]))).cloned();
+    named.chain(by_layer).collect()
 }
 
 fn finding(
@@ -58,8 +70,13 @@ fn finding(
     let singular = case.failed_by(&[FailureKind::Singular]);
     // A rigid motion moves no multiplier: where a multiplier is what is not determined, constraints follow from others.
     let of_multiplier = singular && case.failure().is_some_and(|failure| failure.place.slot.is_some());
+    // And with a free motion the matrix is singular: where it was factorised, contact holds the body.
+    let was_factorised = !singular && case.failure().is_some();
+    if touches && (of_multiplier || was_factorised) {
+        return None;
+    }
     let confidence = match (singular && moving.iter().any(|&(m, _)| is_here(m)), touches) {
-        _ if of_multiplier => Confidence::Low,
+        _ if of_multiplier || was_factorised => Confidence::Low,
         (true, _) => Confidence::High,
         (false, false) if case.is_bad() => Confidence::High,
         (false, false) => Confidence::Medium,
@@ -98,6 +115,7 @@ fn finding(
         evidence,
         remedies: match touches.then(|| stabilised(case, members, rows, group)).flatten() {
             Some(remedies) => remedies,
+            None if touches => touch_first(case, members, group),
             None => remedies(case, members, rows, group),
         },
     })
@@ -121,7 +139,9 @@ fn stabilised(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]
     let mut first = Remedy::set(key, "{ fraction = 2e-4 }", why);
     let mut with_contact = rows.to_vec();
     with_contact.extend(closed(case, members, group));
-    if !all_held(case, members, &with_contact, group, &[]) {
+    // What the layer of general contact would hold is not known.
+    let is_named = with_contact.len() > rows.len();
+    if is_named && !all_held(case, members, &with_contact, group, &[]) {
         let &[only] = group else { return None };
         let vectors = null_vectors(members, &with_contact, group);
         // A prescription that holds the body without contact would keep it from closing.
@@ -136,21 +156,29 @@ fn stabilised(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]
             None => first.text += ", and prescribe the motions that contact does not hold",
         }
     }
+    let mut rest = touch_first(case, members, group);
+    rest[0].text.insert_str(0, "or ");
+    rest.insert(0, first);
+    Some(rest)
+}
+
+/// For bodies that contact has to hold once it is closed, and that are not stabilised: the motion that closes it, or inertia.
+fn touch_first(case: &Case<'_>, members: &[Member], group: &[usize]) -> Vec<Remedy> {
     let names: Vec<String> = group.iter().map(|&m| format!("`{}`", members[m].name)).collect();
     let start = format!(
-        "or let contact close first: in a first `[[stage]]` prescribe the motion of {} until it touches, and in the next one, where the load acts, switch that motion `off`",
+        "let contact close first: in a first `[[stage]]` prescribe the motion of {} until it touches, and in the next one, where the load acts, switch that motion `off`",
         names.join(", ")
     );
-    Some(vec![
-        first,
-        Remedy::words(start),
-        Remedy::words(match case.scene.stages.is_empty() {
-            true => {
-                "or set `scene.kind = \"dynamic\"` with densities and an integrator: inertia then balances the forces on free bodies"
-            }
-            false => "or use a dynamic stage: inertia then balances the forces on free bodies",
-        }),
-    ])
+    vec![Remedy::words(start), by_inertia(case)]
+}
+
+fn by_inertia(case: &Case<'_>) -> Remedy {
+    Remedy::words(match case.scene.stages.is_empty() {
+        true => {
+            "or set `scene.kind = \"dynamic\"` with densities and an integrator: inertia then balances the forces on free bodies"
+        }
+        false => "or use a dynamic stage: inertia then balances the forces on free bodies",
+    })
 }
 
 /// Prescriptions that would hold a single body: more components of one that is there, or one on another set.
@@ -175,10 +203,7 @@ fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) 
         let vectors = null_vectors(members, rows, group);
         list.extend(other_set(case, name, &holds, &|more| moved(case, members, &vectors, more)));
     }
-    list.push(Remedy::words(match case.scene.stages.is_empty() {
-        true => "or set `scene.kind = \"dynamic\"` with densities and an integrator: inertia then balances the forces on free bodies",
-        false => "or use a dynamic stage: inertia then balances the forces on free bodies",
-    }));
+    list.push(by_inertia(case));
     list
 }
 

@@ -55,6 +55,10 @@ pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
         if seen_of.iter().any(|other| other.contains(&names[0]) && other.contains(&names[1])) {
             continue;
         }
+        if names.iter().all(|name| is_fixed(case, name)) {
+            // They stay where they are, and nothing acts between them.
+            continue;
+        }
         let contact = contact_between(case, &names);
         let pair = contact.map(|(_, item)| item.label());
         let mut evidence = vec![seen.sentence.clone()];
@@ -63,7 +67,7 @@ pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
         }
         list.push(Finding {
             cause: Cause::OverlapAtStart,
-            confidence: if case.failure().is_some() { Confidence::High } else { confidence(seen) },
+            confidence: of_overlap(case, seen, &names, pair.as_deref()),
             place: between(case, seen, &names, pair),
             sentence: format!("`{}` and `{}` overlap before the first step", names[0], names[1]),
             evidence,
@@ -72,6 +76,24 @@ pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
         seen_of.push(names);
     }
     list
+}
+
+/// Whether a rigid body does not move in the whole run.
+fn is_fixed(case: &Case<'_>, name: &str) -> bool {
+    case.scene.rigids.iter().any(|rigid| rigid.name == name && rigid.fixed)
+}
+
+/// An overlap at the start stops the first step, at one of the two bodies; what stops elsewhere or later has passed it.
+fn of_overlap(case: &Case<'_>, seen: &Seen, names: &[String; 2], pair: Option<&str>) -> Confidence {
+    let Some(failure) = case.failure() else { return confidence(seen) };
+    let place = case.place_of(&failure.place);
+    let is_here = place.body.as_ref().is_some_and(|body| names.contains(body))
+        || place.pair.is_some() && place.pair.as_deref() == pair;
+    match (is_here, case.simulation.step() == 0) {
+        (true, true) => Confidence::High,
+        (true, false) | (false, true) => Confidence::Medium,
+        (false, false) => Confidence::Low,
+    }
 }
 
 /// Moving one of two bodies out of the other, by their bounding boxes along the axis where that is shortest.

@@ -21,6 +21,10 @@ impl Cause {
             Self::FrictionLocks => "friction locks a wedge",
             Self::StepTooLarge => "the step is too large",
             Self::Incompressible => "nearly incompressible material",
+            Self::ExactStick => "no state of exact stick is found",
+            Self::OpenRim => "contact jumps at an open rim",
+            Self::ToleranceNotReached => "the tolerance is not reached",
+            Self::SlowConvergence => "the iteration converges slowly",
             Self::ContactCycles => "contact points open and close without end",
             Self::LoadAtOnce => "a load is applied in full at the start",
             Self::ZeroEnergyModes => "elements with zero-energy modes",
@@ -64,6 +68,9 @@ impl fmt::Display for Diagnosis {
         }
         if !self.what.is_empty() {
             writeln!(f, "  what:   {}", line(&self.what, WHAT))?;
+        }
+        if !self.changes.is_empty() {
+            writeln!(f, "  new:    {}", line(&self.changes.join("; "), LONGEST))?;
         }
         write!(f, "  cause:  {}", line(&first.sentence, LONGEST))?;
         for (k, remedy) in first.remedies.iter().take(MOST_REMEDIES).enumerate() {

@@ -36,7 +36,14 @@ pub(super) fn step(case: &Case<'_>) -> Vec<Finding> {
         toml::number(toml::down(present * GOOD / nominal)),
         "a tenth of an element length per step",
     )];
-    if time.max_cuts < Time::DEFAULT_MAX_CUTS {
+    let is_automatic = case.is_automatic();
+    if is_automatic {
+        // The step is only the largest one there.
+        remedies = vec![Remedy::words(
+            "let `smallest` of `automatic` be smaller, so that the failing step may be divided further",
+        )];
+    }
+    if !is_automatic && time.max_cuts < Time::DEFAULT_MAX_CUTS {
         let cuts = Time::DEFAULT_MAX_CUTS.to_string();
         remedies.push(Remedy::set("time.max_cuts", cuts, "the default: a failing step may be halved ten times"));
     }
@@ -108,14 +115,20 @@ pub(super) fn load(case: &Case<'_>) -> Vec<Finding> {
                     toml::plain(stress),
                     toml::plain(young)
                 )],
-                remedies: vec![
-                    Remedy::words(format!("check the value of the load `{}` and its units against the modulus of `{name}`", load.name)),
-                    Remedy::words("or raise it from zero by a table, and see in the frames which load the body withstands"),
-                ],
+                remedies: [format!("check the value of the load `{}` and its units against the modulus of `{name}`", load.name)]
+                    .into_iter()
+                    .chain(begins(load).then(|| "or raise it from zero by a table, and see in the frames which load the body withstands".to_owned()))
+                    .map(Remedy::words)
+                    .collect(),
             });
         }
     }
     list
+}
+
+/// Whether a load is there from the start of the run.
+fn begins(load: &stoss_solver::Load) -> bool {
+    (0..load.magnitude.columns()).any(|column| load.magnitude.value(0.0, column) != 0.0)
 }
 
 /// Size of the stress of a load in a body at a time: a pressure, or the resultant over the mean cross-section across it. Bending, which is more, is not seen.

@@ -5,6 +5,7 @@ mod extent;
 mod joint;
 mod line;
 mod motion;
+mod pretension;
 mod redundant;
 mod rigid;
 mod support;
@@ -89,6 +90,7 @@ pub(super) fn constraints(
 ) {
     let mut couplings = coupling::couplings(scene, placed, model, parts, problems);
     let mut joints = joint::joints(scene, parts, model, problems);
+    pretension::check(scene, placed, problems, warnings);
     let bodies = parts.rigids.iter().chain(parts.couplings.values());
     let mut rigidity: Vec<ConstraintSet> = bodies.map(RigidBody::constraints).collect();
     rigidity.extend(parts.beams.iter().map(Beam::constraints));

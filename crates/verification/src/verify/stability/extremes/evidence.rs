@@ -12,7 +12,7 @@ use crate::workspace::read;
 const GAVE_UP: i32 = 3;
 
 /// The words that introduce the cause in the error of a failed step.
-const CAUSE: &str = "failed even at the step size";
+const CAUSE: &str = "at the step size";
 
 /// A run that ended in an allowed way.
 #[derive(Debug)]

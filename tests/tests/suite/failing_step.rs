@@ -1,0 +1,109 @@
+//! What the diagnosis says of a step that failed: what is new in it, causes that belong to it before what is unusual in the scene, and remedies that the scene can follow.
+
+use crate::failing::{Left, diagnosed, is_cause, is_mended, run, text_of};
+use stoss::diagnosis::{Cause, Confidence, Diagnosis};
+use stoss::run::RunError;
+
+/// Whether a diagnosis names a cause, with any certainty.
+fn names(diagnosis: &Diagnosis, cause: Cause) -> bool {
+    diagnosis.findings.iter().any(|finding| finding.cause == cause)
+}
+
+/// Exact stick is not found where an interference is closed at once; a spring carries on. What is new in the step is said.
+#[test]
+fn no_state_of_exact_stick() {
+    let (finding, diagnosis) = diagnosed("exact-stick");
+    assert_eq!((finding.cause, finding.confidence), (Cause::ExactStick, Confidence::Medium), "{diagnosis:#?}");
+    assert_eq!(finding.place.pair.as_deref(), Some("face"));
+    let changes = diagnosis.changes.join("; ");
+    for part in ["an overlap of up to 0.005 in contact `face` is closed", "friction of contact `face` begins"] {
+        assert!(changes.contains(part) && diagnosis.to_string().contains("new:"), "{part}: {diagnosis}");
+    }
+    is_mended("exact-stick", &finding, 0);
+    // With springs there is nothing to say of exact stick.
+    let springs = text_of("exact-stick").replace("mu = 0.15", "mu = 0.15, stick = \"penalty\"");
+    assert!(run(&springs).result.is_ok());
+}
+
+/// Slave nodes come and go at the rim of the master: mortar contact, or the rim on the slave, mends it.
+#[test]
+fn a_rim_of_the_master() {
+    let (finding, diagnosis) = diagnosed("open-rim");
+    assert_eq!((finding.cause, finding.confidence), (Cause::OpenRim, Confidence::Medium), "{diagnosis:#?}");
+    is_mended("open-rim", &finding, 0);
+    is_mended("open-rim", &finding, 1);
+}
+
+/// Nodes in common of two slaves have two pressures. That contact holds the body is not doubted, and no support is asked for.
+#[test]
+fn slaves_with_nodes_in_common() {
+    let (finding, diagnosis) = diagnosed("shared-nodes");
+    is_cause(&finding, Cause::RedundantConstraints);
+    assert!(finding.sentence.contains("`near` and `far` have slave nodes in common"), "{}", finding.sentence);
+    assert!(!names(&diagnosis, Cause::NoSupport), "{diagnosis:#?}");
+    let union = "(upper.bottom & y <= 0) | (upper.bottom & y >= 0)";
+    assert!(finding.remedies[0].text.contains(union), "{}", finding.remedies[0].text);
+    let text = text_of("shared-nodes");
+    let (one, _) = text.split_once("[[contact]]\nname = \"far\"").unwrap();
+    let one = one.replace("upper.bottom & y <= 0", union);
+    assert!(one.contains(union));
+    run(&one).result.unwrap_or_else(|e| panic!("{e}"));
+}
+
+/// Fixed rigid bodies that cross are no fault: the load is, and of a run that ends well nothing is said of them.
+#[test]
+fn fixed_planes_that_cross() {
+    let (finding, diagnosis) = diagnosed("crossing-planes");
+    is_cause(&finding, Cause::LoadTooLarge);
+    assert!(!names(&diagnosis, Cause::OverlapAtStart), "{diagnosis:#?}");
+    let light = text_of("crossing-planes").replace("[1, 24.0]", "[1, 0.2]");
+    let Left { result, diagnosis } = run(&light);
+    result.unwrap_or_else(|e| panic!("{e}"));
+    assert!(diagnosis.is_none_or(|diagnosis| !names(&diagnosis, Cause::OverlapAtStart)));
+}
+
+/// What only general contact can hold is free before its layer is pressed. A deformable body is stabilised; a rigid one, which is not, is moved until it touches, and not held along its load.
+#[test]
+fn bodies_that_only_the_layer_can_hold() {
+    let (finding, diagnosis) = diagnosed("held-by-the-layer");
+    is_cause(&finding, Cause::NoSupport);
+    assert!(finding.sentence.contains("free to slide along z; contact supports it only"), "{diagnosis}");
+    is_mended("held-by-the-layer", &finding, 0);
+    let (finding, diagnosis) = diagnosed("tool-under-force");
+    is_cause(&finding, Cause::NoSupport);
+    assert!(finding.remedies.iter().all(|remedy| remedy.changes.is_empty()), "{finding:#?}");
+    assert!(finding.remedies[0].text.starts_with("let contact close first"), "{diagnosis}");
+    // As it says.
+    let first = "[[prescribe]]\nname = \"approach\"\nrigid = \"tool\"\ncomponents = [\"z\"]\ndisplacement = { table = [[0, 0], [0.25, -0.01]] }\n\
+                 [[stage]]\nname = \"touch\"\nkind = \"quasi-static\"\nuntil = 0.25\n\
+                 [[stage]]\nname = \"press\"\nkind = \"quasi-static\"\nuntil = 1.0\noff = [\"approach\"]\n";
+    run(&format!("{}{first}", text_of("tool-under-force"))).result.unwrap_or_else(|e| panic!("{e}"));
+}
+
+/// A rigid motion that is free is a fact of the first matrix: one attempt, no smaller steps, and neither the message nor the remedies ask for them.
+#[test]
+fn a_free_motion_is_found_by_the_first_matrix() {
+    for name in ["no-support", "free-rotation", "held-by-the-layer", "tool-under-force", "shared-nodes"] {
+        let (_, diagnosis) = diagnosed(name);
+        let sizes: Vec<f64> = diagnosis.attempts.iter().map(|attempt| attempt.dt).collect();
+        assert!(sizes.iter().all(|dt| *dt == sizes[0]), "{name}: {sizes:?}");
+        for part in ["smaller steps were not tried", "the system is singular"] {
+            assert!(diagnosis.what.contains(part), "{name}: {}", diagnosis.what);
+        }
+        assert!(!diagnosis.what.contains("try smaller steps") && !diagnosis.what.contains("even at"), "{diagnosis}");
+    }
+}
+
+/// A stage that lets go of a body is named first, with what it switches off; where a run stops in it, what the scene had from the start comes after.
+#[test]
+fn what_is_new_in_a_stage_is_named() {
+    let stages = "[[stage]]\nname = \"hold\"\nkind = \"quasi-static\"\nuntil = 0.5\n[[stage]]\nname = \"let go\"\nkind = \"quasi-static\"\nuntil = 1.0\noff = [\"grip\"]\n";
+    let grip =
+        "[[prescribe]]\nname = \"grip\"\nset = \"block.right\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n";
+    let text = format!("{}{grip}{stages}", text_of("no-support"));
+    let Left { result, diagnosis } = run(&text);
+    assert!(matches!(result, Err(RunError::Simulation { last_time, .. }) if (last_time - 0.5).abs() < 1e-9));
+    let diagnosis = diagnosis.unwrap();
+    assert!(diagnosis.changes[0].contains("stage `let go` begins, without `grip`"), "{:?}", diagnosis.changes);
+    assert_eq!(diagnosis.findings[0].cause, Cause::NoSupport, "{diagnosis}");
+}
