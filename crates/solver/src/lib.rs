@@ -21,6 +21,7 @@ mod balance;
 mod centrifugal;
 mod checkpoint;
 mod control;
+mod curvature;
 mod damping;
 mod departure;
 mod diagnosis;

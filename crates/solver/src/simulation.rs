@@ -503,6 +503,8 @@ impl Simulation {
             decisions: Vec::new(),
             inside_out: 0,
             unstable: 0,
+            closing: Vec::new(),
+            stabilising: None,
             contact: None,
         }
     }
@@ -532,6 +534,7 @@ impl Simulation {
                 }
             }
         }
+        balance.largest_energy = self.balance.largest_energy.max(balance.kinetic + balance.strain);
         balance
     }
 

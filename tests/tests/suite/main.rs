@@ -42,4 +42,5 @@ mod statics;
 mod support;
 mod switched_springs;
 mod tie;
+mod verdicts;
 mod whole_runs;

@@ -163,7 +163,7 @@ impl ResultFolder {
                 settings.contact_bodies.clone(),
                 &settings.contacts,
                 settings.promises.clone(),
-                &settings.drawing,
+                (&settings.drawing, &settings.parts),
             )?,
             watched: open(watch::TABLE, watch::COLUMNS)?,
             path: path.to_path_buf(),
