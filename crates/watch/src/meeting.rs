@@ -115,11 +115,12 @@ fn arch(body: &Surface, other: &Surface) -> f64 {
     let normals: Vec<Vector3<f64>> = facets.iter().map(|&f| other.normal(f)).collect();
     let angle = |a: &Vector3<f64>, b: &Vector3<f64>| a.cross(b).norm().atan2(a.dot(b));
     let spread = normals.iter().map(|n| angle(&normals[0], n)).fold(0.0, f64::max);
-    // The largest angle between neighbours: facets that share a node.
-    let neighbours = |f: u32| other.facets[f as usize].corners().iter().flat_map(|&corner| other.facets_at(corner));
+    // The largest angle between neighbours on a smooth surface: facets that share a node.
     let turn = |&f: &u32| {
-        let beside = neighbours(f).filter(|g| facets.contains(g)).map(|&g| angle(&other.normal(f), &other.normal(g)));
-        beside.fold(0.0, f64::max)
+        let normal = other.normal(f);
+        let around = other.facets[f as usize].corners().iter().flat_map(|&corner| other.facets_at(corner));
+        let smooth = around.map(|&g| other.normal(g)).filter(|n| n.dot(&normal) > SMOOTH);
+        smooth.map(|n| angle(&normal, &n)).fold(0.0, f64::max)
     };
     if spread <= CURVED_ALIKE * facets.iter().map(turn).fold(0.0, f64::max) {
         return 0.0;

@@ -184,3 +184,91 @@ impl Stabilised {
         Some(Finding::new(Severity::Doubtful, FindingKind::Stabilisation, at, sentence, part))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Limits, Observation, SolidObservation};
+
+    fn judge() -> Judge {
+        let bodies = [("tool".to_owned(), 0..4), ("block".to_owned(), 4..8)];
+        Judge::new(bodies, vec![[0, 1]], Limits::default())
+    }
+
+    fn meeting(drive: f64, apart: f64, arch: f64) -> Meeting {
+        Meeting { bodies: [0, 1], node: 2, position: [0.0; 3], apart, edge: 1.0, drive, arch }
+    }
+
+    fn seen(depth: f64) -> Observation {
+        let inside = Penetration { body: 0, node: 2, into: 1, depth, relative: depth, position: [0.0; 3] };
+        Observation { penetrations: vec![inside], ..Observation::default() }
+    }
+
+    fn kinds(judge: &Judge) -> Vec<(FindingKind, Severity)> {
+        judge.verdict().reasons.iter().map(|reason| (reason.kind, reason.level)).collect()
+    }
+
+    const INDENTATION: (FindingKind, Severity) = (FindingKind::Indentation, Severity::Doubtful);
+
+    /// Depths count beside the way of the whole run, not beside edges; a deep one by itself.
+    #[test]
+    fn depths_beside_what_drives_the_bodies() {
+        let solids = SolidObservation::default();
+        for (depth, drive, expected) in [
+            (0.04, 0.3, vec![INDENTATION]),
+            (0.1, 3.0, Vec::new()),
+            (0.16, 9.0, vec![(FindingKind::Penetration, Severity::Doubtful)]),
+            (0.31, 99.0, vec![(FindingKind::Penetration, Severity::Wrong)]),
+            (5e-5, 1e-4, Vec::new()),
+        ] {
+            let mut judge = judge();
+            judge.observe_driven(1, 0.1, &seen(depth), &solids, &[meeting(0.01 * drive, 0.0, 0.0)]);
+            judge.observe_driven(2, 0.2, &seen(0.5 * depth), &solids, &[meeting(drive, 0.0, 0.0)]);
+            assert_eq!(kinds(&judge), expected, "{depth} {drive}");
+        }
+        // Of bodies that nothing drives an edge is the measure.
+        let mut judge = judge();
+        judge.observe(1, 0.1, &seen(0.06), &solids);
+        assert_eq!(kinds(&judge), [(FindingKind::Penetration, Severity::Doubtful)]);
+    }
+
+    #[test]
+    fn layers_and_arches_beside_what_drives_the_bodies() {
+        let (none, solids) = (Observation::default(), SolidObservation::default());
+        for (apart, arch, expected) in
+            [(0.04, 0.09, Vec::new()), (0.06, 0.0, vec![INDENTATION]), (0.0, 0.11, vec![INDENTATION])]
+        {
+            let mut judge = judge();
+            judge.observe_driven(1, 0.1, &none, &solids, &[meeting(1.0, apart, arch)]);
+            assert_eq!(kinds(&judge), expected, "{apart} {arch}");
+        }
+    }
+
+    /// What goes to and fro does no harm; what adds up is a friction.
+    #[test]
+    fn pushes_along_surfaces_add_up() {
+        let (side, force) = ([0.03, 0.0, 0.0], [0.03, 0.0, 1.0]);
+        let mut judge = judge();
+        for step in 1..200 {
+            let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
+            judge.observe_push([0, 1], force, [side.map(|x| sign * x), [0.0; 3]], (step, 0.1), 0.01);
+        }
+        assert_eq!(kinds(&judge), []);
+        for step in 200..300 {
+            judge.observe_push([0, 1], force, [[0.0; 3], side], (step, 0.1), 0.01);
+        }
+        assert_eq!(kinds(&judge), [(FindingKind::SideForce, Severity::Doubtful)]);
+    }
+
+    /// A part of what is carried later is no fault; that which carries alone is.
+    #[test]
+    fn stabilisation_beside_the_largest_force() {
+        let mut judge = judge();
+        judge.observe_stabilisation(1, 0.1, 0.4, 0.4);
+        assert_eq!(kinds(&judge), [(FindingKind::Stabilisation, Severity::Doubtful)]);
+        judge.observe_stabilisation(2, 0.2, 0.1, 9.0);
+        assert_eq!(kinds(&judge), []);
+        judge.observe_stabilisation(3, 0.3, 0.0, 0.0);
+        assert_eq!(kinds(&judge), []);
+    }
+}
