@@ -112,9 +112,16 @@ fn arch(body: &Surface, other: &Surface) -> f64 {
         return 0.0;
     }
     let facets: BTreeSet<u32> = lying.iter().map(|near| other.facet(near.triangle)).collect();
-    let normals: Vec<Vector3<f64>> = facets.iter().map(|&f| other.normal(f)).collect();
     let angle = |a: &Vector3<f64>, b: &Vector3<f64>| a.cross(b).norm().atan2(a.dot(b));
-    let spread = normals.iter().map(|n| angle(&normals[0], n)).fold(0.0, f64::max);
+    let spread = |normals: &[Vector3<f64>]| normals.iter().map(|n| angle(&normals[0], n)).fold(0.0, f64::max);
+    let seen: Vec<Vector3<f64>> = facets.iter().map(|&f| other.normal(f)).collect();
+    // Of the body the facets that are most opposite to these: those of a plane under a ball have one normal.
+    let own = lying.iter().filter_map(|near| {
+        let opposite = other.normal(other.facet(near.triangle));
+        let around = body.facets_at(near.node).iter().map(|&f| body.normal(f));
+        around.min_by(|a, b| a.dot(&opposite).total_cmp(&b.dot(&opposite)))
+    });
+    let own: Vec<Vector3<f64>> = own.collect();
     // The largest angle between neighbours on a smooth surface: facets that share a node.
     let turn = |&f: &u32| {
         let normal = other.normal(f);
@@ -122,7 +129,8 @@ fn arch(body: &Surface, other: &Surface) -> f64 {
         let smooth = around.map(|&g| other.normal(g)).filter(|n| n.dot(&normal) > SMOOTH);
         smooth.map(|n| angle(&normal, &n)).fold(0.0, f64::max)
     };
-    if spread <= CURVED_ALIKE * facets.iter().map(turn).fold(0.0, f64::max) {
+    let least = CURVED_ALIKE * facets.iter().map(turn).fold(0.0, f64::max);
+    if spread(&seen) <= least || spread(&own) <= least {
         return 0.0;
     }
     let heights = lying.iter().map(|near| other.height_of_arch(near.triangle, &near.foot));

@@ -149,4 +149,7 @@ fn arches_of_surfaces_that_are_curved_alike() {
     // A quarter of a pin that is smaller by a tenth touches along a line.
     let small = [(quarter(1.8, 20, false, 0.2), false), (quarter(2.0, 10, true, 0.0), false)];
     assert_eq!(watch(small, |_, x| x).meeting([0, 1], [-1.0, 0.0, 0.0]).unwrap().arch, 0.0);
+    // Nor is it where the other side is flat, though nodes of it are within the arches of coarse facets.
+    let flat = [(brick([1.99, -0.6, 0.0], [2.5, 0.6, 1.0]), true), (quarter(2.0, 4, false, 0.0), false)];
+    assert_eq!(watch(flat, |_, x| x).meeting([0, 1], [1.0, 0.0, 0.0]).unwrap().arch, 0.0);
 }
