@@ -165,6 +165,10 @@ pub trait Report: Send + Sync + std::fmt::Debug {
     fn conserves_angular_momentum(&self) -> bool {
         true
     }
+    /// Whether it has limits: gaps of its own that close, though it always holds.
+    fn has_limits(&self) -> bool {
+        false
+    }
     /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
     fn verify(&self, _q_np1: &[f64]) -> Result<Coverage, ContactError> {
         Ok(Coverage::default())

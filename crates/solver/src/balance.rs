@@ -32,7 +32,7 @@ pub struct Balance {
     pub friction_work: f64,
     /// The part of `contact` that is stored in the tangential springs of friction.
     pub friction_stored: f64,
-    /// Work that the normal contact forces have taken from the bodies since the start and do not store, computed from forces and displacements: the
+    /// Work that the normal contact forces and the limits of joints have taken from the bodies since the start and do not store, computed from forces and displacements: the
     /// loss at closing gaps, negative where contact added energy. Zero in statics.
     pub closing_loss: f64,
     /// The part of `closing_loss` that is not explained by closing gaps, since the start. Zero for methods that do not report the loss of closing gaps
@@ -40,6 +40,8 @@ pub struct Balance {
     pub contact_remainder: f64,
     /// The part of `closing_loss` that was returned to the velocities, since the start.
     pub restored: f64,
+    /// Largest kinetic and strain energy together since the start, beside which errors are judged.
+    pub largest_energy: f64,
 }
 
 impl Balance {

@@ -55,6 +55,16 @@ impl System {
         }
         vector::dot(&force, increment)
     }
+
+    /// Sum of the magnitudes of the components of the forces of stabilisation at the end of a static step with this `increment`; nothing without a stabilisation.
+    pub fn stabilising(&self, increment: &[f64], dt: f64) -> Option<f64> {
+        let stabilisation = self.stabilisation.as_ref()?;
+        let mut force = vec![0.0; increment.len()];
+        for mass in stabilisation.masses() {
+            mass.multiply_add(stabilisation.ramp / dt, increment, &mut force);
+        }
+        Some(force.iter().map(|f| f.abs()).sum())
+    }
 }
 
 impl FeSystem<'_> {

@@ -332,6 +332,9 @@ impl Report for SwitchedOff {
     fn length_scale(&self) -> f64 {
         self.0.length_scale()
     }
+    fn has_limits(&self) -> bool {
+        self.0.has_limits()
+    }
     fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
         Ok(Vec::new())
     }
@@ -514,6 +517,11 @@ impl Model {
     /// True if there is contact by constraints that open and close or by potentials (mesh ties alone are none), also while it is switched off.
     pub fn has_contact_pairs(&self) -> bool {
         self.contacts.iter().any(|pair| !pair.method.is_bilateral())
+    }
+
+    /// True if something can close: contact, also while it is switched off, or a limit of a joint.
+    pub fn has_gaps(&self) -> bool {
+        self.has_contact_pairs() || self.contacts.iter().any(|pair| pair.method.has_limits())
     }
 
     /// Whether constraints that open and close act at present. Potentials have none.

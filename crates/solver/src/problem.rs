@@ -21,7 +21,7 @@ pub(crate) const SMALLEST_RESOLVED_MOTION: f64 = 1.0e-4;
 const LINEAR_TOLERANCE: f64 = 1.0e-6;
 
 /// Smallest shift of an unstable tangent, in parts of its mean diagonal, and the factor to the next one.
-const SMALLEST_SHIFT: f64 = 1.0e-6;
+pub(crate) const SMALLEST_SHIFT: f64 = 1.0e-6;
 const SHIFT_FACTOR: f64 = 4.0;
 
 /// At most so many shifts of a tangent: the last one is ten orders of magnitude above the diagonal.
@@ -302,7 +302,7 @@ pub(crate) fn start_auxiliaries(model: &Model, step: &Step<'_>, iterate: &mut It
 impl StepProblem<'_> {
     /// Whether every part of the tangent is symmetric under the rule of the step. With a weight on constraint forces the constraint rows, which
     /// have none, are not their gradients.
-    fn is_symmetric(&self) -> bool {
+    pub(crate) fn is_symmetric(&self) -> bool {
         let rule = &self.step.rule;
         let contact = contact_rule(rule.constraint.rule);
         rule.force.rule != ForceRule::DiscreteGradient
@@ -436,22 +436,8 @@ impl StepProblem<'_> {
         self.timings.measure(Phase::Solve, || solver.solve(rhs, increment)).map(|_| ())
     }
 
-    /// Negative eigenvalues of what was factorised last, a symmetric tangent, beyond one for each multiplier; zero if the solver does not count.
-    pub fn count_excess(&mut self) -> usize {
-        let multipliers = self.iterate.active.iter().flatten().filter(|&&active| active).count();
-        self.system.solver.negative_eigenvalues().map_or(0, |count| count.saturating_sub(multipliers))
-    }
-
-    /// Whether the directions in which the energy falls can be counted: a static step with a symmetric tangent, without stabilisation, and with no unknown but positions and multipliers.
-    pub fn counts_directions(&self) -> bool {
-        !self.step.rule.has_inertia()
-            && !self.system.has_damping
-            && self.is_symmetric()
-            && self.system.slot_width.iter().all(|&width| width == 1)
-    }
-
     /// Mean of the magnitudes on the diagonal of the tangent.
-    fn mean_diagonal(&self) -> f64 {
+    pub(crate) fn mean_diagonal(&self) -> f64 {
         let s = &*self.system;
         let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
         let free = s.numbering.free.len() as u32;

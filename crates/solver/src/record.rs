@@ -144,6 +144,10 @@ pub struct StepRecord {
     /// negative curvature of layers of general contact. Zero for other steps,
     /// and where the linear solver does not count them.
     pub unstable: usize,
+    /// Of a stabilised static step the sums of the magnitudes of the components of nodal forces at its end: those of the stabilisation, and those of supports and loads.
+    pub stabilising: Option<[f64; 2]>,
+    /// Energy that closing gaps took in the step by the constraints themselves, in the order of [`crate::Model::contacts`]; empty in statics and of the initial state.
+    pub closing: Vec<f64>,
     /// Contact, if the model has any.
     pub contact: Option<ContactSummary>,
 }

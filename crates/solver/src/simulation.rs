@@ -518,6 +518,8 @@ impl Simulation {
             decisions: Vec::new(),
             inside_out: 0,
             unstable: 0,
+            closing: Vec::new(),
+            stabilising: None,
             contact: None,
         }
     }
@@ -547,6 +549,7 @@ impl Simulation {
                 }
             }
         }
+        balance.largest_energy = self.balance.largest_energy.max(balance.kinetic + balance.strain);
         balance
     }
 

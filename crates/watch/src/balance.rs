@@ -4,12 +4,25 @@ use crate::words::short_time;
 use crate::{Finding, FindingKind, Severity};
 use serde::{Deserialize, Serialize};
 
-/// Relative gain of energy from which on it is doubtful, where nothing excludes a gain.
-const DOUBTFUL_GAIN: f64 = 0.01;
+/// Part of the largest energy from which on a gain, where nothing excludes it, or a loss by closing gaps is doubtful.
+const DOUBTFUL_CHANGE: f64 = 0.01;
 
-/// Relative gain of energy from which on it is wrong, whatever the scheme claims: the gain is then as large as all that the bodies would have without it, and a free system has doubled
+/// Part of the largest energy from which on a gain is wrong, whatever the scheme claims: the gain is then as large as all that the bodies would have without it, and a free system has doubled
 /// its energy. Errors of schemes without such a defect are smaller by orders of magnitude, also with large steps.
 const WRONG_GAIN: f64 = 0.5;
+
+/// What closing gaps cost is judged where nothing else is meant to take energy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Closing {
+    /// Not: the scheme takes energy itself.
+    #[default]
+    Unjudged,
+    /// The scheme keeps the energy, so that all loss is that of closing gaps.
+    Surfaces,
+    /// Nodes of a string or a beam meet a surface. Their mass is consistent: what stops a node changes the motion of its neighbours at once, under every scheme.
+    Lines,
+}
 
 /// Which momenta and energies a run, or a stage of it, must conserve.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,6 +37,9 @@ pub struct Promises {
     pub autonomous: bool,
     /// Contact never adds energy to the bodies.
     pub contact_gives_nothing: bool,
+    /// Whether energy that closing gaps take is judged.
+    #[serde(default)]
+    pub closing: Closing,
     /// Relative tolerance: round-off and what the Newton iteration leaves, as a part of the scale of each quantity.
     pub tolerance: f64,
 }
@@ -41,6 +57,26 @@ pub struct BalanceState {
     pub total: f64,
     /// Work that the normal contact forces have taken from the bodies since the start and not returned.
     pub closing_loss: f64,
+    /// The part of `total` that the damping of bodies has taken since the start. Its integral over a step has the error of the scheme.
+    #[serde(default)]
+    pub damping: f64,
+}
+
+/// A change of energy at its largest, and when that was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Change {
+    energy: f64,
+    step: u64,
+    time: f64,
+}
+
+impl Change {
+    /// Takes note of a change that the steps resolve: one above `floor`.
+    fn note(&mut self, energy: f64, floor: f64, (step, time): (u64, f64)) {
+        if energy > self.energy.max(floor) {
+            *self = Self { energy, step, time };
+        }
+    }
 }
 
 /// Residual forces that the Newton iterations leave, in the norm over all nodes, and the mean mass of a node: together they bound the error of the energy that is not the fault
@@ -90,6 +126,13 @@ pub struct BalanceWatch {
     /// Sum of the squares of what steps do not resolve of the energy: their errors are independent.
     #[serde(default)]
     unresolved: f64,
+    /// Largest energy so far that contact has given, that came from nowhere, and that closing gaps have taken.
+    #[serde(default)]
+    given: Change,
+    #[serde(default)]
+    grown: Change,
+    #[serde(default)]
+    closed: Change,
 }
 
 impl BalanceWatch {
@@ -110,6 +153,9 @@ impl BalanceWatch {
             resolution: Resolution::default(),
             time: 0.0,
             unresolved: 0.0,
+            given: Change::default(),
+            grown: Change::default(),
+            closed: Change::default(),
         }
     }
 
@@ -128,9 +174,10 @@ impl BalanceWatch {
         drifts.map(|(drift, _)| drift).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Findings of a step: what of [`Promises`] it violates. The first call is the start, with which all others are compared.
+    /// Findings of a step: what of [`Promises`] it violates. The first call is the start, with which all others are compared. What is judged beside the largest energy of the run
+    /// is in [`Self::standing`].
     pub fn observe(&mut self, step: u64, time: f64, state: &BalanceState) -> Vec<Finding> {
-        let Promises { linear, angular, energy, autonomous, contact_gives_nothing, tolerance } = self.promises;
+        let Promises { linear, angular, energy, autonomous, contact_gives_nothing, closing, tolerance } = self.promises;
         let size = |x: &[f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
         // The momentum that the bodies would have if all moved in the same direction.
         let momentum = (2.0 * self.mass * state.energy.max(0.0)).sqrt();
@@ -188,24 +235,70 @@ impl BalanceWatch {
         let given_back = self.largest_loss - state.closing_loss;
         let gain = part(given_back, self.scales[2]);
         self.largest_loss = self.largest_loss.max(state.closing_loss);
-        let given = format!("contact has added {:.1} % to the energy of the bodies", 100.0 * gain);
         if contact_gives_nothing && exceeds(gain, tolerance) && is_resolved(given_back) {
+            let given = format!("contact has added {:.1} % to the energy of the bodies", 100.0 * gain);
             add(Severity::Wrong, FindingKind::Balance, given + ", though the constraint excludes that", gain);
-        } else if exceeds(gain, DOUBTFUL_GAIN) {
-            add(Severity::Doubtful, FindingKind::EnergyGain, given, gain);
         }
-        let gain = part(state.total - self.lowest, self.scales[2]);
-        self.lowest = self.lowest.min(state.total);
-        if autonomous && !energy && exceeds(gain, WRONG_GAIN) {
-            let what = format!(
-                "{:.0} % of the energy was supplied by no load or support: it is an error of the time stepping",
-                100.0 * gain
-            );
-            add(Severity::Wrong, FindingKind::EnergyGain, what, gain);
-        } else if autonomous && !energy && exceeds(gain, DOUBTFUL_GAIN) {
-            let what = format!("the energy has grown by {:.1} %", 100.0 * gain);
-            add(Severity::Doubtful, FindingKind::EnergyGain, what + "; the scheme does not exclude that", gain);
+        let grown = state.total - state.damping - self.lowest;
+        self.lowest = self.lowest.min(state.total - state.damping);
+        if autonomous && !energy && grown.is_nan() {
+            let what = "the energy is not a number".to_owned();
+            add(Severity::Wrong, FindingKind::EnergyGain, what, f64::NAN);
         }
+        let now = (step, time);
+        if !contact_gives_nothing {
+            self.given.note(given_back, floor, now);
+        }
+        if autonomous && !energy {
+            self.grown.note(grown, floor, now);
+        }
+        if closing != Closing::Unjudged {
+            self.closed.note(state.closing_loss - first.closing_loss, floor, now);
+        }
+        found
+    }
+
+    /// Findings about changes of the energy beside the largest energy so far: what contact has added, what has come from no load or support, what closing gaps have taken (most of
+    /// it in the contact `closed_by`). They may become less as the run goes on.
+    pub fn standing(&self, closed_by: Option<&str>) -> Vec<Finding> {
+        let mut found = Vec::new();
+        let largest = self.scales[2];
+        let mut add = |change: &Change, kind, say: &dyn Fn(f64, Severity) -> String| {
+            let part = if largest > 0.0 { change.energy / largest } else { 0.0 };
+            if part > DOUBTFUL_CHANGE {
+                let is_wrong = kind == FindingKind::EnergyGain && part > WRONG_GAIN;
+                let level = if is_wrong { Severity::Wrong } else { Severity::Doubtful };
+                let sentence = format!("at t = {} {}", short_time(change.time), say(100.0 * part, level));
+                found.push(Finding::new(level, kind, (change.step, change.time), sentence, part));
+            }
+        };
+        add(&self.given, FindingKind::EnergyGain, &|percent, _| {
+            format!(
+                "contact had added {percent:.1} % of the largest energy of the run to the bodies. Where they overlap at the start, closing the overlap in one step does that: let them only touch, or close \
+                 it in a static stage before. Else `energy-momentum` with mortar contact or the modified constraint adds nothing, and smaller steps add less"
+            )
+        });
+        add(&self.grown, FindingKind::EnergyGain, &|percent, level| match level {
+            Severity::Wrong => {
+                format!(
+                    "{percent:.0} % of the largest energy of the run was supplied by no load or support: it is an error of the time stepping"
+                )
+            }
+            _ => format!(
+                "the energy had grown by {percent:.1} % of the largest energy of the run; the scheme does not exclude that"
+            ),
+        });
+        let place = closed_by.map(|name| format!(", most of it in {name}")).unwrap_or_default();
+        add(&self.closed, FindingKind::ClosingLoss, &|percent, _| match self.promises.closing {
+            Closing::Lines => format!(
+                "closing gaps had taken {percent:.1} % of the largest energy of the run{place}. The mass of strings and beams is consistent: what stops a node on the surface jerks its neighbours, and what \
+                 is still in the air does not move freely. Smaller elements and steps do not change that; use point masses on a string, or an element of a solid"
+            ),
+            _ => format!(
+                "closing gaps had taken {percent:.1} % of the largest energy of the run{place}, and how much depends on where in the step a gap closes: the motion after an impact is uncertain by as much. \
+                 Smaller steps and finer surfaces take less, general contact or the penalty method take nothing; the mortar method can give it back (`closing = \"restore\"`)"
+            ),
+        });
         found
     }
 }
@@ -221,21 +314,31 @@ mod tests {
             energy: true,
             autonomous: true,
             contact_gives_nothing: true,
+            closing: Closing::Unjudged,
             tolerance: 1e-7,
         }
     }
 
     fn start() -> BalanceState {
-        BalanceState { linear: [1.0, 0.0, -2.0], angular: [0.5, 0.1, 0.0], energy: 3.0, total: 2.0, closing_loss: 0.0 }
+        let (linear, angular) = ([1.0, 0.0, -2.0], [0.5, 0.1, 0.0]);
+        BalanceState { linear, angular, energy: 3.0, total: 2.0, closing_loss: 0.0, damping: 0.0 }
+    }
+
+    /// Levels of what a run of these states after the start breaks.
+    fn levels(promises: Promises, states: &[BalanceState]) -> Vec<Severity> {
+        let mut watch = BalanceWatch::new(promises, 1.0, 1.0, 0.0);
+        assert_eq!(watch.observe(0, 0.0, &start()), []);
+        let steps = states.iter().zip(1..);
+        let mut found: Vec<Finding> = steps.flat_map(|(s, step)| watch.observe(step, 0.1 * step as f64, s)).collect();
+        found.extend(watch.standing(None));
+        found.into_iter().map(|finding| finding.level).collect()
     }
 
     /// Levels of what a second step breaks.
     fn second(promises: Promises, change: impl Fn(&mut BalanceState)) -> Vec<Severity> {
-        let mut watch = BalanceWatch::new(promises, 1.0, 1.0, 0.0);
-        assert_eq!(watch.observe(0, 0.0, &start()), []);
         let mut state = start();
         change(&mut state);
-        watch.observe(1, 0.1, &state).into_iter().map(|finding| finding.level).collect()
+        levels(promises, &[state])
     }
 
     #[test]
@@ -302,6 +405,50 @@ mod tests {
         let small = |energy: f64| BalanceState { energy, total: energy, ..BalanceState::default() };
         assert_eq!(watch.observe(0, 0.0, &small(0.0)), []);
         assert_eq!(watch.observe(1, 0.1, &small(1e-3)), []);
+        assert_eq!(watch.standing(None), []);
+        // A residual force of 1e-6 does more work in a step of 0.1 on a node of mass one than bodies at rest have, and so says nothing.
+        let resolution = Resolution { force: 1e-6, inertia: 0.0, node_mass: 1.0 };
+        let mut watch = BalanceWatch::new(loose, 1.0, 1.0, 0.0).with_resolution(resolution);
+        (0..3).for_each(|step| assert_eq!(watch.observe(step, 0.1 * step as f64, &small(1e-25 * step as f64)), []));
+        assert_eq!(watch.standing(None), []);
+    }
+
+    #[test]
+    fn energy_that_contact_makes_from_nothing_is_wrong() {
+        let loose = Promises { contact_gives_nothing: false, ..promises() };
+        let pushed =
+            |by: f64| move |s: &mut BalanceState| (s.energy, s.total, s.closing_loss) = (3.0 + by, 2.0 + by, -by);
+        assert_eq!(second(loose, pushed(0.02)), []);
+        assert_eq!(second(loose, pushed(2.9)), [Severity::Doubtful]);
+        assert_eq!(second(loose, pushed(3.1)), [Severity::Wrong]);
+        // Beside the largest energy of the run, also where it comes later.
+        let states = [1.0, 400.0].map(|energy| BalanceState { energy, total: 3.0, closing_loss: -1.0, ..start() });
+        assert_eq!(levels(loose, &states), []);
+    }
+
+    #[test]
+    fn what_closing_gaps_take_is_doubtful_where_it_is_judged() {
+        let lossy = Promises { closing: Closing::Surfaces, ..promises() };
+        let lost = |part: f64| move |s: &mut BalanceState| (s.total, s.closing_loss) = (2.0 - 3.0 * part, 3.0 * part);
+        assert_eq!(second(lossy, lost(0.0099)), []);
+        assert_eq!(second(lossy, lost(0.0101)), [Severity::Doubtful]);
+        assert_eq!(second(promises(), lost(0.5)), []);
+        let mut watch = BalanceWatch::new(Promises { closing: Closing::Lines, ..lossy }, 1.0, 1.0, 0.0);
+        watch.observe(0, 0.0, &start());
+        watch.observe(1, 0.1, &BalanceState { total: 1.4, closing_loss: 0.6, ..start() });
+        let [Finding { kind: FindingKind::ClosingLoss, sentence, .. }] = &watch.standing(Some("floor"))[..] else {
+            panic!("no loss")
+        };
+        assert!(["20.0 %", "t = 0.1", "most of it in floor", "strings"].iter().all(|word| sentence.contains(word)));
+    }
+
+    /// The work of dampers in a step is no energy that came from nowhere, whatever their integral says; without them it is.
+    #[test]
+    fn errors_of_what_damping_takes_are_no_gain() {
+        let loose = Promises { energy: false, ..promises() };
+        let damped = BalanceState { energy: 1.0, total: 2.5, damping: 2.0, ..start() };
+        assert_eq!(levels(loose, &[damped]), []);
+        assert_eq!(levels(loose, &[BalanceState { damping: 0.0, ..damped }]), [Severity::Doubtful]);
     }
 
     /// A step of size 0.1 with an energy of 3 and nodes of mass 6 moves them by 0.1 in the norm.
@@ -331,7 +478,8 @@ mod tests {
         let loose = Promises { energy: false, ..promises() };
         let mut watch = BalanceWatch::new(loose, 1.0, 1.0, 0.0);
         for (step, total, found) in [(0, 2.0, 0), (1, 1.0, 0), (2, 1.2, 1)] {
-            assert_eq!(watch.observe(step, 0.1, &BalanceState { total, ..start() }).len(), found, "step {step}");
+            assert_eq!(watch.observe(step, 0.1, &BalanceState { total, ..start() }), []);
+            assert_eq!(watch.standing(None).len(), found, "step {step}");
         }
     }
 }

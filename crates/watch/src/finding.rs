@@ -46,6 +46,14 @@ pub enum FindingKind {
     Balance,
     /// The energy grows without work from outside, which scheme and contact do not exclude.
     EnergyGain,
+    /// Closing gaps take energy though the scheme keeps it, or nodes of lines meet a surface.
+    ClosingLoss,
+    /// Contact without friction acts along the surfaces.
+    SideForce,
+    /// The stabilisation of statics carries a part of the load.
+    Stabilisation,
+    /// A depth, a distance that contact keeps, or the arch of facets is not small against what drives the bodies into each other.
+    Indentation,
     /// A contact reports an inadmissible state: tension, pressure at an open gap, friction beyond its bound.
     Contact,
     /// A static equilibrium is unstable.

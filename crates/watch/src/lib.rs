@@ -19,20 +19,24 @@
 #![doc = include_str!("../README.md")]
 
 mod balance;
+mod cone;
 mod contact;
 mod finding;
+mod meeting;
 mod observe;
 mod pairs;
 mod predicates;
 mod solids;
+mod standing;
 mod surface;
 mod sweep;
 mod verdict;
 mod words;
 
-pub use balance::{BalanceState, BalanceWatch, Promises, Resolution};
+pub use balance::{BalanceState, BalanceWatch, Closing, Promises, Resolution};
 pub use contact::{ContactPoint, ContactState, PointFriction};
 pub use finding::{Finding, FindingKind, Severity};
+pub use meeting::Meeting;
 pub use observe::{Observation, Penetration, Tunnelling, Watch};
 pub use solids::SolidObservation;
 pub use verdict::{Judge, Limits, Verdict};

@@ -7,7 +7,7 @@ use crate::surface::Surface;
 use crate::sweep::{Sweep, passages};
 use crate::{WatchBody, WatchError, WatchFacet, WatchModel, WatchShape};
 use nalgebra::Vector3;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 use stoss_mesh::Elements;
 
@@ -77,14 +77,16 @@ struct SurfaceElements {
 /// Checks states of a model. Built once; a check allocates little.
 #[derive(Debug)]
 pub struct Watch {
-    model: WatchModel,
-    surfaces: Vec<Surface>,
+    pub(crate) model: WatchModel,
+    pub(crate) surfaces: Vec<Surface>,
     surface_elements: Vec<SurfaceElements>,
     /// Nodes of ties, by pairs of bodies in both orders.
     tied: Vec<([usize; 2], BTreeSet<u32>)>,
     shapes: Shapes,
     placed: bool,
     inside: Vec<bool>,
+    /// Gaps between bodies in the reference, as far as they were asked for.
+    pub(crate) gaps: BTreeMap<[usize; 2], f64>,
 }
 
 impl Watch {
@@ -120,7 +122,16 @@ impl Watch {
         };
         let tied = model.ties.iter().flat_map(both).collect();
         let shapes = Shapes::new(&model);
-        Ok(Self { model, surfaces, surface_elements, tied, shapes, placed: false, inside: Vec::new() })
+        Ok(Self {
+            model,
+            surfaces,
+            surface_elements,
+            tied,
+            shapes,
+            placed: false,
+            inside: Vec::new(),
+            gaps: BTreeMap::new(),
+        })
     }
 
     /// Steps from one check to the next. It follows from the number of facets alone, so that verdicts are reproducible:

@@ -77,7 +77,7 @@ pub(crate) fn overlap(
             found.add(measure(point, *core));
         }
     }
-    let mut crossings = Vec::new();
+    let (mut crossings, mut through_open) = (Vec::new(), Vec::new());
     for &[a, b] in near.as_ref().map_or(&body.edges, |(_, edges)| edges) {
         if inside[a as usize] || inside[b as usize] || exempt(a) || exempt(b) {
             continue;
@@ -98,7 +98,10 @@ pub(crate) fn overlap(
         });
         if !other.is_closed {
             let reaches = |end: u32, x: &Vector3<f64>| measure(end, *x).relative > TOUCHING;
-            found.edges += usize::from(!crossings.is_empty() && reaches(a, x) && reaches(b, y));
+            if !crossings.is_empty() && reaches(a, x) && reaches(b, y) {
+                found.edges += 1;
+                through_open.push([a, b]);
+            }
             continue;
         }
         crossings.sort_unstable_by(f64::total_cmp);
@@ -117,29 +120,43 @@ pub(crate) fn overlap(
         found.edges += usize::from(through);
     }
     if !other.is_closed && found.edges > 0 {
-        found.deepest = penetration_of_open_surface(body, other, exempt);
+        found.deepest = penetration_of_open_surface(body, other, exempt, &through_open);
     }
     found
 }
 
-/// Of a body with edges through an open surface, the point that is farthest from it on the side where the body reaches less far.
-fn penetration_of_open_surface(body: &Surface, other: &Surface, exempt: impl Fn(u32) -> bool) -> Option<Inside> {
-    /// Points that are seen from the surface at a lower angle (its sine) are beside it.
-    const BESIDE: f64 = 0.5;
+/// Of a body with edges through an open surface, the point that is farthest from it on the side where the body reaches less far. Points whose nearest point is on the rim are beside the
+/// surface; of an edge that goes through it between such ends what lies before and behind is sought in parts.
+fn penetration_of_open_surface(
+    body: &Surface,
+    other: &Surface,
+    exempt: impl Fn(u32) -> bool,
+    through: &[[u32; 2]],
+) -> Option<Inside> {
+    /// Parts of an edge.
+    const PARTS: u32 = 16;
     let mut farthest: [Option<Inside>; 2] = [None, None];
-    for (k, position) in body.points.iter().enumerate().filter(|&(k, _)| !exempt(k as u32)) {
-        let (depth, triangle) = other.nearest(position);
+    let mut add = |point: u32, position: Vector3<f64>| {
+        let (depth, triangle) = other.nearest(&position);
+        if depth <= 0.0 || other.is_beside(&position, triangle) {
+            return;
+        }
         let [a, b, c] = other.triangle(triangle);
-        let normal = (b - a).cross(&(c - a));
-        let height = normal.dot(&(position - a)) / normal.norm();
-        if depth > 0.0 && height.abs() > BESIDE * depth {
-            let point = k as u32;
-            let here =
-                Inside { point, position: *position, depth, relative: depth / other.depth_unit(triangle, body, point) };
-            let side = &mut farthest[usize::from(height < 0.0)];
-            if side.is_none_or(|worst| here.depth > worst.depth) {
-                *side = Some(here);
-            }
+        let height = (b - a).cross(&(c - a)).dot(&(position - a));
+        let here = Inside { point, position, depth, relative: depth / other.depth_unit(triangle, body, point) };
+        let side = &mut farthest[usize::from(height < 0.0)];
+        if side.is_none_or(|worst| here.depth > worst.depth) {
+            *side = Some(here);
+        }
+    };
+    for (k, position) in body.points.iter().enumerate().filter(|&(k, _)| !exempt(k as u32)) {
+        add(k as u32, *position);
+    }
+    for &[a, b] in through {
+        let (x, y) = (&body.points[a as usize], &body.points[b as usize]);
+        for part in 1..PARTS {
+            let end = if 2 * part <= PARTS { a } else { b };
+            add(end, x + (y - x) * (f64::from(part) / f64::from(PARTS)));
         }
     }
     let [Some(before), Some(behind)] = farthest else { return None };

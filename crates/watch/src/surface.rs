@@ -7,6 +7,9 @@ use std::collections::BTreeMap;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 use stoss_mesh::{Elements, FacetIndex};
 
+/// Smallest cosine of the angle between the normals of two facets of a smooth surface: 40 degrees.
+pub(crate) const SMOOTH: f64 = 0.766;
+
 /// A facet: places of its corners in `nodes`, counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug)]
 pub struct Facet {
@@ -52,8 +55,10 @@ pub struct Surface {
     places: Vec<u32>,
     /// The facets.
     pub facets: Vec<Facet>,
-    /// A facet of each node.
-    facet_at: Vec<u32>,
+    /// The facets around each node.
+    facets_at: Vec<Vec<u32>>,
+    /// Edges of one facet only, as places in `points`, sorted: the rim of an open surface.
+    rim: Vec<[u32; 2]>,
     /// Whether it encloses a volume.
     pub is_closed: bool,
     /// Whether it is that of a rigid body, whose facets may be much larger than those of the others.
@@ -107,7 +112,7 @@ impl Surface {
         if is_closed {
             surface.place(reference, true);
             let behind = |f: usize| {
-                let depths = (1..HALVINGS).map(|k| surface.length(f) * 0.5_f64.powi(k));
+                let depths = (1..HALVINGS).map(|k| surface.length(f as u32) * 0.5_f64.powi(k));
                 let mut inside = depths.filter(|&depth| surface.contains(&surface.behind(f, depth)));
                 inside.next().map(|depth| (Inner::Behind(depth), f as u32))
             };
@@ -125,12 +130,14 @@ impl Surface {
         nodes.dedup();
         let place: BTreeMap<u32, u32> = nodes.iter().enumerate().map(|(k, &node)| (node, k as u32)).collect();
         let facets: Vec<Facet> = list.map(|corners| Facet::new(corners, |node| place[&node])).collect();
-        let (mut edges, mut triangles, mut facet_at) = (Vec::new(), Vec::new(), vec![0; nodes.len()]);
+        let (mut edges, mut triangles, mut facets_at) = (Vec::new(), Vec::new(), vec![Vec::new(); nodes.len()]);
+        let mut outer: Vec<[u32; 2]> = Vec::new();
         for (f, facet) in facets.iter().enumerate() {
             let centre = (nodes.len() + f) as u32;
             for [a, b] in facet.edges() {
-                facet_at[a as usize] = f as u32;
+                facets_at[a as usize].push(f as u32);
                 edges.push([a.min(b), a.max(b)]);
+                outer.push([a.min(b), a.max(b)]);
                 if facet.count == 4 {
                     edges.push([a, centre]);
                     triangles.push(([a, b, centre], f as u32));
@@ -142,13 +149,16 @@ impl Surface {
         }
         edges.sort_unstable();
         edges.dedup();
+        outer.sort_unstable();
+        let rim = outer.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect();
         let boxes = vec![Aabb::from_points([&Vector3::zeros()]); triangles.len()];
         Self {
             places: (0..nodes.len() as u32).collect(),
             points: vec![Vector3::zeros(); nodes.len() + facets.len()],
             nodes,
             facets,
-            facet_at,
+            facets_at,
+            rim,
             is_closed: true,
             is_rigid: false,
             triangles,
@@ -274,8 +284,8 @@ impl Surface {
     }
 
     /// Mean edge length of a facet.
-    fn length(&self, facet: usize) -> f64 {
-        let facet = &self.facets[facet];
+    pub fn length(&self, facet: u32) -> f64 {
+        let facet = &self.facets[facet as usize];
         let lengths = facet.edges().map(|[a, b]| (self.points[a as usize] - self.points[b as usize]).norm());
         lengths.sum::<f64>() / facet.count as f64
     }
@@ -295,7 +305,7 @@ impl Surface {
 
     /// Mean edge length of the facet of a triangle.
     pub fn edge_length(&self, triangle: usize) -> f64 {
-        self.length(self.triangles[triangle].1 as usize)
+        self.length(self.triangles[triangle].1)
     }
 
     /// What a depth below a triangle is measured by, for a point of another body: the mean edge length of the facet, of a rigid body that of the other's
@@ -307,8 +317,94 @@ impl Surface {
         }
         let facet = (point as usize)
             .checked_sub(body.nodes.len())
-            .unwrap_or(body.facet_at[body.nodes_of(point)[0] as usize] as usize);
+            .map(|facet| facet as u32)
+            // cannot fail: a node of the surface is one of a facet.
+            .unwrap_or(body.facets_at[body.nodes_of(point)[0] as usize].last().copied().unwrap_or(0));
         own.min(body.length(facet))
+    }
+
+    /// Facet of a triangle.
+    pub fn facet(&self, triangle: usize) -> u32 {
+        self.triangles[triangle].1
+    }
+
+    /// The facets around a node, a place in `nodes`.
+    pub fn facets_at(&self, node: u32) -> &[u32] {
+        &self.facets_at[node as usize]
+    }
+
+    /// Unit normal of a facet, the mean of those of its triangles by their areas; zero of a facet without area.
+    pub fn normal(&self, facet: u32) -> Vector3<f64> {
+        let centre = self.points[self.nodes.len() + facet as usize];
+        let around = self.facets[facet as usize].edges().map(|edge| edge.map(|k| self.points[k as usize] - centre));
+        let normal = around.fold(Vector3::zeros(), |sum, [a, b]| sum + a.cross(&b));
+        normal.try_normalize(0.0).unwrap_or_default()
+    }
+
+    /// Unit vectors in the plane of a facet of an open surface, across its edges on the rim and away from it: of edges that are within `reach` of a point.
+    pub fn outwards(&self, facet: u32, x: &Vector3<f64>, reach: f64) -> Vec<Vector3<f64>> {
+        let normal = self.normal(facet);
+        let is_rim = |[a, b]: &[u32; 2]| self.rim.binary_search(&[*a.min(b), *a.max(b)]).is_ok();
+        let ends = |edge: [u32; 2]| edge.map(|k| &self.points[k as usize]);
+        let near = self.facets[facet as usize].edges().filter(is_rim).map(ends);
+        let near = near.filter(|[a, b]| (nearest_point(x, [a, b, b]) - x).norm() <= reach);
+        near.filter_map(|[a, b]| (b - a).cross(&normal).try_normalize(0.0)).collect()
+    }
+
+    /// Centre of a facet.
+    pub fn centre(&self, facet: u32) -> &Vector3<f64> {
+        &self.points[self.nodes.len() + facet as usize]
+    }
+
+    /// Height over a facet of a smooth surface through its corners, at a point on it: `1/2 sum w_i n_i . (x_i - y) / n_i . n`, with the weights `w_i` of the corners at `y`, their normals
+    /// `n_i` (the mean over the facets around them whose normals are within [`SMOOTH`] of that of the facet) and the normal `n` of the facet. It is exact for a
+    /// surface of second order, zero at the corners, and positive where the surface is convex.
+    pub fn height_of_arch(&self, triangle: usize, y: &Vector3<f64>) -> f64 {
+        let f = self.facet(triangle);
+        let facet = self.facets[f as usize];
+        let (corners, n) = (facet.corners(), self.normal(f));
+        // Weights in the triangle; the centre of a quadrilateral hands its own to the corners.
+        let [a, b, c] = self.corners(triangle);
+        let [x, u, v] = self.triangle(triangle);
+        let (u, v, y_x) = (u - x, v - x, y - x);
+        let square = u.cross(&v).norm_squared();
+        if square == 0.0 {
+            return 0.0;
+        }
+        let [second, third] = [y_x.cross(&v), u.cross(&y_x)].map(|w| w.dot(&u.cross(&v)) / square);
+        let inside = [(a, 1.0 - second - third), (b, second), (c, third)];
+        let of_centre: f64 = inside.iter().filter(|(k, _)| *k as usize >= self.nodes.len()).map(|(_, w)| w).sum();
+        let height = |&corner: &u32| {
+            let own: f64 = inside.iter().filter(|(k, _)| *k == corner).map(|(_, w)| w).sum();
+            let weight = own + of_centre / facet.count as f64;
+            let around = self.facets_at(corner).iter().map(|&f| self.normal(f));
+            let smooth = around.filter(|m| m.dot(&n) > SMOOTH);
+            let normal = smooth.fold(Vector3::zeros(), |sum, m| sum + m);
+            let across = normal.dot(&n);
+            if across > 0.0 { weight * normal.dot(&(self.points[corner as usize] - y)) / across } else { 0.0 }
+        };
+        0.5 * corners.iter().map(height).sum::<f64>()
+    }
+
+    /// Height of a facet's arch over its centre.
+    pub fn highest_arch(&self, facet: u32) -> f64 {
+        let centre = self.centre(facet);
+        let first = self.triangles.partition_point(|(_, of)| *of < facet);
+        self.triangles.get(first).map_or(0.0, |_| self.height_of_arch(first, centre).abs())
+    }
+
+    /// Whether the point of an open surface that is nearest to `x`, on this triangle, lies on its rim: then `x` is beside the surface, and not before or behind it.
+    pub fn is_beside(&self, x: &Vector3<f64>, triangle: usize) -> bool {
+        /// Part of an edge that is round-off of a point.
+        const ROUND_OFF: f64 = 1.0e-9;
+        let foot = nearest_point(x, self.triangle(triangle));
+        let near = ROUND_OFF * self.edge_length(triangle);
+        let corners = self.corners(triangle);
+        let on = |edge: &[u32; 2]| {
+            let [a, b] = edge.map(|k| &self.points[k as usize]);
+            (nearest_point(&foot, [a, b, b]) - foot).norm() <= near
+        };
+        self.rim.iter().filter(|edge| edge.iter().any(|end| corners.contains(end))).any(on)
     }
 
     /// Whether a point is inside: how often the surface winds about it is not zero. A point on the surface is not inside, and none is

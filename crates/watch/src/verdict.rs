@@ -1,8 +1,9 @@
 //! The verdict on a run.
 
 use crate::contact;
-use crate::words::short_time;
-use crate::{ContactState, Finding, FindingKind, Observation, Severity, SolidObservation};
+use crate::standing::{Driven, Push, Stabilised};
+use crate::words::{short, short_time};
+use crate::{ContactState, Finding, FindingKind, Meeting, Observation, Penetration, Severity, SolidObservation};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
@@ -46,6 +47,9 @@ impl Default for Limits {
     }
 }
 
+/// Part of the depth that is wrong from which on a depth is doubtful between bodies that statics drives into each other, whatever drives them.
+const DEEP: f64 = 0.5;
+
 /// Collects findings and keeps the worst of each kind and pair of bodies. It can be stored in a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judge {
@@ -56,6 +60,14 @@ pub struct Judge {
     contacts: Vec<[usize; 2]>,
     limits: Limits,
     findings: Vec<Finding>,
+    /// What pairs of bodies that are driven into each other leave between them.
+    #[serde(default)]
+    driven: Vec<Driven>,
+    /// What contacts without friction exert along the surfaces.
+    #[serde(default)]
+    pushes: Vec<Push>,
+    #[serde(default)]
+    stabilised: Stabilised,
 }
 
 impl Judge {
@@ -66,7 +78,16 @@ impl Judge {
         limits: Limits,
     ) -> Self {
         let (names, nodes) = bodies.into_iter().unzip();
-        Self { names, nodes, contacts, limits, findings: Vec::new() }
+        Self {
+            names,
+            nodes,
+            contacts,
+            limits,
+            findings: Vec::new(),
+            driven: Vec::new(),
+            pushes: Vec::new(),
+            stabilised: Stabilised::default(),
+        }
     }
 
     /// Remark that no contact is defined between two bodies, to end a sentence.
@@ -78,8 +99,35 @@ impl Judge {
         }
     }
 
+    /// Adds what two bodies that act on each other without friction exerted in a time: the force on the first one, and what of it their surfaces cannot exert.
+    pub fn observe_push(
+        &mut self,
+        bodies: [usize; 2],
+        force: [f64; 3],
+        beside: [[f64; 3]; 2],
+        at: (u64, f64),
+        duration: f64,
+    ) {
+        let known = self.pushes.iter().position(|push| push.bodies == bodies);
+        let place = known.unwrap_or_else(|| {
+            self.pushes.push(Push::of(bodies));
+            self.pushes.len() - 1
+        });
+        self.pushes[place].note(force, beside, at, duration);
+    }
+
+    /// Takes note of what stabilisation exerts in a step, and of the reactions and loads there: sums of the magnitudes of nodal forces.
+    pub fn observe_stabilisation(&mut self, step: u64, time: f64, force: f64, others: f64) {
+        self.stabilised.note((step, time), force, others);
+    }
+
+    /// Name of a body.
+    pub(crate) fn name(&self, body: usize) -> &str {
+        &self.names[body]
+    }
+
     /// Name of a node in messages: its number in its body, or in the model if it belongs to no body.
-    fn node(&self, node: u32) -> String {
+    pub(crate) fn node(&self, node: u32) -> String {
         match self.nodes.iter().position(|nodes| nodes.contains(&node)) {
             Some(body) => format!("node {} of `{}`", node - self.nodes[body].start, self.names[body]),
             None => format!("node {node} of the model"),
@@ -88,14 +136,38 @@ impl Judge {
 
     /// Adds the findings of a check after a step.
     pub fn observe(&mut self, step: u64, time: f64, seen: &Observation, solids: &SolidObservation) {
+        self.observe_driven(step, time, seen, solids, &[]);
+    }
+
+    /// The same where statics drives bodies into each other: depths in those that act on each other, `meetings`, are doubtful if they are not small against what drives them.
+    pub fn observe_driven(
+        &mut self,
+        step: u64,
+        time: f64,
+        seen: &Observation,
+        solids: &SolidObservation,
+        meetings: &[Meeting],
+    ) {
+        for meeting in meetings {
+            let deepest = seen.penetrations.iter().filter(|p| same([p.body, p.into], meeting.bodies));
+            let deepest = deepest.max_by(|x, y| x.depth.total_cmp(&y.depth));
+            let known = self.driven.iter().position(|driven| same(driven.bodies, meeting.bodies));
+            let place = known.unwrap_or_else(|| {
+                self.driven.push(Driven::of(meeting.bodies));
+                self.driven.len() - 1
+            });
+            self.driven[place].note((step, time), meeting, deepest);
+        }
         let Limits { doubtful, wrong } = self.limits;
+        let is_driven = |p: &Penetration| meetings.iter().any(|meeting| same([p.body, p.into], meeting.bodies));
+        let limit = |p: &Penetration| if is_driven(p) { DEEP * wrong } else { doubtful };
         let finding = |level, kind, bodies, sentence, position, figure| Finding {
             bodies,
             position,
             ..Finding::new(level, kind, (step, time), sentence, figure)
         };
         let mut found = Vec::new();
-        for deepest in seen.penetrations.iter().filter(|deepest| deepest.relative > doubtful) {
+        for deepest in seen.penetrations.iter().filter(|deepest| deepest.relative > limit(deepest)) {
             let level = if deepest.relative > wrong { Severity::Wrong } else { Severity::Doubtful };
             let into = match deepest.into == deepest.body {
                 true => "its own body".to_owned(),
@@ -204,18 +276,32 @@ impl Judge {
         }
     }
 
-    /// The verdict so far.
+    /// Adds several findings.
+    pub fn add_all(&mut self, findings: impl IntoIterator<Item = Finding>) {
+        findings.into_iter().for_each(|finding| self.add(finding));
+    }
+
+    /// The verdict so far. What is judged beside the largest force or way of the run may become less as it goes on.
     pub fn verdict(&self) -> Verdict {
-        let mut reasons = self.findings.clone();
+        self.verdict_with(Vec::new())
+    }
+
+    /// The same with further findings that hold so far.
+    pub fn verdict_with(&self, further: Vec<Finding>) -> Verdict {
+        let mut all = self.clone();
+        all.add_all(further);
+        all.add_all(self.driven.iter().flat_map(|driven| driven.findings(self)));
+        all.add_all(self.pushes.iter().filter_map(|push| push.finding(self)));
+        all.add_all(self.stabilised.finding());
+        let mut reasons = all.findings;
         reasons.sort_by(|a, b| b.level.cmp(&a.level).then(a.kind.cmp(&b.kind)).then(b.figure.total_cmp(&a.figure)));
         Verdict { level: reasons.first().map_or(Severity::Sound, |worst| worst.level), reasons }
     }
 }
 
-/// Two digits.
-fn short(value: f64) -> String {
-    let size = value.abs();
-    if size != 0.0 && !(1e-3..1e4).contains(&size) { format!("{value:.1e}") } else { format!("{value:.3}") }
+/// Whether these are the same two bodies.
+fn same([a, b]: [usize; 2], other: [usize; 2]) -> bool {
+    other == [a, b] || other == [b, a]
 }
 
 #[cfg(test)]

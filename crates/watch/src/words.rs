@@ -7,3 +7,9 @@ pub(crate) fn short_time(time: f64) -> String {
     let is_plain = rounded == 0.0 || (1.0e-4..1.0e7).contains(&rounded.abs());
     if is_plain { rounded.to_string() } else { format!("{rounded:e}") }
 }
+
+/// Two or three digits.
+pub(crate) fn short(value: f64) -> String {
+    let size = value.abs();
+    if size != 0.0 && !(1e-3..1e4).contains(&size) { format!("{value:.1e}") } else { format!("{value:.3}") }
+}

@@ -49,4 +49,5 @@ mod switched;
 mod switched_springs;
 mod tie;
 mod units;
+mod verdicts;
 mod whole_runs;

@@ -196,6 +196,10 @@ impl Report for Joint {
         !self.grounded
     }
 
+    fn has_limits(&self) -> bool {
+        self.coordinates.iter().any(|c| c.slots.limit.is_some())
+    }
+
     fn verify_inactive(&self, q_np1: &[f64], active: &[bool]) -> Result<(), ContactError> {
         if active.iter().all(|&active| active) {
             return Ok(());

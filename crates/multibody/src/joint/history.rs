@@ -58,6 +58,7 @@ impl History for Joint {
             return Ok(work);
         }
         let values = self.evaluate(q_np1).values;
+        let mut closing = 0.0;
         for c in &self.coordinates {
             let (value, change) = c.end_of_step(&values);
             work.stored += c.spring_energy(value);
@@ -67,8 +68,12 @@ impl History for Joint {
             // What a stick or a limit moves within the tolerance must not give energy. More than that is seen in the balance of energy.
             let is_round_off = c.scale() * change.abs() <= SMALLEST_SLIP * self.length;
             let lost = |work: f64| if is_round_off { work.max(0.0) } else { work };
-            work.dissipated +=
-                -c.viscous_torque(&self.step, change) * change + lost(of(c.slots.friction)) + lost(of(c.slots.limit));
+            work.dissipated += -c.viscous_torque(&self.step, change) * change + lost(of(c.slots.friction));
+            // Statics has no energy that closing could cost.
+            match self.step.has_rates {
+                true => closing += lost(of(c.slots.limit)),
+                false => work.dissipated += lost(of(c.slots.limit)),
+            }
             // Forces of statics are those of the end of a step: their work is that of the trapezium rule, as of supports.
             let share = |m: f64| if self.step.has_rates { m } else { 0.5 * (m + c.history.driving) };
             let by_drive = |slot: usize| c.scale() * share(multipliers[slot]) * change;
@@ -78,6 +83,7 @@ impl History for Joint {
             }
         }
         work.friction_work = work.dissipated;
+        work.closing = Some(closing);
         Ok(work)
     }
 

@@ -81,7 +81,7 @@ pub struct CoordinateOptions {
     pub motor: Option<Arc<dyn Drive>>,
     /// A pretension; not with a motor.
     pub pretension: Option<Pretension>,
-    /// Lower and upper limit. Kinetic energy lost at closing is dissipated, as in contact with the standard constraint.
+    /// Lower and upper limit. Kinetic energy is lost at closing, as in contact with the standard constraint.
     pub limits: Option<[f64; 2]>,
 }
 

@@ -45,6 +45,8 @@ struct Completed {
     work: ContactWork,
     /// For each contact pair.
     stored: Vec<[f64; 2]>,
+    /// What closing gaps cost in the step, for each constraint; empty in statics.
+    closing: Vec<f64>,
     /// Energy that velocities got back.
     restored: f64,
     /// For each body.
@@ -259,9 +261,13 @@ impl Simulation {
         let (work, of_pairs, loss) = self.contact_work(&attempt.iterate)?;
         let contact = self.contact_summary(&attempt, rule, &of_pairs)?.map(|c| ContactSummary { coverage, ..c });
         let stored = of_pairs.iter().map(|work| [work.stored, work.friction_stored]).collect();
+        let closing = match rule.has_inertia() {
+            true => of_pairs.iter().map(|work| work.closing.unwrap_or(0.0)).collect(),
+            false => Vec::new(),
+        };
         let mut next = self.next_state(&mut attempt.iterate, dt, rule)?;
         let restored = self.give_back(&attempt.iterate, loss, dt, &mut next)?;
-        Ok(Completed { attempt, next, rule, strain, contact, work, stored, restored, inside_out, solves })
+        Ok(Completed { attempt, next, rule, strain, contact, work, stored, closing, restored, inside_out, solves })
     }
 
     pub(super) fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
@@ -347,8 +353,9 @@ impl Simulation {
 
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
         self.warn_inside_out(&completed.inside_out);
-        let Completed { attempt, next, rule, strain, mut contact, stored, restored, inside_out, solves, .. } =
-            completed;
+        let Completed {
+            attempt, next, rule, strain, mut contact, stored, closing, restored, inside_out, solves, ..
+        } = completed;
         self.moved = contact.as_mut().map(|contact| std::mem::take(&mut contact.moved)).unwrap_or_default();
         let contact_work = completed.work;
         let Attempt { iterate, newton, unstable, .. } = attempt;
@@ -401,11 +408,13 @@ impl Simulation {
         };
         let acting = self.model.parts.iter().zip(&self.system.acting.parts).filter(|(_, acts)| **acts);
         let damped: f64 = acting.map(|(part, _)| part.dissipated(step)).sum();
-        let stabilised = if self.system.stabilisation.is_some() {
+        let (stabilised, stabilising) = if self.system.stabilisation.is_some() {
             let increment: Vec<f64> = next.q.iter().zip(&self.state.q).map(|(next, q)| next - q).collect();
-            self.system.stabilised(self.ramp(time_n), &self.state.v, &increment, dt)
+            let force = self.system.stabilising(&increment, dt);
+            let work = self.system.stabilised(self.ramp(time_n), &self.state.v, &increment, dt);
+            (work, force.map(|force| [force, self.external_forces()]))
         } else {
-            0.0
+            (0.0, None)
         };
         let damped_bodies = self.system.damped(dt);
         for (c, pair) in self.model.contacts.iter_mut().enumerate() {
@@ -450,7 +459,9 @@ impl Simulation {
         let balance = self.measure_balance(strain, self.balance.external_work + work + contact_work.driven);
         let before = self.balance;
         let stored_by_normal = |stored: f64, by_friction: f64| stored - by_friction;
-        let normal_work = work_of_contact.map_or(0.0, |work| {
+        // Without contact the constraints are those of joints, and what they lose is what their limits report.
+        let limits = if quasi_static { 0.0 } else { contact_work.closing.unwrap_or(0.0) };
+        let normal_work = work_of_contact.map_or(-limits, |work| {
             let stored = stored_by_normal(contact_work.stored, contact_work.friction_stored)
                 - stored_by_normal(before.contact, before.friction_stored);
             work + contact_work.friction_work + contact_work.damped + stored - contact_work.driven
@@ -502,6 +513,8 @@ impl Simulation {
             iterations: solves,
             decisions: self.decisions[first_decision..].to_vec(),
             unstable,
+            closing,
+            stabilising,
             inside_out: inside_out.iter().flatten().map(|found| found.count).sum(),
             contact,
         }
@@ -513,6 +526,17 @@ impl Simulation {
         for (load, _) in acting.filter(|(load, _)| !load.is_conservative()) {
             load.add_dead(time, factor, force);
         }
+    }
+
+    /// Sum of the magnitudes of the components of the forces of supports and loads at the end of a step.
+    fn external_forces(&self) -> f64 {
+        let reactions = self.prescribed.iter().map(|&(component, ..)| self.reactions[component as usize].abs());
+        let loads = self.system.load_support.iter().flat_map(Range::clone).map(|c| {
+            let follower = if self.system.has_followers { self.system.follower[c] } else { 0.0 };
+            let dead = if self.system.has_dead_loads { self.system.dead[c] } else { 0.0 };
+            (dead + follower).abs()
+        });
+        reactions.sum::<f64>() + loads.sum::<f64>()
     }
 
     fn add_reactions(&self, factor: f64, force: &mut [f64]) {

@@ -453,6 +453,7 @@ impl Simulation {
             friction_stored,
             external_work: before.external_work + switched + given,
             dissipation: before.dissipation + dropped,
+            largest_energy: now.largest_energy,
             ..before
         };
         Ok(())

@@ -6,9 +6,9 @@ use crate::step::decision;
 use crate::{Balance, Decision, DecisionKind, StepError};
 use stoss_fe_solid::InsideOut;
 
-/// Gain of energy by contact in one dynamic step that is reported, relative to the energy of the bodies.
+/// Gain of energy by contact in one dynamic step that is reported, relative to the largest energy of the bodies so far.
 const REPORTED_GAIN: f64 = 0.05;
-/// Work of stabilisation that is reported, relative to the strain energy at the end of its stage.
+/// Work of stabilisation that is reported at the end of its stage, relative to the largest energy of the bodies so far.
 const REPORTED_STABILISATION: f64 = 0.01;
 /// Start of that warning, by which a second one is avoided.
 const CONTACT_ADDED: &str = "contact added";
@@ -17,6 +17,11 @@ const REPORTED_FALLBACKS: f64 = 0.5;
 const KNOWN_FACTORISATIONS: u64 = 4;
 /// Start of that warning.
 const WITHOUT_PIVOTS: &str = "the multifrontal solver found no good pivots";
+
+/// A part in per cent, or as a multiple where it is large.
+fn part_of(part: f64) -> String {
+    if part < 10.0 { format!("{:.1} % of", 100.0 * part) } else { format!("{part:.0e} times") }
+}
 
 impl Simulation {
     /// Bodies that now have elements turned inside out and had none at the last step.
@@ -45,17 +50,17 @@ impl Simulation {
 
     /// Warns at the end of a stage if its stabilisation has taken much energy.
     pub(super) fn warn_stabilisation(&mut self) {
-        let Balance { strain, stabilisation, .. } = self.balance;
+        let Balance { largest_energy, stabilisation, .. } = self.balance;
         if self.system.stabilisation.is_none()
             || !self.clock.finished()
-            || stabilisation.abs() <= REPORTED_STABILISATION * strain
+            || stabilisation.abs() <= REPORTED_STABILISATION * largest_energy
         {
             return;
         }
         let reason = format!(
-            "stabilisation has dissipated {:.1} % of the strain energy. Its force is zero at the end of the stage; but where surfaces slid, or where there are several equilibria, \
+            "stabilisation has dissipated {} the largest energy that the bodies had. Its force is zero at the end of the stage; but where surfaces slid, or where there are several equilibria, \
              the result depends on the path. Where bodies only closed gaps this is harmless; otherwise reduce the steps or the fraction of the stage, or support the bodies that move",
-            100.0 * stabilisation / strain
+            part_of(stabilisation / largest_energy)
         );
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }
@@ -90,7 +95,7 @@ impl Simulation {
     pub(super) fn warn_contact_gain(&mut self, work: f64, before: &Balance) {
         let now = &self.balance;
         let gain = work + now.contact - before.contact;
-        let energy = (now.kinetic + now.strain).max(before.kinetic + before.strain);
+        let energy = now.largest_energy;
         let length = self.model.contacts.iter().map(|pair| pair.method.length_scale()).fold(0.0, f64::max);
         // Energy of motions that are not resolved.
         let nothing = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION * self.system.stiffness_force * length;
@@ -99,7 +104,7 @@ impl Simulation {
             return;
         }
         let reason = format!(
-            "{CONTACT_ADDED} {:.0} % to the energy of the bodies in this step; the motion is doubtful from here on. `energy-momentum` with mortar contact or with the \
+            "{CONTACT_ADDED} {:.0} % of the largest energy so far to that of the bodies in this step; the motion is doubtful from here on. `energy-momentum` with mortar contact or with the \
              modified constraint cannot add energy; smaller steps, or exchanging slave and master, may help. This warning is given once in a run",
             100.0 * gain / energy
         );

@@ -163,7 +163,7 @@ impl ResultFolder {
                 settings.contact_bodies.clone(),
                 &settings.contacts,
                 settings.promises.clone(),
-                &settings.drawing,
+                (&settings.drawing, &settings.parts),
                 settings.left_out.clone(),
             )?,
             watched: open(watch::TABLE, watch::COLUMNS)?,

@@ -1,9 +1,9 @@
 //! What scheme, loads, supports and contacts of a scene together promise of momenta and energy.
 
-use crate::scene::{Constraint, Contact, ContactMethod, Integrals, Scene};
+use crate::scene::{Constraint, Contact, ContactMethod, Integrals, Scene, split_set};
 use stoss_integrators::Scheme;
 use stoss_solver::{LoadKind, Model, Simulation};
-use stoss_watch::Promises;
+use stoss_watch::{Closing, Promises};
 
 /// Part of its scale that a conserved quantity may be off: sums of what iterations leave over long runs are far below.
 const TOLERANCE: f64 = 1e-7;
@@ -43,6 +43,18 @@ fn slowed(model: &Model) -> bool {
     model.bodies.iter().any(|body| body.damping.mass > 0.0)
 }
 
+/// Which losses at closing gaps are judged. The nodes of strings and beams carry the mass of their neighbours with them under every scheme.
+fn closing(scene: &Scene, keeps_energy: bool) -> Closing {
+    let is_line = |set: &str| {
+        let part = split_set(set).map_or(set, |(part, _)| part);
+        scene.strings.iter().any(|line| line.name == part) || scene.beams.iter().any(|line| line.name == part)
+    };
+    if scene.contacts.iter().any(|contact| contact.surfaces().into_iter().any(is_line)) {
+        return Closing::Lines;
+    }
+    if keeps_energy { Closing::Surfaces } else { Closing::Unjudged }
+}
+
 /// The promises of a run, or stage, with this scheme; none in statics, where there is neither momentum nor kinetic energy.
 pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&dyn Scheme>) -> Option<Promises> {
     let scheme = scheme?;
@@ -61,6 +73,7 @@ pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&d
         angular: claims.angular_momentum && driven == [false; 3] && !turned(model) && keeps_linear && keeps_angular,
         energy: claims.energy,
         autonomous: !moved && model.loads.iter().all(stoss_solver::Load::is_conservative),
+        closing: closing(scene, claims.energy),
         contact_gives_nothing: claims.energy && scene.contacts.iter().all(gives_nothing),
         // A user who asks for less gets less.
         tolerance: TOLERANCE.max(100.0 * scene.solver.relative_tolerance.unwrap_or(0.0)),

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use stoss_solver::{BodyPair, Simulation, StepRecord};
 
 const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
-/// Columns that follow where there is contact.
+/// Columns that follow where there is contact or a joint with limits.
 const CLOSING: &str = "closing_loss,contact_remainder,restored";
 /// Columns that follow where there is friction.
 const FRICTION: &str = "friction_work,friction_stored";
@@ -97,7 +97,7 @@ impl Tables {
         let has_contact = simulation.model().has_contact_pairs();
         let has_friction = settings.has_friction();
         let more = [
-            (has_contact, CLOSING),
+            (simulation.model().has_gaps(), CLOSING),
             (has_friction, FRICTION),
             (has_damping(simulation), DAMPING),
             (settings.schedule.is_stabilised(), STABILISATION),
@@ -165,7 +165,7 @@ impl Tables {
             .numbers(&b.linear_momentum)
             .numbers(&b.angular_momentum)
             .numbers(&[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()]);
-        if self.contact.is_some() {
+        if simulation.model().has_gaps() {
             self.balance.numbers(&[b.closing_loss, b.contact_remainder, b.restored]);
         }
         if settings.has_friction() {

@@ -147,6 +147,8 @@ fn stored_balance(folder: &Path) -> Result<Vec<(u64, f64, BalanceState)>, Output
                 total: value("total")?,
                 // A scene without contact has no such column.
                 closing_loss: value("closing_loss").unwrap_or(0.0) - value("restored").unwrap_or(0.0),
+                // Nor has one without damping that.
+                damping: value("damping").unwrap_or(0.0),
             };
             Some((value("step")? as u64, value("time")?, state))
         };
@@ -194,6 +196,7 @@ pub fn judge_folder(folder: &Path) -> Result<Verdict, OutputError> {
                 judge.add(finding);
             }
         }
+        judge.add_all(balance.standing(None));
     }
     if watch.is_none() {
         return Err(damaged(folder, "there are no frames".into()));

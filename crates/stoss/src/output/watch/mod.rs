@@ -21,7 +21,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use stoss_solver::{Balance, Simulation, StepRecord};
 use stoss_watch::{
-    BalanceState, BalanceWatch, ContactPoint, ContactState, Finding, Judge, Limits, PointFriction, Promises,
+    BalanceState, BalanceWatch, ContactPoint, ContactState, Finding, Judge, Limits, Meeting, PointFriction, Promises,
     Resolution, Verdict, Watch, WatchModel,
 };
 
@@ -44,6 +44,16 @@ struct Memo {
     last: u64,
     #[serde(default)]
     deepest: [f64; 2],
+    #[serde(default)]
+    closed: Vec<f64>,
+}
+
+/// Two bodies that act on each other in a step.
+struct Acting {
+    bodies: [usize; 2],
+    /// Force on the first.
+    force: [f64; 3],
+    has_friction: bool,
 }
 
 /// The worst that the watch has seen so far.
@@ -72,6 +82,14 @@ pub(super) struct RunWatch {
     described: Vec<ContactPlan>,
     /// The bodies of each contact; `None` if one of them is a line.
     contacts: Vec<Option<[usize; 2]>>,
+    /// Whether a prescribed motion drives bodies.
+    is_driven: bool,
+    /// The watched body of each part, as general contact counts them.
+    parts: Vec<Option<usize>>,
+    /// Energy that closing gaps took since the start, by constraint of the model.
+    closed: Vec<f64>,
+    /// Names of the constraints.
+    constraints: Vec<String>,
     every: u64,
     on_fault: OnFault,
     /// Positions that were looked at last, and their step.
@@ -92,7 +110,7 @@ impl RunWatch {
         contacts: Vec<Option<[usize; 2]>>,
         described: &[ContactPlan],
         promises: Vec<Option<Promises>>,
-        drawing: &Drawing,
+        (drawing, parts): (&Drawing, &[String]),
         left_out: Option<Finding>,
     ) -> Result<Self, OutputError> {
         let points = Points::of(simulation.model());
@@ -106,6 +124,7 @@ impl RunWatch {
         let between: Vec<[usize; 2]> = contacts.iter().flatten().copied().collect();
         let file = WatchFile::new(&model, limits(settings), between.clone(), stored, left_out.clone());
         let judge = judge(&model, between, settings);
+        let parts = parts.iter().map(|name| model.bodies.iter().position(|body| body.name == *name)).collect();
         let watch = Watch::new(model)?;
         let every = settings.every.map_or_else(|| watch.default_every(), u64::from);
         Ok(Self {
@@ -119,6 +138,10 @@ impl RunWatch {
             points,
             described: described.to_vec(),
             contacts,
+            is_driven: simulation.model().prescriptions.iter().any(stoss_solver::Prescription::moves),
+            parts,
+            closed: vec![0.0; simulation.model().contacts.len()],
+            constraints: simulation.model().contacts.iter().map(|pair| pair.name.clone()).collect(),
             every,
             on_fault: settings.on_fault,
             previous: Vec::new(),
@@ -144,6 +167,7 @@ impl RunWatch {
         let [before, now] = [self.stage, record.stage].map(|stage| promised(&self.promises, stage));
         if before != now {
             let radius = self.points.largest(&simulation.state().q);
+            self.judge.add_all(self.of_energy());
             self.balance = now.map(|promises| balance_watch(promises, simulation, self.mass, radius));
         }
         self.stage = record.stage;
@@ -151,6 +175,10 @@ impl RunWatch {
             for finding in balance.observe(record.step, record.time, &balance_state(&record.balance)) {
                 self.judge.add(finding);
             }
+        }
+        self.closed.iter_mut().zip(&record.closing).for_each(|(sum, closing)| *sum += closing);
+        if let Some([force, others]) = record.stabilising {
+            self.judge.observe_stabilisation(record.step, record.time, force, others);
         }
         if record.unstable > 0 {
             self.judge.observe_unstable(record.step, record.time, record.unstable);
@@ -164,7 +192,8 @@ impl RunWatch {
         let previous = self.last.is_some().then_some(self.previous.as_slice());
         let seen = self.watch.geometry(&q, previous);
         let solids = self.watch.solids(&q);
-        self.judge.observe(record.step, record.time, &seen, &solids);
+        let meetings = self.observe_acting(simulation, record);
+        self.judge.observe_driven(record.step, record.time, &seen, &solids, &meetings);
         self.previous.clear();
         self.previous.extend_from_slice(&q);
         self.last = Some(record.step);
@@ -187,6 +216,55 @@ impl RunWatch {
             table.integer(count as u64);
         }
         table.text(&self.verdict().level.to_string()).end_row()
+    }
+
+    /// The bodies that contact brings together in a step.
+    fn acting(&self, simulation: &Simulation, record: &StepRecord) -> Vec<Acting> {
+        let Some(summary) = &record.contact else { return Vec::new() };
+        let pairs = simulation.model().contacts.iter().enumerate().filter(|(_, pair)| !pair.method.is_bilateral());
+        let mut found = Vec::new();
+        for (k, (c, pair)) in pairs.enumerate() {
+            let has_friction = pair.method.has_friction();
+            let of_pair = &summary.pairs[c];
+            if pair.method.is_potential() {
+                let part = |body: u32| self.parts.get(body as usize).copied().flatten();
+                let acting = summary.bodies.iter().filter(|of| of.active > 0 && of.bodies[0] != of.bodies[1]);
+                found.extend(acting.filter_map(|of| {
+                    let bodies = [part(of.bodies[0])?, part(of.bodies[1])?];
+                    Some(Acting { bodies, force: of.force, has_friction })
+                }));
+            } else if let Some(bodies) = self.contacts.get(k).copied().flatten()
+                && of_pair.active > 0
+                && bodies[0] != bodies[1]
+            {
+                found.push(Acting { bodies, force: of_pair.force, has_friction });
+            }
+        }
+        found
+    }
+
+    /// Looks at the bodies that act on each other: directions of forces without friction, and in statics what drives them into each other.
+    fn observe_acting(&mut self, simulation: &Simulation, record: &StepRecord) -> Vec<Meeting> {
+        let mut meetings = Vec::new();
+        for Acting { bodies, force, has_friction } in self.acting(simulation, record) {
+            let pushes = !has_friction && force.iter().any(|f| *f != 0.0);
+            if let Some(beside) = pushes.then(|| self.watch.side_force(bodies, force)).flatten() {
+                self.judge.observe_push(bodies, force, beside, (record.step, record.time), record.dt);
+            }
+            // Under loads alone forces are right whatever is left between the surfaces.
+            let is_static = promised(&self.promises, record.stage).is_none();
+            if is_static && (self.is_driven || self.watch.gap_in_reference(bodies) < 0.0) {
+                meetings.extend(self.watch.meeting(bodies, force));
+            }
+        }
+        meetings
+    }
+
+    /// Findings about the energy in the present stage beside the largest so far.
+    fn of_energy(&self) -> Vec<Finding> {
+        let most = self.closed.iter().zip(&self.constraints).max_by(|a, b| a.0.total_cmp(b.0));
+        let name = most.filter(|(closed, _)| **closed > 0.0).map(|(_, name)| name.as_str());
+        self.balance.as_ref().map(|balance| balance.standing(name)).unwrap_or_default()
     }
 
     /// Takes note of what the contacts report.
@@ -235,7 +313,7 @@ impl RunWatch {
 
     /// Verdict on what was seen so far, and on what the scene lacks of its deck.
     pub(super) fn verdict(&self) -> Verdict {
-        left_out::with(self.judge.verdict(), self.left_out.as_ref())
+        left_out::with(self.judge.verdict_with(self.of_energy()), self.left_out.as_ref())
     }
 
     /// Wall seconds that the watch took in this session.
@@ -257,7 +335,14 @@ impl RunWatch {
     pub(super) fn save(&self, step: u64) -> Result<[(String, Vec<u8>); 2], serde_json::Error> {
         let last = self.last.unwrap_or_default();
         let (judge, balance, stage) = (self.judge.clone(), self.balance.clone(), self.stage);
-        let memo = serde_json::to_vec(&Memo { judge, balance, stage, last, deepest: self.deepest })?;
+        let memo = serde_json::to_vec(&Memo {
+            judge,
+            balance,
+            stage,
+            last,
+            deepest: self.deepest,
+            closed: self.closed.clone(),
+        })?;
         let positions = match last == step {
             true => Vec::new(),
             false => self.previous.iter().flat_map(|x| x.to_le_bytes()).collect(),
@@ -283,6 +368,9 @@ impl RunWatch {
         self.stage = memo.stage;
         self.last = Some(memo.last);
         self.deepest = memo.deepest;
+        if memo.closed.len() == self.closed.len() {
+            self.closed = memo.closed;
+        }
         Ok(())
     }
 }
@@ -311,6 +399,7 @@ fn balance_state(balance: &Balance) -> BalanceState {
         energy: balance.kinetic + balance.strain,
         total: balance.total(),
         closing_loss: balance.closing_loss - balance.restored,
+        damping: balance.damping,
     }
 }
 
