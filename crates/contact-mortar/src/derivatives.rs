@@ -15,7 +15,7 @@ pub struct PairDerivatives {
     pub shape: [[f64; LOCAL]; MAX_NODES],
     /// Of `int N_i N_j dA`.
     pub mass: [[[f64; LOCAL]; MAX_NODES]; MAX_NODES],
-    /// Of `int N_i N_k^(2) dA`; zero where the master's face is quadratic.
+    /// Of `int N_i N_k^(2) dA`.
     pub coupling: [[[f64; LOCAL]; MAX_NODES]; MAX_NODES],
     /// Of `int N_i N_J dA` with the functions of the slave's face, then of the master's; of quadratic ones only.
     pub faces: [Option<Box<FaceDerivatives>>; 2],
@@ -72,18 +72,15 @@ pub fn pair_derivatives(
             out.shape[i].iter_mut().zip(&dwn).for_each(|(o, d)| *o += d);
             let wn = p.weight * n;
             for j in 0..MAX_NODES {
-                let (n1, mass) = (p.slave_shape[j], &mut out.mass[i][j]);
+                let (n1, n2) = (p.slave_shape[j], p.master_shape[j]);
+                let (mass, coupling) = (&mut out.mass[i][j], &mut out.coupling[i][j]);
                 for k in 0..LOCAL {
                     mass[k] += dwn[k] * n1 + wn * dn1[j][k];
+                    coupling[k] += dwn[k] * n2 + wn * dn2[j][k];
                 }
             }
-            if faces[1].is_none() {
-                for j in 0..MAX_NODES {
-                    let (n2, coupling) = (p.master_shape[j], &mut out.coupling[i][j]);
-                    for k in 0..LOCAL {
-                        coupling[k] += dwn[k] * n2 + wn * dn2[j][k];
-                    }
-                }
+            if faces == [None; 2] {
+                continue;
             }
             let sides = [s, m].into_iter().zip(&shapes).zip(&mut out.faces);
             for ((motion, shapes), of) in sides {

@@ -129,6 +129,29 @@ impl FaceBlock {
         self
     }
 
+    /// Adds multiples of the entries of the first `rows` rows and `nodes` nodes: to entry `(a, k)` of `out` at the place `at(a, k)`.
+    #[inline]
+    pub(crate) fn add_to(
+        &self,
+        [rows, nodes]: [usize; 2],
+        factor: f64,
+        at: impl Fn(usize, usize) -> usize,
+        out: &mut [f64],
+    ) {
+        match self {
+            Self::Linear(m) => {
+                for a in 0..rows {
+                    (0..nodes).for_each(|k| out[at(a, k)] += factor * m[(a, k)]);
+                }
+            }
+            Self::Quadratic(m) => {
+                for a in 0..rows {
+                    (0..nodes).for_each(|k| out[at(a, k)] += factor * m[(a, k)]);
+                }
+            }
+        }
+    }
+
     /// Entry of a row and a node.
     #[inline]
     pub fn at(&self, row: usize, node: usize) -> f64 {

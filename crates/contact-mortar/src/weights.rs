@@ -201,12 +201,9 @@ impl Integration {
                 FaceBlock::Linear(matrix(&mass))
             };
             let mut put = |facet: usize, block: &FaceBlock, sign: f64| {
-                let block = block.after(give);
-                for a in 0..own {
-                    for (k, node) in (nodes[facet]..nodes[facet + 1]).enumerate() {
-                        derivative[(a * count + node) * columns + column] += sign * block.at(a, k);
-                    }
-                }
+                let (start, end) = (nodes[facet], nodes[facet + 1]);
+                let at = |a: usize, k: usize| (a * count + start + k) * columns + column;
+                block.after(give).add_to([own, end - start], sign, at, derivative);
             };
             put(0, &slave, 1.0);
             for (p, coupling) in couplings.iter().enumerate() {
