@@ -204,7 +204,7 @@ fn shapes(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) -> (f64, (f64, Stri
     }
     let counts = |a: &model::Part, b: &model::Part| {
         let named = |pair: &[String; 2]| pair.contains(&a.name) && pair.contains(&b.name);
-        !(a.driven && b.driven) && !joined.iter().any(named)
+        !(a.driven && b.driven || joined.iter().any(named))
     };
     let has_contact = !scene.contains_key("joint");
     // The skins of bodies that touch at the start overlap by up to a thickness, 0.04 of an edge, times the root of two at edges.
