@@ -176,15 +176,15 @@ pub fn observe(scene: &mut Table) {
 fn named(rng: &mut Rng, _: bool) -> Draft {
     let scheme = SCHEMES[rng.usize(..SCHEMES.len())];
     let method = ["nts", "mortar", "cat"][[0, 0, 1, 1, 2][rng.usize(..5)]];
-    let scene = match scheme {
-        Some(scheme) => impact(rng, scheme, method),
+    let (scene, travel) = match scheme {
+        Some(scheme) => (impact(rng, scheme, method), None),
         None => press(rng, method),
     };
     Draft {
         text: scene.to_string(),
         scheme: scheme.unwrap_or("quasi-static").to_owned(),
         method: method.to_owned(),
-        known: Known::default(),
+        known: Known { travel, ..Known::default() },
     }
 }
 
@@ -254,8 +254,8 @@ fn impact(rng: &mut Rng, scheme: &str, method: &str) -> Table {
     scene
 }
 
-/// A block is pressed down into another one that stands on the ground.
-fn press(rng: &mut Rng, method: &str) -> Table {
+/// A block is pressed down into another one that stands on the ground; and its way beyond the gap.
+fn press(rng: &mut Rng, method: &str) -> (Table, Option<f64>) {
     let young = 10.0_f64.powf(uniform(rng, 2.0, 8.0));
     let gap = if rng.bool() { 0.0 } else { uniform(rng, 0.0, 0.05) };
     let mut bodies = Vec::new();
@@ -298,7 +298,7 @@ fn press(rng: &mut Rng, method: &str) -> Table {
     let pair = if rng.bool() { ["b1.bottom", "b0.top"] } else { ["b0.top", "b1.bottom"] };
     scene.insert("contact".into(), contacts(rng, method, &[pair.map(str::to_owned)]));
     scene.insert("body".into(), tables(bodies));
-    scene
+    (scene, Some(depth - gap))
 }
 
 /// A shape of at most so many nodes; a block if it has to lie flat or if there is little room.

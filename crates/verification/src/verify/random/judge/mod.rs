@@ -345,6 +345,23 @@ mod tests {
         assert_eq!(answer("-1,0,NaN,0,-0.5,0"), Answer::Wrong);
     }
 
+    /// A rigid cube that flies, and one whose upper nodes are faster than its lower ones.
+    #[test]
+    fn a_rigid_body_has_the_velocity_of_one() {
+        let answer = |upper: f64| {
+            let case = case("energy-momentum", "[[rigid]]\nname = \"b0\"\ndensity = 1.0");
+            let v = (0..8).map(|node| [2.0, 0.0, if node < 4 { 0.0 } else { upper }]).collect();
+            let mut model = cube(1.0, v);
+            model.parts[0].kind = Kind::Rigid;
+            let rows = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic\n0,0,0,2,0,0,0,0,0,2\n1,0.5,0.5,2,0,0,0,0,0,2\n2,1,0.5,2,0,0,0,0,0,2\n";
+            let evidence = Evidence { case: &case, model, balance: Table::parse(rows).unwrap(), probes: None };
+            let mut judgement = Judgement::default();
+            motion::judge(&evidence, &mut judgement.criteria);
+            judgement.answer()
+        };
+        assert_eq!([0.0, 0.2, 1.0].map(answer), [Answer::Right, Answer::Unknown, Answer::Wrong]);
+    }
+
     #[test]
     fn the_worst_criterion_decides_and_no_number_is_wrong() {
         let of = |figures: &[f64]| Judgement {

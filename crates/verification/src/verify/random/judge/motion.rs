@@ -21,6 +21,9 @@ const SIDEWAYS: [f64; 2] = [1e-6, 1e-3];
 /// Difference of a body from its mirror image, over the largest displacement.
 const MIRRORED: [f64; 2] = [1e-6, 1e-2];
 
+/// Rate of a length in a rigid body, over its largest speed.
+const RATE: [f64; 2] = [0.05, 0.3];
+
 /// Part of its own length that a body moves in a run, up to which its motion is round-off.
 const SLOW: f64 = 1e-9;
 
@@ -35,6 +38,7 @@ pub fn judge(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
     }
     momenta(evidence, all);
     before_contact(evidence, all);
+    rigidity(evidence, all);
     mirror(evidence, all);
     joints(evidence, all);
 }
@@ -108,7 +112,7 @@ fn momenta(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
     let has_friction = evidence.has("friction");
     let pushed: Vec<f64> = (0..linear.len()).map(|k| linear[k][2] - linear[0][2] - mass * g[2] * time[k]).collect();
     let push = largest(pushed.iter().map(|p| p.abs()));
-    if known.flat && !has_friction && is_exact | !is_heavy && push > 1e-6 * scale {
+    if known.flat && !has_friction && push > 1e-6 * scale {
         let side = linear.iter().map(|l| (l[0] - linear[0][0]).hypot(l[1] - linear[0][1]) / push);
         let (row, worst) = worst(side);
         all.push(Criterion::new("push along a flat floor without friction", worst, SIDEWAYS).at(step(row)));
@@ -184,6 +188,43 @@ fn before_contact(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
     }
 }
 
+/// Distances within rigid bodies, and their rates: schemes satisfy the constraints for positions, and the rates as far as the step is small.
+fn rigidity(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
+    let model = &evidence.model;
+    let (mut length, mut rate) = ((0.0, String::new()), (0.0, String::new()));
+    let mut has_any = false;
+    let (mass, slow) = (mass(evidence).0, at_rest(evidence));
+    for part in model.parts.iter().filter(|part| part.kind != Kind::Solid && !part.driven) {
+        let all_speeds = model.frames.iter().flat_map(|frame| part.surface.iter().filter_map(|&n| frame.v.get(n)));
+        let speed = largest(all_speeds.map(|&v| norm(v)));
+        if 0.5 * mass * speed * speed <= slow {
+            continue;
+        }
+        has_any = true;
+        let n = part.surface.len();
+        let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (part.surface[i], part.surface[j])));
+        for (i, j) in pairs {
+            let own = norm(minus(model.reference[i], model.reference[j]));
+            for frame in model.frames.iter().filter(|frame| !frame.v.is_empty()) {
+                let (x, v) = (minus(frame.x[i], frame.x[j]), minus(frame.v[i], frame.v[j]));
+                let place = || format!("step {}: {}", frame.step, part.name);
+                let off = (norm(x) / own - 1.0).abs();
+                if is_worse(off, length.0) {
+                    length = (off, place());
+                }
+                let off = dot(x, v).abs() / (own * speed);
+                if is_worse(off, rate.0) {
+                    rate = (off, place());
+                }
+            }
+        }
+    }
+    if has_any {
+        all.push(Criterion::new("change of a length in a rigid body", length.0, [1e-9, 1e-6]).at(length.1));
+        all.push(Criterion::new("rate of a length in a rigid body, over the speed", rate.0, RATE).at(rate.1));
+    }
+}
+
 /// Where nothing acts nothing moves.
 pub fn stillness(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
     let model = &evidence.model;
@@ -206,6 +247,8 @@ pub fn mirror(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
         _ => part.surface.clone(),
     };
     let reach = largest(nodes.iter().map(|&n| norm(model.reference[n])));
+    let way = |frame: &Frame| largest(nodes.iter().map(|&n| norm(minus(frame.x[n], model.reference[n]))));
+    let moved: Vec<f64> = model.frames.iter().map(way).collect();
     let mut found = (0.0, String::new());
     for axis in 0..2 {
         let image = |mut x: [f64; 3]| {
@@ -218,8 +261,9 @@ pub fn mirror(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
         };
         for &n in &nodes {
             let Some(m) = partner(n) else { return };
-            for frame in &model.frames {
-                let scale = largest(nodes.iter().map(|&k| norm(minus(frame.x[k], model.reference[k]))));
+            let mut scale = 0.0;
+            for (frame, moved) in model.frames.iter().zip(&moved) {
+                scale = larger(scale, *moved);
                 let off = norm(minus(frame.x[m], image(frame.x[n])));
                 if off > 1e-12 * reach && is_worse(off / scale, found.0) {
                     found = (off / scale, format!("step {}", frame.step));
