@@ -300,16 +300,26 @@ pub(crate) fn start_auxiliaries(model: &Model, step: &Step<'_>, iterate: &mut It
 }
 
 impl StepProblem<'_> {
+    /// Loads that are not switched off.
+    fn acting_loads(&self) -> impl Iterator<Item = &Load> {
+        let loads = self.model.loads.iter().zip(&self.system.acting.loads);
+        loads.filter(|(_, acts)| **acts).map(|(load, _)| load)
+    }
+
+    fn has_symmetric_parts(&self) -> bool {
+        self.model.parts.iter().zip(&self.system.acting.parts).all(|(part, acts)| !acts || part.is_symmetric())
+    }
+
     /// Whether every part of the tangent is symmetric under the rule of the step. With a weight on constraint forces the constraint rows, which
     /// have none, are not their gradients.
     pub(crate) fn is_symmetric(&self) -> bool {
         let rule = &self.step.rule;
         let contact = contact_rule(rule.constraint.rule);
         rule.force.rule != ForceRule::DiscreteGradient
-            && (!self.system.has_followers || self.model.loads.iter().all(Load::is_symmetric))
+            && self.acting_loads().all(Load::is_symmetric)
             && (!(self.system.has_damping && self.system.has_rates)
                 || self.model.bodies.iter().all(|body| body.damping.stiffness == 0.0))
-            && self.model.parts.iter().all(|part| part.is_symmetric())
+            && self.has_symmetric_parts()
             && (self.model.contacts.is_empty()
                 || rule.constraint.weight == 1.0
                     && self.model.contacts.iter().all(|pair| pair.method.is_symmetric(contact)))
@@ -321,8 +331,8 @@ impl StepProblem<'_> {
     fn has_potential(&self) -> bool {
         let rule = contact_rule(self.step.rule.constraint.rule);
         !self.step.rule.has_inertia()
-            && !self.system.has_followers
-            && self.model.parts.iter().all(|part| part.is_symmetric())
+            && !self.acting_loads().any(Load::follows)
+            && self.has_symmetric_parts()
             && self.model.contacts.iter().all(|pair| pair.method.has_energy(rule))
             && !self.iterate.active.iter().flatten().any(|&active| active)
     }

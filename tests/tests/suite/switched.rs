@@ -34,6 +34,7 @@ set = "up.front"
 follower_pressure = 3
 [[contact]]
 name = "side"
+method = "nts"
 slave = "up.right"
 master = "low.front"
 "#;

@@ -183,7 +183,7 @@ impl Friction {
         self.resistance
     }
 
-    /// Begins a step of a size.
+    /// Begins a step of a size; without rates inertia resists nothing.
     pub fn begin(&mut self, step_size: f64, has_rates: bool) {
         let inertia = if has_rates { self.inertia / (step_size * step_size) } else { 0.0 };
         self.resistance = self.body_stiffness + if inertia.is_finite() { inertia } else { 0.0 };

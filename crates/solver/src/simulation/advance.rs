@@ -6,8 +6,8 @@ use crate::failure::{AttemptLog, FailedAttempt};
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
-    Automatic, Balance, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepChange, StepError,
-    StepRecord,
+    Automatic, Balance, ContactPair, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepChange,
+    StepError, StepRecord,
 };
 use std::ops::Range;
 use stoss_contact::{ContactWork, Coverage, Step as ContactStep};
@@ -394,7 +394,9 @@ impl Simulation {
             work += varying[c] * (next.q[c] - self.state.q[c]);
         }
         // Nothing is judged by it in statics.
-        let work_of_contact = (!quasi_static && contact.is_some()).then(|| -> f64 {
+        let closes = |pair: &ContactPair| !pair.method.is_bilateral() && !pair.method.is_off();
+        let has_contact = contact.is_some() && self.model.contacts.iter().any(closes);
+        let work_of_contact = (!quasi_static && has_contact).then(|| -> f64 {
             let System { support, buffers, .. } = &self.system;
             let components = support.iter().flat_map(Range::clone);
             components.map(|c| buffers.constraint[c] * (next.q[c] - self.state.q[c])).sum()
