@@ -119,7 +119,7 @@ fn what_is_left_out_is_said_and_files_stay() {
     assert_eq!(code, Some(0), "{text}");
     let parts = [
         "missing, so that the verdict of a run is at best doubtful:",
-        "left-out.inp:44: *EQUATION: its equations are left out",
+        "left-out.inp:46: *EQUATION: its equations are left out",
         "not as in the deck:",
         "left-out.inp:36: *PLASTIC: there is no plasticity",
         "next: stoss check left-out.toml",

@@ -18,7 +18,7 @@ pub enum Closing {
     /// Not: the scheme takes energy itself.
     #[default]
     Unjudged,
-    /// The scheme keeps the energy, so that all loss is that of closing gaps.
+    /// The scheme is of the second order: what is lost beyond its small errors is lost at closing gaps.
     Surfaces,
     /// Nodes of a string or a beam meet a surface. Their mass is consistent: what stops a node changes the motion of its neighbours at once, under every scheme.
     Lines,

@@ -102,7 +102,8 @@ fn what_is_new_in_a_stage_is_named() {
         "[[prescribe]]\nname = \"grip\"\nset = \"block.right\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n";
     let text = format!("{}{grip}{stages}", text_of("no-support"));
     let Left { result, diagnosis } = run(&text);
-    assert!(matches!(result, Err(RunError::Simulation { last_time, .. }) if (last_time - 0.5).abs() < 1e-9));
+    let stopped = result.expect_err("nothing holds the block in the second stage");
+    assert!(matches!(stopped, RunError::Simulation { last_time, .. } if (last_time - 0.5).abs() < 1e-9), "{stopped}");
     let diagnosis = diagnosis.unwrap();
     assert!(diagnosis.changes[0].contains("stage `let go` begins, without `grip`"), "{:?}", diagnosis.changes);
     assert_eq!(diagnosis.findings[0].cause, Cause::NoSupport, "{diagnosis}");

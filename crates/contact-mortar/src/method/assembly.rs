@@ -107,12 +107,17 @@ impl Constraint for MortarContact {
     ) -> Result<bool, ContactError> {
         self.keep_multipliers(auxiliaries);
         let carrying: Vec<bool> = active.iter().zip(&self.step.carried).map(|(a, c)| *a && *c).collect();
-        let mut changed = !self.is_frozen() && self.follow(q_np1, &carrying, want_tangent)?;
-        if self.rule != ContactRule::EndPoint {
-            let before: Vec<usize> = self.end.slots.iter().map(|s| s.nodes.len()).collect();
-            self.follow_start(&carrying)?;
-            changed |= before.iter().zip(&self.end.slots).any(|(n, slot)| *n != slot.nodes.len());
+        // Rows without a part of the master have stencils too, so that all active ones count.
+        let nodes = |method: &Self| -> Vec<usize> { method.end.slots.iter().map(|slot| slot.nodes.len()).collect() };
+        let before = nodes(self);
+        if !self.is_frozen() {
+            self.follow(q_np1, &carrying, want_tangent)?;
         }
+        if self.rule != ContactRule::EndPoint {
+            self.follow_start(&carrying)?;
+        }
+        let changed =
+            before.iter().zip(nodes(self)).zip(active).any(|((before, now), active)| *active && *before != now);
         if want_tangent {
             self.follow_friction(q_np1, pressures, active);
         }

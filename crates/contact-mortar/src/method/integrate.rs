@@ -3,7 +3,7 @@
 use super::MortarContact;
 use crate::candidates::{Candidates, SearchRange};
 use crate::positions::Positions;
-use crate::slot::{Slot, Want};
+use crate::slot::Want;
 use crate::state::{Integrated, Need, Surfaces, segmentation_error};
 use stoss_contact::{ContactError, ContactRule, SurfaceTree};
 
@@ -27,19 +27,17 @@ impl MortarContact {
         Ok((candidates, range))
     }
 
-    /// Renews the slots of the end (and of the middle) at an iterate; tells whether stencils changed. Derivatives of `active` rows are there afterwards.
-    pub(super) fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<bool, ContactError> {
+    /// Renews the slots of the end (and of the middle) at an iterate. Derivatives of `active` rows are there afterwards.
+    pub(super) fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<(), ContactError> {
         let has = |of: &Integrated, at_all: bool| at_all && active.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a);
         let at_end = self.step.is_at(q_np1, &self.end.at);
         let needs_end = want_tangent || self.rule == ContactRule::EndPoint || self.rule == ContactRule::EndPointMean;
         let end_done = at_end && (!needs_end || has(&self.end, at_end));
         let middle_done = !self.has_middle() || (at_end && has(&self.middle, !self.middle.derivatives.is_empty()));
         if end_done && middle_done {
-            return Ok(false);
+            return Ok(());
         }
         let Self { surfaces, step, .. } = &*self;
-        let count = |slots: &[Slot]| -> Vec<usize> { slots.iter().map(|s| s.nodes.len()).collect() };
-        let before = count(&self.end.slots);
         let with_facets = self.friction.is_some();
         let candidates = &step.candidates;
         let chosen: &[bool] = if needs_end { active } else { &[] };
@@ -72,8 +70,7 @@ impl MortarContact {
         }
         self.end = end;
         self.middle = middle;
-        let after = count(&self.end.slots);
-        Ok(before.iter().zip(&after).zip(active).any(|((a, b), active)| *active && a != b))
+        Ok(())
     }
 
     /// Gradients at the start of the step, for the rows that need them.

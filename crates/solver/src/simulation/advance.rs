@@ -188,10 +188,11 @@ impl Simulation {
         let result = self.traced(from, dt, rule, &mut trace);
         self.solves += u64::from(trace.solves);
         if let Err(cause) = &result {
-            // Without inertia and stabilisation the step size is in no term of this matrix.
+            // Without inertia and stabilisation the step size is in no term of this matrix; it is in a start that goes on as the last step ended.
+            let goes_on = from == Start::Extrapolation && vector::norm_inf(&self.state.v) > 0.0;
             let at_any_size = self.scheme.is_none()
                 && self.system.stabilisation.is_none()
-                && from != Start::Extrapolation
+                && !goes_on
                 && trace.first_was_singular(cause);
             let failed = trace.failed(&self.model, (self.step + 1, self.state.time, dt), cause);
             self.failures.push(FailedAttempt { at_any_size, ..failed });

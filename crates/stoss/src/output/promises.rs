@@ -43,8 +43,9 @@ fn slowed(model: &Model) -> bool {
     model.bodies.iter().any(|body| body.damping.mass > 0.0)
 }
 
-/// Which losses at closing gaps are judged. The nodes of strings and beams carry the mass of their neighbours with them under every scheme.
-fn closing(scene: &Scene, keeps_energy: bool) -> Closing {
+/// Which losses at closing gaps are judged: those under schemes of the second order, whose own losses go with the square of the step size, while those at closing gaps do not. A scheme of the
+/// first order is there to take energy. The nodes of strings and beams carry the mass of their neighbours with them under every scheme.
+fn closing(scene: &Scene, order: u32) -> Closing {
     let is_line = |set: &str| {
         let part = split_set(set).map_or(set, |(part, _)| part);
         scene.strings.iter().any(|line| line.name == part) || scene.beams.iter().any(|line| line.name == part)
@@ -52,7 +53,7 @@ fn closing(scene: &Scene, keeps_energy: bool) -> Closing {
     if scene.contacts.iter().any(|contact| contact.surfaces().into_iter().any(is_line)) {
         return Closing::Lines;
     }
-    if keeps_energy { Closing::Surfaces } else { Closing::Unjudged }
+    if order >= 2 { Closing::Surfaces } else { Closing::Unjudged }
 }
 
 /// The promises of a run, or stage, with this scheme; none in statics, where there is neither momentum nor kinetic energy.
@@ -73,7 +74,7 @@ pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&d
         angular: claims.angular_momentum && driven == [false; 3] && !turned(model) && keeps_linear && keeps_angular,
         energy: claims.energy,
         autonomous: !moved && model.loads.iter().all(stoss_solver::Load::is_conservative),
-        closing: closing(scene, claims.energy),
+        closing: closing(scene, claims.order),
         contact_gives_nothing: claims.energy && scene.contacts.iter().all(gives_nothing),
         // A user who asks for less gets less.
         tolerance: TOLERANCE.max(100.0 * scene.solver.relative_tolerance.unwrap_or(0.0)),
