@@ -281,3 +281,36 @@ fn a_passage_is_an_error() {
         }
     }
 }
+
+/// A slave that comes over the master in the step, also from beside it: whatever nodes come into the stencils of rows that count as closed is told, for the matrix has to have room for it.
+#[test]
+fn changed_stencils_are_told() {
+    let active = [true; SLAVE];
+    let stencils = |method: &MortarContact| {
+        let mut all = Vec::new();
+        method.stencils(&active, &mut |nodes, slots| all.push((nodes.to_vec(), slots.to_vec())));
+        all
+    };
+    let mut changes = [0, 0];
+    for rates in [false, true] {
+        for shift in [0.0, 0.4, 1.2, 2.5] {
+            let beside = |part: f64| -> Vec<f64> {
+                let mut q = base();
+                (0..SLAVE).for_each(|k| q[3 * k] += part * shift);
+                q
+            };
+            let mut method = method([Surface::Quads; 2], options(false));
+            let q_n = beside(1.0);
+            let rule = if rates { ContactRule::EnergyMomentum } else { ContactRule::EndPoint };
+            method.begin(&Step { reach: 3.0, rates, ..Step::new(&q_n, rule, 0.1) }).unwrap();
+            for part in [1.0, 0.6, 0.3, 0.0] {
+                let before = stencils(&method);
+                let told = method.renew(&beside(part), &[], &[], &active, true).unwrap();
+                let changed = before != stencils(&method);
+                assert!(told || !changed, "rates {rates}, beside by {shift}, {part} of it left");
+                changes[usize::from(rates)] += usize::from(changed);
+            }
+        }
+    }
+    assert!(changes.iter().all(|count| *count > 2), "{changes:?}");
+}

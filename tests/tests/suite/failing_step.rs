@@ -97,7 +97,7 @@ fn a_free_motion_is_found_by_the_first_matrix() {
 /// A stage that lets go of a body is named first, with what it switches off; where a run stops in it, what the scene had from the start comes after.
 #[test]
 fn what_is_new_in_a_stage_is_named() {
-    let stages = "[[stage]]\nname = \"hold\"\nkind = \"quasi-static\"\nuntil = 0.5\n[[stage]]\nname = \"let go\"\nkind = \"quasi-static\"\nuntil = 1.0\noff = [\"grip\"]\n";
+    let stages = "[[stage]]\nname = \"hold\"\nkind = \"quasi-static\"\nuntil = 0.5\n[[stage]]\nname = \"let-go\"\nkind = \"quasi-static\"\nuntil = 1.0\noff = [\"grip\"]\n";
     let grip =
         "[[prescribe]]\nname = \"grip\"\nset = \"block.right\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n";
     let text = format!("{}{grip}{stages}", text_of("no-support"));
@@ -105,6 +105,6 @@ fn what_is_new_in_a_stage_is_named() {
     let stopped = result.expect_err("nothing holds the block in the second stage");
     assert!(matches!(stopped, RunError::Simulation { last_time, .. } if (last_time - 0.5).abs() < 1e-9), "{stopped}");
     let diagnosis = diagnosis.unwrap();
-    assert!(diagnosis.changes[0].contains("stage `let go` begins, without `grip`"), "{:?}", diagnosis.changes);
+    assert!(diagnosis.changes[0].contains("stage `let-go` begins, without `grip`"), "{:?}", diagnosis.changes);
     assert_eq!(diagnosis.findings[0].cause, Cause::NoSupport, "{diagnosis}");
 }

@@ -285,5 +285,7 @@ fn steps_that_are_much_too_long_end_soon() {
         &(plate("p", 0.0, 5.0) + &plate("q", 0.5, -5.0)),
     );
     let message = failure(&text);
-    assert!(message.contains("moved past so many facets") && message.contains("try smaller steps"), "{message}");
+    // Whichever comes first: too many pairs to look at, or an iteration that ends where bodies pass each other.
+    let told = ["moved past so many facets", "move by much more than the thickness of the layer"];
+    assert!(told.iter().any(|part| message.contains(part)), "{message}");
 }

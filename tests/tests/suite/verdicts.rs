@@ -562,7 +562,12 @@ fn an_interference_below_the_arch_of_facets_is_told() {
     let crossed = Run::of(&press_fit(6));
     // Where the facets of both lie so that no force is found, depths tell.
     let told = [FindingKind::Indentation, FindingKind::Penetration].map(|kind| crossed.has(kind)).contains(&true);
-    assert!(told || near(crossed.probe("u.x"), outside, 0.1), "{:?} {outside} {}", crossed.probes, crossed.summary.verdict);
+    assert!(
+        told || near(crossed.probe("u.x"), outside, 0.1),
+        "{:?} {outside} {}",
+        crossed.probes,
+        crossed.summary.verdict
+    );
     assert_ne!(crossed.level(), Severity::Sound, "{:?} {outside}", crossed.probes);
 }
 
