@@ -1,7 +1,6 @@
 //! The faces behind the facets of a surface: facets say where a point is, faces what its position is (theory/mortar#faces).
 
-use crate::integrals::FacetMatrix;
-use crate::multiplier::{NodeMatrix, NodeVector, matrix};
+use crate::local::{FacetMatrix, NodeMatrix, NodeVector, matrix};
 use nalgebra::SMatrix;
 use stoss_contact::{ContactError, ContactSurface};
 use stoss_reference_element::{FacePiece, FacetNodes, MAX_FACE_NODES, MAX_NODES};

@@ -1,13 +1,11 @@
 //! Integrals of the shape functions over the segments of one slave facet.
 
 use crate::faces::{FaceBlock, FaceMatrix};
+use crate::local::FacetMatrix;
 use crate::{Faces, Factors, TriangleRule, for_each_point};
 use nalgebra::Vector3;
 use stoss_reference_element::{FacePiece, FaceShape, FacetKind, MAX_FACE_NODES, MAX_NODES, Nodal};
 use stoss_segmentation::FacetSegmentation;
-
-/// Matrix over the nodes of two facets; zero where there is no node.
-pub type FacetMatrix = [[f64; MAX_NODES]; MAX_NODES];
 
 /// Integrals with one master facet.
 #[derive(Clone, Debug, PartialEq)]

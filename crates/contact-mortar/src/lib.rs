@@ -10,7 +10,7 @@
 //! pair_derivatives(&segment, &frame, &corners, TriangleRule, &Factors, &mut PairDerivatives)   added up
 //! MultiplierBasis::new(MultiplierSpace, &FacetIntegrals)                 coefficients phi_A = sum_i C_Ai N_i
 //! MultiplierBasis::slave_block / master_block                            D_e = C int N N, M_e = C int N N^(2)
-//! MortarMatrices::assemble(&slave, &master, q, &SurfaceSegmentation, space, TriangleRule) -> D, M
+//! MortarMatrices::assemble(&slave, &master, faces, q, &SurfaceSegmentation, space, TriangleRule) -> D, M
 //! ```
 //! With the same points on both sides `sum_K M_AK = sum_J D_AJ` for every slave node `A`
 //! ([`MortarMatrices::imbalance`]): constants are transferred exactly and contact forces have no resultant. Linear
@@ -48,6 +48,7 @@ mod faces;
 mod factors;
 mod friction;
 mod integrals;
+mod local;
 mod matrices;
 mod method;
 mod multiplier;

@@ -1,14 +1,10 @@
 //! Multiplier spaces on a slave facet.
 
 use crate::faces::FaceBlock;
-use crate::integrals::FacetMatrix;
+use crate::local::{FacetMatrix, NodeMatrix, NodeVector, matrix};
 use crate::{FacetIntegrals, PairIntegrals};
-use nalgebra::{SMatrix, SVector, SymmetricEigen};
+use nalgebra::SymmetricEigen;
 use stoss_reference_element::MAX_NODES;
-
-/// Matrix and vector over the nodes of a facet; zero where there is no node.
-pub(crate) type NodeMatrix = SMatrix<f64, MAX_NODES, MAX_NODES>;
-pub(crate) type NodeVector = SVector<f64, MAX_NODES>;
 
 /// Which functions the multipliers are made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,10 +33,6 @@ pub struct MultiplierBasis {
 
 fn rows(m: &NodeMatrix) -> FacetMatrix {
     std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
-}
-
-pub(crate) fn matrix(m: &FacetMatrix) -> NodeMatrix {
-    NodeMatrix::from_fn(|i, j| m[i][j])
 }
 
 impl MultiplierBasis {

@@ -8,9 +8,10 @@ use stoss_mesh_io::deck::{Damping, Deck};
 use stoss_reference_element::{CellKind, Integration};
 
 use crate::ImportError;
-use crate::left_out::{List, Severity};
+use crate::left_out::List;
 use crate::material::{self, Law};
 use crate::sets::Lookup;
+use crate::severity::Severity;
 use crate::text::count;
 
 /// A body of the scene.

@@ -7,8 +7,8 @@ use stoss_mesh_io::deck::{ContactPair, DeckPlace, Interaction};
 
 use crate::adjust::{Moved, Which};
 use crate::context::Context;
-use crate::left_out::Severity;
 use crate::sets::Selection;
+use crate::severity::Severity;
 use crate::text::{count, number};
 
 /// The coefficient in place of `ROUGH` of `*FRICTION`.

@@ -5,9 +5,10 @@ use stoss_mesh_io::deck::{Deck, DeckPlace, Target};
 use crate::axes::LocalAxes;
 use crate::bodies::Bodies;
 use crate::history::amplitude;
-use crate::left_out::{List, Severity};
+use crate::left_out::List;
 use crate::set_names::SetNames;
 use crate::sets::{Lookup, Selection};
+use crate::severity::Severity;
 use crate::timeline::Timeline;
 use crate::write::Tables;
 

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use stoss_mesh_io::deck::Deck;
 
 use crate::bodies::Bodies;
-use crate::left_out::{List, Severity};
+use crate::left_out::List;
 use crate::sets::Lookup;
+use crate::severity::Severity;
 use crate::timeline::Timeline;
 
 /// The initial velocity of each body; zero if it has none.

@@ -2,7 +2,7 @@
 //!
 //! A keyword that is not in it counts as missing: nothing is known of it, and it may be a load or a constraint.
 
-use crate::left_out::Severity;
+use crate::severity::Severity;
 
 /// When the severity of a keyword is not always the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,7 +208,7 @@ const TABLE: &[Row] = &[
         &["CONTACTCONTROLS", "CONTACTFORMULATION", "CONTACTSTABILIZATION"],
         NOTE,
         "Stoss has rules of its own for the solution of contact",
-        "see `stabilise` of [solver] if a body is held by contact alone",
+        "see `stabilise` of [time] if a body is held by contact alone",
     ),
     // Parts that no element of the scene stands for.
     (
@@ -410,7 +410,7 @@ const PARAMETERS: &[ParameterRow] = &[
         &["RIKS", "STABILIZE"],
         CHANGED,
         "the load is prescribed over time: a snap is not followed backwards",
-        "see `stabilise` of [solver]",
+        "see `stabilise` of [time]",
     ),
     (
         &["CONTACTPAIR"],

@@ -39,12 +39,14 @@ mod material;
 mod records;
 mod set_names;
 mod sets;
+mod severity;
 mod supports;
 mod text;
 mod timeline;
 mod write;
 
-pub use left_out::{LeftOut, Severity};
+pub use left_out::LeftOut;
+pub use severity::Severity;
 
 use stoss_mesh::Mesh;
 use stoss_mesh_io::MeshIoError;

@@ -7,9 +7,9 @@ use stoss_mesh_io::deck::{DeckPlace, ElementLoad, LoadKind, OpNew, Target};
 
 use crate::context::Context;
 use crate::history::{History, Value, by_history, history};
-use crate::left_out::Severity;
 use crate::records::{DeckLine, members_by_records};
 use crate::sets::{Selection, named};
+use crate::severity::Severity;
 use crate::text::{count, text, vector};
 
 /// Straight pieces in place of the square root of a straight one.

@@ -7,9 +7,9 @@ use stoss_mesh_io::deck::{DeckPlace, Prescribed, Support};
 use crate::axes::{Direction, LocalAxes};
 use crate::context::Context;
 use crate::history::{History, Value, amplitude, by_history, parts};
-use crate::left_out::Severity;
 use crate::records::{DeckLine, StageRecords, members_by_records};
 use crate::sets::{Selection, named};
+use crate::severity::Severity;
 use crate::text::{count, text, vector};
 use crate::write::series;
 

@@ -2,7 +2,8 @@
 
 use stoss_mesh_io::deck::{Amplitude, Deck, Procedure, Step, Times};
 
-use crate::left_out::{List, Severity};
+use crate::left_out::List;
+use crate::severity::Severity;
 use crate::text::number;
 
 /// A step of the deck as a part of the run.

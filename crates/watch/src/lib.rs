@@ -23,6 +23,7 @@ mod cone;
 mod contact;
 mod finding;
 mod meeting;
+mod names;
 mod observe;
 mod pairs;
 mod predicates;

@@ -12,6 +12,8 @@ use std::collections::BTreeSet;
 const PUSHING: f64 = 0.1;
 /// Parts of an edge: if no node of either body is nearer to the other, only edges can meet, and which facets push is not known.
 const NEAREST: f64 = 0.25;
+/// If the nearest node is farther than so many times the smallest distance, edges meet between the nodes.
+const AS_NEAR: f64 = 2.0;
 /// Parts of an edge of the other body up to which a rim counts as one that pushes.
 const RIM: f64 = 1.5;
 /// Parts of an edge, beyond the smallest distance and the height of an arch, up to which surfaces lie on each other.
@@ -35,8 +37,8 @@ pub struct Meeting {
     pub apart: f64,
     /// Mean edge of the facet there (a length).
     pub edge: f64,
-    /// How far the bodies have been moved into each other since they touched (a length): the largest difference of the displacements of any two of their nodes along the normal there, or along the
-    /// force, less the gap that they had in the reference, or with the overlap that they had.
+    /// How far the bodies have been moved into each other since they touched (a length): the largest difference of the displacements of any two of their nodes along the force, or without one along the
+    /// normal there, less the gap that they had in the reference, or with the overlap that they had.
     pub drive: f64,
     /// Mean height of the arches of facets over the nodes of the other surface that lie on them (a length), of surfaces that are curved alike; zero of others. By so much the gap between the
     /// facets is not that between the curved surfaces.
@@ -138,8 +140,9 @@ fn arch(body: &Surface, other: &Surface) -> f64 {
 }
 
 impl Watch {
-    /// Two bodies as they lie in the state that [`Self::geometry`] has looked at last, with this force on the first one; nothing if one of them has no surface.
-    pub fn meeting(&mut self, bodies: [usize; 2], force: [f64; 3]) -> Option<Meeting> {
+    /// Two bodies as they lie in the state that [`Self::geometry`] has looked at last, with this force on the first one; nothing if one of them has no surface. `known` is their smallest distance
+    /// where contact knows it: edges may be nearer to each other than any node.
+    pub fn meeting(&mut self, bodies: [usize; 2], force: [f64; 3], known: Option<f64>) -> Option<Meeting> {
         let gap = self.gap_in_reference(bodies);
         // Against the force, the way of the first body into the second.
         let way = -Vector3::from(force).try_normalize(0.0).unwrap_or_default();
@@ -163,14 +166,16 @@ impl Watch {
         };
         let drive = |from: &Surface, to: &Surface, into: Vector3<f64>| along(from, &into).1 - along(to, &into).0;
         let [first, second] = bodies.map(|k| &self.surfaces[k]);
-        let nearest = drive(body, other, -other.normal(other.facet(found.triangle)));
-        let drive = drive(first, second, way).max(nearest) - gap;
+        let drive = match way == Vector3::zeros() {
+            true => drive(body, other, -other.normal(other.facet(found.triangle))),
+            false => drive(first, second, way),
+        } - gap;
         let arch = arch(body, other).max(arch(other, body));
         Some(Meeting {
             bodies: [a, b],
             node: body.nodes[found.node as usize],
             position: position.into(),
-            apart: found.distance,
+            apart: found.distance.min(known.unwrap_or(f64::INFINITY)),
             edge,
             drive,
             arch,
@@ -200,8 +205,8 @@ impl Watch {
 
     /// What of the force on the first of two bodies, which act on each other without friction, their surfaces cannot exert: its distances from the cone of the normals of the second one
     /// where it is near the first, and from that of the inner normals of the first one where it is near the second. Of the state that [`Self::geometry`] has looked at last; nothing if no
-    /// node of one is near the other, as where only edges meet.
-    pub fn side_force(&self, [a, b]: [usize; 2], force: [f64; 3]) -> Option<[[f64; 3]; 2]> {
+    /// node of one is near the other, as where only edges meet: no node is nearly as near as the smallest distance that contact may know.
+    pub fn side_force(&self, [a, b]: [usize; 2], force: [f64; 3], known: Option<f64>) -> Option<[[f64; 3]; 2]> {
         let (first, second) = (&self.surfaces[a], &self.surfaces[b]);
         let of = |body: &Surface, other: &Surface| {
             let longest = (0..other.facets.len() as u32).map(|f| other.length(f)).fold(0.0, f64::max);
@@ -212,7 +217,8 @@ impl Watch {
             found
         };
         let (of_first, of_second) = (of(first, second), of(second, first));
-        if of_first.is_empty() && of_second.is_empty() {
+        let nearest = of_first.iter().chain(&of_second).map(|near| near.distance).fold(f64::INFINITY, f64::min);
+        if nearest == f64::INFINITY || known.is_some_and(|known| nearest > AS_NEAR * known) {
             return None;
         }
         let facets = |of_own: &[Near], of_other: &[Near], surface: &Surface| -> Vec<u32> {

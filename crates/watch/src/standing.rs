@@ -1,12 +1,15 @@
 //! What is judged beside the largest force or way that a run had: it is known only at its end.
 
-use crate::verdict::Judge;
+use crate::names::Names;
 use crate::words::{short, short_time};
 use crate::{Finding, FindingKind, Meeting, Penetration, Severity};
 use serde::{Deserialize, Serialize};
 
-/// Part of the way by which bodies are driven into each other from which on a depth, or a distance that contact keeps, is doubtful. To first order it is the relative error of the force.
-const SINKS: f64 = 0.05;
+/// Part of the way by which bodies are driven into each other from which on the deepest point is doubtful. In the mean over the contact the depth is a third of it or less, and that is, to first
+/// order, the relative error of the force.
+const SINKS: f64 = 0.15;
+/// The same of a distance that contact keeps everywhere, which is the relative error of the force itself.
+const APART: f64 = 0.05;
 /// The same of the arches of facets: a part of them cancels between the facets of both surfaces, and where they do not lie on each other forces are their mean.
 const ARCHES: f64 = 0.1;
 /// Parts of an edge below which depths and distances are what an iteration leaves.
@@ -71,14 +74,15 @@ impl Driven {
         self.arch.note(meeting.arch, at);
     }
 
-    /// Findings of a judge who knows the names.
-    pub fn findings(&self, judge: &Judge) -> Vec<Finding> {
-        let [first, second] = self.bodies.map(|body| judge.name(body).to_owned());
+    /// Findings, with these names.
+    pub fn findings(&self, names: &Names) -> Vec<Finding> {
+        let [first, second] = self.bodies.map(|body| names.body(body).to_owned());
         let drive = short(self.drive);
         let mut found = Vec::new();
         let mut add = |peak: &Peak, limit: f64, say: &dyn Fn(String, f64) -> String| {
+            // Bodies that travel beside each other first are driven by less than nothing, as far as is known.
             let part = peak.value / self.drive.max(peak.value);
-            if peak.value > 0.0 && part > limit {
+            if peak.value > 0.0 && self.drive > 0.0 && part > limit {
                 let at = peak.at;
                 let sentence = format!("at t = {} {}", short_time(at.1), say(short(peak.value), 100.0 * part));
                 let finding = Finding::new(Severity::Doubtful, FindingKind::Indentation, at, sentence, part);
@@ -88,13 +92,13 @@ impl Driven {
         add(&self.depth, SINKS, &|depth, percent| {
             let (node, [_, into]) = self.deepest;
             format!(
-                "{} is {depth} inside `{}`, {percent:.0} % of the {drive} by which `{first}` and `{second}` were driven into each other: forces are too small by about as much. Refine the slave there, or \
+                "{} is {depth} inside `{}`, {percent:.0} % of the {drive} by which `{first}` and `{second}` were driven into each other: forces can be off by up to as much. Refine the slave there, or \
                  exchange slave and master",
-                judge.node(node),
-                judge.name(into)
+                names.node(node),
+                names.body(into)
             )
         });
-        add(&self.apart, SINKS, &|apart, percent| {
+        add(&self.apart, APART, &|apart, percent| {
             format!(
                 "contact keeps `{first}` and `{second}` {apart} apart, {percent:.0} % of the {drive} by which they were driven into each other: forces are too large by about as much. Take a smaller \
                  `thickness` of general contact, or name the contact"
@@ -136,13 +140,13 @@ impl Push {
         }
     }
 
-    pub fn finding(&self, judge: &Judge) -> Option<Finding> {
+    pub fn finding(&self, names: &Names) -> Option<Finding> {
         let part = self.peak.value / self.impulse;
         if part.is_nan() || part <= ALONG {
             return None;
         }
         let at = self.peak.at;
-        let [first, second] = self.bodies.map(|body| judge.name(body));
+        let [first, second] = self.bodies.map(|body| names.body(body));
         let sentence = format!(
             "up to t = {} the contact between `{first}` and `{second}`, which has no friction, has pushed along the surfaces by {:.1} % of its impulse: no normal of the facets there has that direction. \
              Bodies slide off or are slowed by as much. Name the contact (`nts`, `mortar`), and leave `damping` out",
@@ -188,6 +192,7 @@ impl Stabilised {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Judge;
     use crate::{Limits, Observation, SolidObservation};
 
     fn judge() -> Judge {
@@ -215,7 +220,8 @@ mod tests {
     fn depths_beside_what_drives_the_bodies() {
         let solids = SolidObservation::default();
         for (depth, drive, expected) in [
-            (0.04, 0.3, vec![INDENTATION]),
+            (0.04, 0.25, vec![INDENTATION]),
+            (0.04, 0.3, Vec::new()),
             (0.1, 3.0, Vec::new()),
             (0.16, 9.0, vec![(FindingKind::Penetration, Severity::Doubtful)]),
             (0.31, 99.0, vec![(FindingKind::Penetration, Severity::Wrong)]),

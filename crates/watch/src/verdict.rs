@@ -1,6 +1,7 @@
 //! The verdict on a run.
 
 use crate::contact;
+use crate::names::Names;
 use crate::standing::{Driven, Push, Stabilised};
 use crate::words::{short, short_time};
 use crate::{ContactState, Finding, FindingKind, Meeting, Observation, Penetration, Severity, SolidObservation};
@@ -53,9 +54,7 @@ const DEEP: f64 = 0.5;
 /// Collects findings and keeps the worst of each kind and pair of bodies. It can be stored in a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judge {
-    names: Vec<String>,
-    /// Nodes of each body: sentences count nodes within their body.
-    nodes: Vec<Range<u32>>,
+    names: Names,
     /// Pairs of bodies between which a contact is defined.
     contacts: Vec<[usize; 2]>,
     limits: Limits,
@@ -77,10 +76,8 @@ impl Judge {
         contacts: Vec<[usize; 2]>,
         limits: Limits,
     ) -> Self {
-        let (names, nodes) = bodies.into_iter().unzip();
         Self {
-            names,
-            nodes,
+            names: bodies.into_iter().collect(),
             contacts,
             limits,
             findings: Vec::new(),
@@ -95,7 +92,7 @@ impl Judge {
         match self.contacts.contains(&[a, b]) || self.contacts.contains(&[b, a]) {
             true => String::new(),
             false if a == b => "; no contact of the body with itself is defined".to_owned(),
-            false => format!("; no contact is defined between `{}` and `{}`", self.names[a], self.names[b]),
+            false => format!("; no contact is defined between `{}` and `{}`", self.names.body(a), self.names.body(b)),
         }
     }
 
@@ -119,19 +116,6 @@ impl Judge {
     /// Takes note of what stabilisation exerts in a step, and of the reactions and loads there: sums of the magnitudes of nodal forces.
     pub fn observe_stabilisation(&mut self, step: u64, time: f64, force: f64, others: f64) {
         self.stabilised.note((step, time), force, others);
-    }
-
-    /// Name of a body.
-    pub(crate) fn name(&self, body: usize) -> &str {
-        &self.names[body]
-    }
-
-    /// Name of a node in messages: its number in its body, or in the model if it belongs to no body.
-    pub(crate) fn node(&self, node: u32) -> String {
-        match self.nodes.iter().position(|nodes| nodes.contains(&node)) {
-            Some(body) => format!("node {} of `{}`", node - self.nodes[body].start, self.names[body]),
-            None => format!("node {node} of the model"),
-        }
     }
 
     /// Adds the findings of a check after a step.
@@ -171,12 +155,12 @@ impl Judge {
             let level = if deepest.relative > wrong { Severity::Wrong } else { Severity::Doubtful };
             let into = match deepest.into == deepest.body {
                 true => "its own body".to_owned(),
-                false => format!("`{}`", self.names[deepest.into]),
+                false => format!("`{}`", self.names.body(deepest.into)),
             };
             let sentence = format!(
                 "at t = {} {} is {} ({} edge lengths) inside {into}{}",
                 short_time(time),
-                self.node(deepest.node),
+                self.names.node(deepest.node),
                 short(deepest.depth),
                 short(deepest.relative),
                 self.remark(deepest.body, deepest.into)
@@ -189,8 +173,8 @@ impl Judge {
             let sentence = format!(
                 "at t = {} {} has passed through `{}` since the last check{}",
                 short_time(time),
-                self.node(passage.node),
-                self.names[passage.through],
+                self.names.node(passage.node),
+                self.names.body(passage.through),
                 self.remark(passage.body, passage.through)
             );
             let bodies = Some([passage.body, passage.through]);
@@ -207,7 +191,7 @@ impl Judge {
             let sentence = format!(
                 "at t = {} element {element} of `{}` is inverted (Jacobian {})",
                 short_time(time),
-                self.names[body],
+                self.names.body(body),
                 short(jacobian)
             );
             let bodies = Some([body, body]);
@@ -217,7 +201,7 @@ impl Judge {
             let sentence = format!(
                 "at t = {} element {element} of `{}` is {} at a corner (scaled Jacobian {})",
                 short_time(time),
-                self.names[body],
+                self.names.body(body),
                 if jacobian <= 0.0 { "inverted" } else { "nearly inverted" },
                 short(jacobian)
             );
@@ -226,14 +210,14 @@ impl Judge {
         }
         if let Some(node) = solids.not_finite {
             let sentence =
-                format!("at t = {} the position of {} is not a finite number", short_time(time), self.node(node));
+                format!("at t = {} the position of {} is not a finite number", short_time(time), self.names.node(node));
             found.push(finding(Severity::Wrong, FindingKind::NotFinite, None, sentence, None, 0.0));
         }
         if let Some((node, sizes)) = solids.far {
             let sentence = format!(
                 "at t = {} {} is {} model sizes away from the model",
                 short_time(time),
-                self.node(node),
+                self.names.node(node),
                 short(sizes)
             );
             found.push(finding(Severity::Wrong, FindingKind::FarAway, None, sentence, None, sizes));
@@ -257,7 +241,7 @@ impl Judge {
 
     /// Adds the findings about what a contact reports.
     pub fn observe_contact(&mut self, step: u64, time: f64, contact: &ContactState<'_>) {
-        for finding in contact::observe(step, time, contact, self.limits.doubtful, |node| self.node(node)) {
+        for finding in contact::observe(step, time, contact, self.limits.doubtful, |node| self.names.node(node)) {
             self.add(finding);
         }
     }
@@ -290,8 +274,8 @@ impl Judge {
     pub fn verdict_with(&self, further: Vec<Finding>) -> Verdict {
         let mut all = self.clone();
         all.add_all(further);
-        all.add_all(self.driven.iter().flat_map(|driven| driven.findings(self)));
-        all.add_all(self.pushes.iter().filter_map(|push| push.finding(self)));
+        all.add_all(self.driven.iter().flat_map(|driven| driven.findings(&self.names)));
+        all.add_all(self.pushes.iter().filter_map(|push| push.finding(&self.names)));
         all.add_all(self.stabilised.finding());
         let mut reasons = all.findings;
         reasons.sort_by(|a, b| b.level.cmp(&a.level).then(a.kind.cmp(&b.kind)).then(b.figure.total_cmp(&a.figure)));

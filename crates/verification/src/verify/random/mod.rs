@@ -7,6 +7,7 @@
 
 mod families;
 mod judge;
+mod known;
 mod scene;
 mod shrink;
 

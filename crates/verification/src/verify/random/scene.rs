@@ -8,13 +8,11 @@ use stoss_integrators::Claims;
 use toml::{Table, Value};
 
 use super::families::{self, Draft, Family};
+use super::known::{Known, STEPS, uniform};
 use crate::workspace::Outcome;
 
 /// Largest number of nodes of a scene.
 const NODES: usize = 300;
-
-/// Largest number of steps of a scene.
-pub const STEPS: u32 = 60;
 
 /// Families with how many of a hundred scenes belong to each, and whether elements are quadratic.
 const FAMILIES: [(&str, usize, Family, bool); 14] = [
@@ -39,23 +37,6 @@ const FAMILY: u64 = 0x5eed;
 
 /// Time-stepping schemes; `None` is quasi-static.
 const SCHEMES: [Option<&str>; 4] = [Some("energy-momentum"), Some("midpoint"), Some("backward-euler"), None];
-
-/// What must come out of a scene, beside what holds of any.
-#[derive(Clone, Debug, Default)]
-pub struct Known {
-    /// All that moving bodies touch is rigid and flat, with a normal along z.
-    pub flat: bool,
-    /// Body and motion are their own mirror images in the planes x = 0 and y = 0.
-    pub mirrored: bool,
-    /// Nothing moves.
-    pub rest: bool,
-    /// Speed with which a rigid body comes back, if no energy is lost.
-    pub rebound: Option<f64>,
-    /// Force on the part `tool` at the end.
-    pub force: Option<f64>,
-    /// Way of a tool beyond the gap.
-    pub travel: Option<f64>,
-}
 
 /// A scene and what it is counted under.
 #[derive(Clone, Debug)]
@@ -380,11 +361,6 @@ fn contacts(rng: &mut Rng, method: &str, pairs: &[[String; 2]]) -> Value {
         contact
     };
     tables(pairs.iter().map(contact).collect())
-}
-
-/// Uniform between two numbers.
-pub fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
-    low + (high - low) * rng.f64()
 }
 
 fn numbers(values: &[f64]) -> Value {

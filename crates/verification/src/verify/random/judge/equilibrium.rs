@@ -2,7 +2,7 @@
 
 use toml::Value;
 
-use super::books::worst;
+use super::extremes::worst;
 use super::model::{Frame, Model, Part};
 use super::motion::{gravity, mirror, stillness};
 use super::vector::{add, cross, minus, norm, scaled};

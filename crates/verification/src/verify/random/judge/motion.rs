@@ -2,8 +2,8 @@
 
 use toml::Value;
 
-use super::books::worst;
 use super::depth::Extent;
+use super::extremes::worst;
 use super::model::{Frame, Kind, Model, Part};
 use super::vector::{add, cross, dot, minus, norm, scaled};
 use super::{Criterion, Evidence, cell, is_worse};
