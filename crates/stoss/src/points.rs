@@ -44,6 +44,11 @@ impl Points {
         self.places.get(node as usize).copied().unwrap_or(NONE)
     }
 
+    /// The vector of a point.
+    pub fn node(&self, place: u32) -> u32 {
+        self.nodes[place as usize]
+    }
+
     /// The rows of the points, of values with so many components a vector; no values stay none.
     pub fn of_all<'a>(&self, values: &'a [f64], components: usize) -> Cow<'a, [f64]> {
         if values.is_empty() || self.nodes.len() == self.places.len() {

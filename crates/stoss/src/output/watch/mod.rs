@@ -131,8 +131,15 @@ impl RunWatch {
         let judge = judge(&model, between, settings);
         let parts = parts.iter().map(|name| model.bodies.iter().position(|body| body.name == *name)).collect();
         let driven = simulation.model().prescriptions.iter().map(|prescription| {
-            let nodes: BTreeSet<u32> = prescription.nodes.iter().map(|&node| points.place(node)).collect();
-            let has = |k: &usize| nodes.range(model.bodies[*k].nodes.clone()).next().is_some();
+            let moved: BTreeSet<u32> = prescription.nodes.iter().copied().collect();
+            // The surface of a rigid body is carried by nodes of its own.
+            let embedding = &simulation.model().embedding;
+            let is_carried =
+                |node| embedding.carriers(node).is_some_and(|all| all.iter().any(|(n, _)| moved.contains(n)));
+            let has = |k: &usize| {
+                let mut nodes = model.bodies[*k].nodes.clone().map(|place| points.node(place));
+                nodes.any(|node| moved.contains(&node) || is_carried(node))
+            };
             if prescription.moves() { (0..model.bodies.len()).filter(has).collect() } else { Vec::new() }
         });
         let driven: Vec<Vec<usize>> = driven.collect();
