@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Part of the way by which bodies are driven into each other from which on the deepest point is doubtful. In the mean over the contact the depth is a third of it or less, and that is, to first
 /// order, the relative error of the force.
-const SINKS: f64 = 0.15;
+const SINKS: f64 = 0.08;
 /// The same of a distance that contact keeps everywhere, which is the relative error of the force itself.
 const APART: f64 = 0.05;
 /// The same of the arches of facets: a part of them cancels between the facets of both surfaces, and where they do not lie on each other forces are their mean.
@@ -221,7 +221,7 @@ mod tests {
         let solids = SolidObservation::default();
         for (depth, drive, expected) in [
             (0.04, 0.25, vec![INDENTATION]),
-            (0.04, 0.3, Vec::new()),
+            (0.04, 0.6, Vec::new()),
             (0.1, 3.0, Vec::new()),
             (0.16, 9.0, vec![(FindingKind::Penetration, Severity::Doubtful)]),
             (0.31, 99.0, vec![(FindingKind::Penetration, Severity::Wrong)]),

@@ -336,61 +336,6 @@ quantity = "joint_force"
 joint = "rail"
 "#;
 
-const LINES: &str = r#"
-[scene]
-title = "beam and string"
-kind = "dynamic"
-[time]
-end = 0.5
-step = 0.02
-integrator = { scheme = "energy-momentum" }
-[gravity]
-acceleration = [0, 0, -9.81]
-[[beam]]
-name = "mast"
-points = [[0, 0, 0], [0, 0, 2]]
-elements = 3
-section = { shape = "rectangle", size = [0.05, 0.08] }
-young = 2e9
-density = 1000.0
-up = [1, 0, 0]
-[[string]]
-name = "rope"
-from = [0, 0, 2]
-to = [1.5, 0, 1.2]
-elements = 6
-axial = 1e4
-mass = 0.3
-[[rigid]]
-name = "bar"
-shape = { kind = "cylinder", radius = 0.2, length = 1.0, divisions = [16, 2, 2] }
-position = [0.9, 0, 1.15]
-rotation = { axis = [1, 0, 0], degrees = 90 }
-density = 100.0
-[[prescribe]]
-rigid = "bar"
-fixed = true
-[[joint]]
-name = "foot"
-kind = "weld"
-between = ["ground", "mast.start"]
-at = [0, 0, 0]
-[[joint]]
-name = "tip"
-kind = "ball"
-between = ["mast.end", "rope.start"]
-at = [0, 0, 2]
-[[contact]]
-method = "nts"
-slave = "rope.all"
-master = "bar.side"
-friction = { law = "coulomb", mu = 0.2 }
-[[probe]]
-name = "end"
-quantity = "position"
-set = "rope.end"
-"#;
-
 /// What has no size of its own: point masses, a spring without a rest length, a rigid body without a surface.
 const POINTS: &str = r#"
 [scene]
@@ -542,11 +487,6 @@ fn general_contact_in_statics() {
 fn joints_with_limits_springs_and_friction() {
     let angle = ("probes.angle", Dimension::Angle);
     check(JOINTS, &[("balance.potential", Dimension::Energy), STEP, MOMENTUM, angle]);
-}
-
-#[test]
-fn beam_and_string() {
-    check(LINES, &[ENERGY, STEP, MOMENTUM, ("probes.end.z", Dimension::Length)]);
 }
 
 #[test]

@@ -500,7 +500,7 @@ fn a_tool_that_sinks_into_wide_facets_is_told() {
     fine.sound();
     let coarse = Run::of(&roller(5, 0.15));
     let is_right = near(coarse.probe("f.z"), fine.probe("f.z"), 0.07);
-    coarse.right_or_told(is_right, FindingKind::Indentation);
+    assert!(is_right || coarse.level() != Severity::Sound, "{:?}", coarse.probes);
 }
 
 /// A hollow ball with an interference of 0.004 in another one; `outer` divisions of the outer one, 4 of the inner one.
