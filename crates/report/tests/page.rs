@@ -315,7 +315,7 @@ fn load(browser: &str, file: &Path, hash: &str) -> (String, Vec<String>) {
         "--enable-unsafe-swiftshader",
         "--enable-logging=stderr",
         "--window-size=1400,900",
-        "--virtual-time-budget=30000",
+        "--virtual-time-budget=120000",
         "--dump-dom",
     ];
     let output = Command::new(browser)

@@ -109,7 +109,7 @@ async function tryControls(app) {
   const time = viewer.time;
   byId('play').click();
   // A slow machine draws its first frame late.
-  for (let waits = 0; viewer.time === time && waits < 100; waits += 1) {
+  for (let waits = 0; viewer.time === time && waits < 600; waits += 1) {
     await new Promise((resolve) => setTimeout(resolve, 100));
   }
   must('playing moves time', viewer.time !== time);
