@@ -21,6 +21,7 @@
 mod balance;
 mod cone;
 mod contact;
+mod curved;
 mod finding;
 mod meeting;
 mod names;

@@ -78,7 +78,13 @@ fn near(body: &Surface, other: &Surface, reach: f64, margin: impl Fn(u32) -> f64
     let widest = (0..other.facets.len() as u32).map(&margin).fold(0.0, f64::max);
     // A little more, so that the nearest one itself is found.
     let found = nodes().filter_map(|node| at(node, (least + widest) * (1.0 + f64::EPSILON) + f64::MIN_POSITIVE));
-    found.filter(|near| near.distance <= least + margin(other.facet(near.triangle))).collect()
+    let mut found: Vec<Near> =
+        found.filter(|near| near.distance <= least + margin(other.facet(near.triangle))).collect();
+    for near in &mut found {
+        let over = other.height_over_face(&body.points[near.node as usize], near.triangle);
+        near.distance = over.map_or(near.distance, f64::abs);
+    }
+    found
 }
 
 /// Normals of these facets and of those around them on a smooth surface, which has the normals between them. An open surface has two sides, of which the one that `force` comes from counts, and pushes

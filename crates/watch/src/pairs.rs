@@ -51,6 +51,7 @@ pub(crate) fn overlap(
     inside.resize(body.points.len(), false);
     let measure = |point: u32, position: Vector3<f64>| {
         let (depth, triangle) = other.nearest(&position);
+        let depth = other.height_over_face(&position, triangle).map_or(depth, |height| (-height).max(0.0));
         Inside { point, position, depth, relative: depth / other.depth_unit(triangle, body, point) }
     };
     let near = body.is_rigid.then(|| body.within(&other.bounds));
@@ -108,7 +109,7 @@ pub(crate) fn overlap(
         let mut through = false;
         for pair in crossings.windows(2) {
             let t = 0.5 * (pair[0] + pair[1]);
-            let middle = x + (y - x) * t;
+            let middle = body.on_edge([a, b], t);
             if other.contains(&middle) {
                 let here = measure(if t < 0.5 { a } else { b }, middle);
                 if here.relative > TOUCHING {
@@ -161,4 +162,44 @@ fn penetration_of_open_surface(
     }
     let [Some(before), Some(behind)] = farthest else { return None };
     Some(if before.depth < behind.depth { before } else { behind })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stoss_mesh::Mesh;
+    use stoss_mesh::generate::Block;
+    use stoss_reference_element::CellKind;
+
+    /// A quarter of a tube with `n` elements around.
+    fn tube(inner: f64, outer: f64, n: usize, kind: CellKind) -> (Surface, Vec<f64>) {
+        let mut mesh: Mesh = Block::with_size([1.0; 3], [1, n, 1]).generate().unwrap();
+        for x in &mut mesh.nodes {
+            let (radius, angle) = (inner + (outer - inner) * (x[0] + 0.5), 0.5 * std::f64::consts::PI * (x[1] + 0.5));
+            *x = [radius * angle.cos(), radius * angle.sin(), x[2]];
+        }
+        let mesh = mesh.with_cells(kind).unwrap();
+        let q = mesh.nodes.concat();
+        let mut surface = Surface::of_elements(&mesh.elements);
+        surface.place(&q, true);
+        (surface, q)
+    }
+
+    /// Tubes that fit exactly, with different numbers of elements around: linear ones overlap by the height of the arches, quadratic ones by what their faces differ from the circle.
+    #[test]
+    fn tubes_of_quadratic_cells_that_fit_do_not_overlap() {
+        for (kind, least, most) in [
+            (CellKind::Hex8, 1e-2, 1e-1),
+            (CellKind::Hex20, 0.0, 1e-4),
+            (CellKind::Hex27, 0.0, 1e-4),
+            (CellKind::Tet10, 0.0, 1e-4),
+        ] {
+            let ((shaft, _), (hub, _)) = (tube(12.0, 18.0, 11, kind), tube(18.0, 26.0, 9, kind));
+            for (body, other) in [(&shaft, &hub), (&hub, &shaft)] {
+                let found = overlap(body, other, |_| false, &mut Vec::new());
+                let depth = found.deepest.map_or(0.0, |deepest| deepest.depth);
+                assert!((least..most).contains(&depth), "{kind}: {depth:e} at {:?}", found.deepest);
+            }
+        }
+    }
 }

@@ -1,11 +1,13 @@
 //! The surface of a body as triangles, and what is inside of it.
 
 use crate::WatchFacet;
+use crate::curved::CurvedFace;
 use crate::predicates::{DIRECTIONS, Intersection, intersect, is_on, nearest_point};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 use stoss_mesh::{Elements, FacetIndex};
+use stoss_reference_element::FaceNodes;
 
 /// Smallest cosine of the angle between the normals of two facets of a smooth surface: 40 degrees.
 pub(crate) const SMOOTH: f64 = 0.766;
@@ -67,6 +69,10 @@ pub struct Surface {
     triangles: Vec<([u32; 3], u32)>,
     /// The element behind each facet; none of a rigid body.
     pub elements: Vec<u32>,
+    /// The quadratic faces.
+    curved: Vec<CurvedFace>,
+    /// Of each facet that is a piece of a quadratic face that face and the natural coordinates of the corners; empty without any.
+    pieces: Vec<Option<(u32, [[f64; 2]; 4])>>,
     /// Points inside, with a facet before each.
     inner: Vec<(Inner, u32)>,
     /// Global numbers of the corners of the elements that have such a point.
@@ -75,6 +81,8 @@ pub struct Surface {
     cores: Vec<Vector3<f64>>,
     /// Edges of the triangles, as places in `points`, each once.
     pub edges: Vec<[u32; 2]>,
+    /// A facet of each edge.
+    edge_facets: Vec<u32>,
     /// Present positions: nodes, then centres of the facets.
     pub points: Vec<Vector3<f64>>,
     /// Boxes of the triangles.
@@ -91,6 +99,7 @@ impl Surface {
             boundary.iter().flat_map(|facet| facet.nodes.pieces().map(|piece| (piece, facet.element))).collect();
         let elements: Vec<u32> = pieces.iter().map(|(_, element)| *element).collect();
         let mut surface = Self::of(pieces.iter().map(|(piece, _)| &piece[..]));
+        surface.set_curved(boundary.iter().map(|facet| &facet.nodes));
         // Each element once, with the first of its faces; they are in the order of the elements.
         let mut inner = Vec::new();
         for k in (0..elements.len()).filter(|&k| k == 0 || elements[k] != elements[k - 1]) {
@@ -136,10 +145,10 @@ impl Surface {
             let centre = (nodes.len() + f) as u32;
             for [a, b] in facet.edges() {
                 facets_at[a as usize].push(f as u32);
-                edges.push([a.min(b), a.max(b)]);
+                edges.push(([a.min(b), a.max(b)], f as u32));
                 outer.push([a.min(b), a.max(b)]);
                 if facet.count == 4 {
-                    edges.push([a, centre]);
+                    edges.push(([a, centre], f as u32));
                     triangles.push(([a, b, centre], f as u32));
                 }
             }
@@ -148,7 +157,8 @@ impl Surface {
             }
         }
         edges.sort_unstable();
-        edges.dedup();
+        edges.dedup_by_key(|(ends, _)| *ends);
+        let (edges, edge_facets) = edges.into_iter().unzip();
         outer.sort_unstable();
         let rim = outer.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect();
         let boxes = vec![Aabb::from_points([&Vector3::zeros()]); triangles.len()];
@@ -163,13 +173,78 @@ impl Surface {
             is_rigid: false,
             triangles,
             elements: Vec::new(),
+            curved: Vec::new(),
+            pieces: Vec::new(),
             inner: Vec::new(),
             core_corners: Vec::new(),
             cores: Vec::new(),
             edges,
+            edge_facets,
             tree: BoundingVolumeTree::build(&boxes),
             bounds: Aabb::empty(),
         }
+    }
+
+    /// The faces that the facets are pieces of, in their order.
+    fn set_curved<'a>(&mut self, faces: impl Iterator<Item = &'a FaceNodes> + Clone) {
+        if !faces.clone().any(|face| face.kind().is_quadratic()) {
+            return;
+        }
+        for face in faces {
+            let kind = face.kind();
+            for piece in kind.pieces() {
+                let corner = |k: usize| kind.nodes()[usize::from(piece[k % piece.len()])];
+                let own = (self.curved.len() as u32, std::array::from_fn(corner));
+                self.pieces.push(kind.is_quadratic().then_some(own));
+            }
+            if kind.is_quadratic() {
+                // cannot fail: a face's nodes are nodes of its pieces.
+                let place = |node: u32| self.nodes.binary_search(&node).map_or(0, |k| k as u32);
+                self.curved.push(CurvedFace::new(face, place));
+            }
+        }
+    }
+
+    /// The quadratic face that a facet is a piece of, and the natural coordinates of the facet's corners.
+    fn curved(&self, facet: u32) -> Option<(&CurvedFace, &[[f64; 2]; 4])> {
+        let (face, corners) = self.pieces.get(facet as usize)?.as_ref()?;
+        Some((&self.curved[*face as usize], corners))
+    }
+
+    /// The point of the surface at the part `t` of an edge: on the quadratic face that the edge is a chord of, or on the edge.
+    pub fn on_edge(&self, [a, b]: [u32; 2], t: f64) -> Vector3<f64> {
+        let straight = || self.points[a as usize].lerp(&self.points[b as usize], t);
+        if self.pieces.is_empty() {
+            return straight();
+        }
+        let Ok(edge) = self.edges.binary_search(&[a, b]) else { return straight() };
+        let facet = self.edge_facets[edge];
+        let Some((face, natural)) = self.curved(facet) else { return straight() };
+        let corners = self.facets[facet as usize];
+        let at = |k: u32| {
+            let corner = corners.corners().iter().position(|&corner| corner == k);
+            corner.map_or_else(|| centre(&natural[..corners.count]), |k| natural[k])
+        };
+        let (from, to) = (at(a), at(b));
+        face.point(&self.points, [0, 1].map(|i: usize| from[i] + t * (to[i] - from[i])))
+    }
+
+    /// Whether a facet is a piece of a quadratic face, whose arch over it is known.
+    pub fn is_piece(&self, facet: u32) -> bool {
+        self.curved(facet).is_some()
+    }
+
+    /// Height of a point over the quadratic face that a triangle is a part of (a length, positive outside); nothing over a linear one.
+    pub fn height_over_face(&self, x: &Vector3<f64>, triangle: usize) -> Option<f64> {
+        let facet = self.facet(triangle);
+        let (face, natural) = self.curved(facet)?;
+        let (own, corners) = (self.corners(triangle), self.facets[facet as usize]);
+        // Natural coordinates of the corners of the triangle, one of which may be the centre of the facet.
+        let centre = centre(&natural[..corners.count]);
+        let xi = own.map(|k| corners.corners().iter().position(|&corner| corner == k).map_or(centre, |k| natural[k]));
+        let weights = weights(&nearest_point(x, self.triangle(triangle)), self.triangle(triangle))?;
+        let start = [0, 1].map(|i: usize| (0..3).map(|k| weights[k] * xi[k][i]).sum());
+        face.height(&self.points, x, start)
     }
 
     fn cores_at(&mut self, inner: Vec<(Inner, u32)>) {
@@ -198,11 +273,15 @@ impl Surface {
 
     fn points_at(&mut self, q: &[f64]) {
         let at = |node: u32| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3]);
-        let Self { nodes, facets, points, .. } = self;
+        let Self { nodes, facets, points, curved, pieces, .. } = self;
         for (point, &node) in points.iter_mut().zip(nodes.iter()) {
             *point = at(node);
         }
         for (f, facet) in facets.iter().enumerate() {
+            if let Some(Some((face, natural))) = pieces.get(f) {
+                points[nodes.len() + f] = curved[*face as usize].point(points, centre(&natural[..facet.count]));
+                continue;
+            }
             let sum = facet.corners().iter().fold(Vector3::zeros(), |sum, &k| sum + points[k as usize]);
             points[nodes.len() + f] = sum / facet.count as f64;
         }
@@ -358,21 +437,18 @@ impl Surface {
 
     /// Height over a facet of a smooth surface through its corners, at a point on it: `1/2 sum w_i n_i . (x_i - y) / n_i . n`, with the weights `w_i` of the corners at `y`, their normals
     /// `n_i` (the mean over the facets around them whose normals are within [`SMOOTH`] of that of the facet) and the normal `n` of the facet. It is exact for a
-    /// surface of second order, zero at the corners, and positive where the surface is convex.
+    /// surface of second order, zero at the corners, and positive where the surface is convex. Zero over a piece of a quadratic face, from which depths and distances are taken themselves.
     pub fn height_of_arch(&self, triangle: usize, y: &Vector3<f64>) -> f64 {
         let f = self.facet(triangle);
+        if self.is_piece(f) {
+            return 0.0;
+        }
         let facet = self.facets[f as usize];
         let (corners, n) = (facet.corners(), self.normal(f));
         // Weights in the triangle; the centre of a quadrilateral hands its own to the corners.
         let [a, b, c] = self.corners(triangle);
-        let [x, u, v] = self.triangle(triangle);
-        let (u, v, y_x) = (u - x, v - x, y - x);
-        let square = u.cross(&v).norm_squared();
-        if square == 0.0 {
-            return 0.0;
-        }
-        let [second, third] = [y_x.cross(&v), u.cross(&y_x)].map(|w| w.dot(&u.cross(&v)) / square);
-        let inside = [(a, 1.0 - second - third), (b, second), (c, third)];
+        let Some([first, second, third]) = weights(y, self.triangle(triangle)) else { return 0.0 };
+        let inside = [(a, first), (b, second), (c, third)];
         let of_centre: f64 = inside.iter().filter(|(k, _)| *k as usize >= self.nodes.len()).map(|(_, w)| w).sum();
         let height = |&corner: &u32| {
             let own: f64 = inside.iter().filter(|(k, _)| *k == corner).map(|(_, w)| w).sum();
@@ -452,6 +528,19 @@ impl Surface {
         });
         (distance, best)
     }
+}
+
+/// The mean of natural coordinates.
+fn centre(natural: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|i: usize| natural.iter().map(|xi| xi[i]).sum::<f64>() / natural.len() as f64)
+}
+
+/// Weights of the corners of a triangle at a point of it; nothing if it has no area.
+fn weights(y: &Vector3<f64>, [x, u, v]: [&Vector3<f64>; 3]) -> Option<[f64; 3]> {
+    let (u, v, y) = (u - x, v - x, y - x);
+    let square = u.cross(&v).norm_squared();
+    let [second, third] = [y.cross(&v), u.cross(&y)].map(|w| w.dot(&u.cross(&v)) / square);
+    (square > 0.0).then_some([1.0 - second - third, second, third])
 }
 
 #[cfg(test)]
