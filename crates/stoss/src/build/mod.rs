@@ -13,6 +13,8 @@ mod friction;
 mod general;
 pub(crate) mod general_schemes;
 #[cfg(feature = "general")]
+mod general_skin;
+#[cfg(feature = "general")]
 mod general_table;
 #[cfg(feature = "general")]
 mod interacting;
