@@ -30,8 +30,7 @@ pub fn mitre(facets: &[(Vector3<f64>, f64)]) -> Option<Vector3<f64>> {
     let round_off = SAME * distinct.iter().map(|(_, d)| *d).fold(0.0, f64::max);
     let mut best: Option<Vector3<f64>> = None;
     let mut consider = |m: Vector3<f64>| {
-        let admissible =
-            m.iter().all(|c| c.is_finite()) && distinct.iter().all(|(n, d)| n.dot(&m) >= d - round_off);
+        let admissible = m.iter().all(|c| c.is_finite()) && distinct.iter().all(|(n, d)| n.dot(&m) >= d - round_off);
         if admissible && best.is_none_or(|best| m.norm_squared() < best.norm_squared()) {
             best = Some(m);
         }
@@ -159,8 +158,10 @@ impl<'a> Facing<'a> {
                 let other = self.body(s);
                 let is_opposite = self.normals[s as usize].dot(&normal) < -FACING && !met.contains(&other);
                 let may_act = || self.rules.between(class, self.class(s)).is_some();
-                let is_other = || body != other || triangles[t as usize].iter().all(|v| !triangles[s as usize].contains(v));
-                let faces = || self.is_before(t, s, behind) && self.is_before(s, t, behind) && self.is_near(t, s, reach);
+                let is_other =
+                    || body != other || triangles[t as usize].iter().all(|v| !triangles[s as usize].contains(v));
+                let faces =
+                    || self.is_before(t, s, behind) && self.is_before(s, t, behind) && self.is_near(t, s, reach);
                 if is_opposite && may_act() && is_other() && faces() {
                     met.push(other);
                 }

@@ -196,7 +196,9 @@ pub(super) fn skin(
     let directly = facing.find(|_| reach, slight);
     let all_of = |body: u32| (0..skin.triangles().len() as u32).filter(|&t| facing.body(t) == body).collect();
     let mut touches: Vec<Touch> = Vec::new();
-    for (pair, gap) in between.iter().map(|(pair, nearest)| (**pair, nearest.distance)).chain(inner.iter().map(|pair| (*pair, 0.0))) {
+    for (pair, gap) in
+        between.iter().map(|(pair, nearest)| (**pair, nearest.distance)).chain(inner.iter().map(|pair| (*pair, 0.0)))
+    {
         let parts = match pair.map(is_flat) {
             [false, false] => [0.5, 0.5],
             // Opposite a flat one the other body goes all of the way.
@@ -241,7 +243,8 @@ pub(super) fn skin(
                     touch.bodies.contains(&body)
                         && (touch.gap >= thickness || table.thickness.is_none() && touch.gap >= TOUCH * thickness)
                 };
-                let gap = touches.iter().filter(|touch| needless(touch)).map(|touch| touch.gap).fold(f64::INFINITY, f64::min);
+                let gap =
+                    touches.iter().filter(|touch| needless(touch)).map(|touch| touch.gap).fold(f64::INFINITY, f64::min);
                 if gap.is_finite() {
                     touches.retain(|touch| !needless(touch));
                     thickness = thickness.min(gap);

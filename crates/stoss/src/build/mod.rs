@@ -46,6 +46,7 @@ mod probe;
 mod restored;
 #[cfg(feature = "general")]
 mod rigid_inset;
+mod round;
 mod schedule;
 #[cfg(feature = "general")]
 mod separate;
