@@ -30,6 +30,9 @@ pub(super) fn point(x: [f64; 3], edge: f64) -> String {
 /// A facet faces another one within so many times the longest side of its triangles.
 const FEW: f64 = 2.0;
 
+/// So far, in parts of the shortest edge, facets that touch may be behind each other.
+const BEHIND: f64 = 1e-4;
+
 /// Largest edge for the layer, in shortest edges of all: what faces nothing at the start may come into contact later.
 const COARSEST: f64 = 4.0;
 
@@ -41,11 +44,12 @@ pub(super) fn layer_edge(
     placed: &[Placed],
     reference: &[f64],
 ) -> f64 {
-    let found = facing.find(|t| FEW * facing.longest_side(t), 0.0);
+    let of_all = shortest_edge(skin, rules, placed, reference, |_| true);
+    // What touches may be behind by round-off.
+    let found = facing.find(|t| FEW * facing.longest_side(t), BEHIND * of_all);
     let facets = || found.values().flatten().map(|&t| &skin.facets()[skin.facet_of_triangle(t) as usize]);
     let nodes: BTreeSet<u32> = facets().flat_map(|facet| facet.nodes.iter()).copied().collect();
     let is_beside = |f: u32| skin.facets()[f as usize].nodes.iter().any(|node| nodes.contains(node));
-    let of_all = shortest_edge(skin, rules, placed, reference, |_| true);
     let of_these = shortest_edge(skin, rules, placed, reference, is_beside);
     if of_these.is_finite() { of_these.min(COARSEST * of_all) } else { of_all }
 }
