@@ -13,6 +13,8 @@ mod friction;
 mod general;
 pub(crate) mod general_schemes;
 #[cfg(feature = "general")]
+mod general_skin;
+#[cfg(feature = "general")]
 mod general_table;
 #[cfg(feature = "general")]
 mod interacting;
@@ -44,6 +46,7 @@ mod probe;
 mod restored;
 #[cfg(feature = "general")]
 mod rigid_inset;
+mod round;
 mod schedule;
 #[cfg(feature = "general")]
 mod separate;
