@@ -16,6 +16,9 @@ const FLUSH: f64 = 0.9;
 const OUTSIDE: f64 = 0.1;
 const TURN: f64 = 0.1;
 
+/// The part of the thickness in which an edge of a body acts on edges of the mesh of a surface.
+const LAST: f64 = 0.3;
+
 /// Where the question is asked: at the start of the step, at its predictor, at the end of a way of the iteration.
 pub(super) struct Scene<'a> {
     pub skin: &'a Skin,
@@ -56,7 +59,7 @@ impl Scene<'_> {
 
     /// Weight of a point against a patch, if it begins to act on it.
     pub fn point_begins(&self, of: &[u32]) -> Option<f64> {
-        (0..3).find_map(|which| {
+        (0..2).find_map(|which| {
             let all = of.iter().map(|&k| {
                 let c = &self.candidates[k as usize];
                 (c, closest(c.kind, &c.points.map(|p| self.at(which, p))))
@@ -144,23 +147,23 @@ impl Scene<'_> {
         }
     }
 
-    /// Weight of two edges that begin to act on each other.
-    pub fn edges_begin(&self, c: &Candidate) -> Option<f64> {
-        let crosses = |which: usize| {
+    /// Weight and largest thickness of two edges that begin to act on each other.
+    pub fn edges_begin(&self, c: &Candidate) -> Option<[f64; 2]> {
+        let part = (0..2).find_map(|which| {
             let close = closest(c.kind, &c.points.map(|p| self.at(which, p)));
             self.cross(c, &close, &|p| self.at(which, p))
-        };
-        (0..3).any(crosses).then(|| self.skin.edge_weight(c.of).0)
+        })?;
+        Some([self.skin.edge_weight(c.of).0, part * self.thickness])
     }
 
-    /// Whether two edges are nearest to each other on their surfaces, crossing: both are convex towards each other, or one is an edge of its body and lies on the other surface. Edges of the mesh of a surface see
-    /// nothing but such an edge.
-    fn cross(&self, c: &Candidate, close: &ClosestPair, x: &dyn Fn(u32) -> Vector3<f64>) -> bool {
+    /// The part of the thickness in which two edges act that are nearest to each other on their surfaces, crossing. It is all where both are convex towards each other. Edges of the mesh of a surface meet nothing
+    /// but an edge of a body that the layer has not kept out: one that bends the surface between its vertices and its points of integration.
+    fn cross(&self, c: &Candidate, close: &ClosestPair, x: &dyn Fn(u32) -> Vector3<f64>) -> Option<f64> {
         if close.feature() != PairFeature::EdgeEdge {
-            return false;
+            return None;
         }
         let points = c.points.map(x);
-        let Some(out) = (-combine(&close.weights, &points)).try_normalize(0.0) else { return false };
+        let out = (-combine(&close.weights, &points)).try_normalize(0.0)?;
         let sides = |edge: usize, [a, b]: [usize; 2], out: Vector3<f64>| {
             let along = (points[b] - points[a]).try_normalize(0.0).unwrap_or_default();
             let [s, t] = self.skin.opposite(c.of[edge]).map(|v| {
@@ -171,24 +174,35 @@ impl Scene<'_> {
             // Whether the direction is one of the normals, and whether the edge turns away from it.
             Some((s <= OUTSIDE && t <= OUTSIDE, s + t <= -TURN || self.skin.opposite(c.of[edge])[1] == u32::MAX))
         };
-        let (Some((in_first, first)), Some((in_second, second))) = (sides(0, [0, 1], out), sides(1, [2, 3], -out))
-        else {
-            return false;
-        };
+        let ((in_first, first), (in_second, second)) = (sides(0, [0, 1], out)?, sides(1, [2, 3], -out)?);
         if !(in_first && in_second) {
-            return false;
+            return None;
         }
         if first && second {
-            return true;
+            return (!self.is_corner_above_corner(c, close, &out, x)).then_some(1.0);
         }
-        // An edge of the body over the inside of the other surface, the point of which is that of its mesh.
         let is_sharp = c.of.map(|edge| self.skin.is_sharp_edge_number(edge));
-        let over = |edge: usize, [a, b]: [usize; 2], part: f64| {
-            let place = points[a] + (points[b] - points[a]) * part;
-            let beside = self.skin.beside(c.points[a], c.points[b]);
-            !is_sharp[edge] && !beside.into_iter().any(|t| t != u32::MAX && self.is_at_rim(t, &place, x))
+        let is_over = (first && is_sharp[0] && !is_sharp[1]) || (second && is_sharp[1] && !is_sharp[0]);
+        is_over.then_some(LAST)
+    }
+
+    /// Whether two edges cross within a thickness of an end of either of them, above faces that are flush: as a corner on a rim, [`Self::is_flush`].
+    fn is_corner_above_corner(
+        &self,
+        c: &Candidate,
+        close: &ClosestPair,
+        out: &Vector3<f64>,
+        x: &dyn Fn(u32) -> Vector3<f64>,
+    ) -> bool {
+        let edge = |[a, b]: [usize; 2], part: f64, out: Vector3<f64>| {
+            let [a, b] = [c.points[a], c.points[b]];
+            let at_end = part.min(1.0 - part) * (x(b) - x(a)).norm() < self.thickness;
+            at_end
+                && self.skin.beside(a, b).into_iter().filter(|&t| t != u32::MAX).any(|t| {
+                    let normal = self.normal(t, x);
+                    normal.dot(&out) >= FLUSH * normal.norm()
+                })
         };
-        (first && is_sharp[0] && over(1, [2, 3], -close.weights[3]))
-            || (second && is_sharp[1] && over(0, [0, 1], close.weights[1]))
+        edge([0, 1], close.weights[1], *out) && edge([2, 3], -close.weights[3], -out)
     }
 }

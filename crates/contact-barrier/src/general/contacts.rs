@@ -123,8 +123,8 @@ impl Contacts {
         let [weight, thickness] = match self.known.get(&key) {
             Some(known) => *known,
             None => {
-                let Some(weight) = scene.edges_begin(c) else { return };
-                let begun = [weight, scene.thickness.min(start.distance_squared.sqrt())];
+                let Some([weight, thickness]) = scene.edges_begin(c) else { return };
+                let begun = [weight, thickness.min(start.distance_squared.sqrt())];
                 self.known.insert(key, begun);
                 begun
             }
