@@ -16,7 +16,7 @@ const FLUSH: f64 = 0.9;
 const OUTSIDE: f64 = 0.1;
 const TURN: f64 = 0.1;
 
-/// The part of the thickness in which an edge of a body acts on edges of the mesh of a surface.
+/// The part of the thickness in which that acts which is not needed as long as other contacts carry: corners that are flush, and an edge of a body above edges of the mesh of a surface.
 const LAST: f64 = 0.3;
 
 /// Where the question is asked: at the start of the step, at its predictor, at the end of a way of the iteration.
@@ -57,20 +57,21 @@ impl Scene<'_> {
         }
     }
 
-    /// Weight of a point against a patch, if it begins to act on it.
-    pub fn point_begins(&self, of: &[u32]) -> Option<f64> {
+    /// Weight and largest thickness of a point against a patch, if it begins to act on it.
+    pub fn point_begins(&self, of: &[u32]) -> Option<[f64; 2]> {
         (0..2).find_map(|which| {
             let all = of.iter().map(|&k| {
                 let c = &self.candidates[k as usize];
                 (c, closest(c.kind, &c.points.map(|p| self.at(which, p))))
             });
             let (c, close) = all.min_by(|a, b| a.1.distance_squared.total_cmp(&b.1.distance_squared))?;
-            self.meets(c, &close, &|p| self.at(which, p))
+            let [weight, part] = self.meets(c, &close, &|p| self.at(which, p))?;
+            Some([weight, part * self.thickness])
         })
     }
 
-    /// Weight of a point that meets a triangle at a place where it is to act on it.
-    fn meets(&self, c: &Candidate, close: &ClosestPair, x: &dyn Fn(u32) -> Vector3<f64>) -> Option<f64> {
+    /// Weight of a point that meets a triangle at a place where it is to act on it, and the part of the thickness in which it does.
+    fn meets(&self, c: &Candidate, close: &ClosestPair, x: &dyn Fn(u32) -> Vector3<f64>) -> Option<[f64; 2]> {
         let (skin, p) = (self.skin, c.points[0]);
         let shares = [1, 2, 3].map(|i| -close.weights[i]);
         let share = self.rules.share(c.classes[0], c.classes[1]);
@@ -79,22 +80,20 @@ impl Scene<'_> {
             return None;
         }
         let to_foot = -combine(&close.weights, &c.points.map(x));
-        let acts = if !skin.is_integration_point(p) && skin.is_sharp(p) {
-            !self.is_flush(c, close, &to_foot, x)
-        } else {
-            // Corners and edges of the body have points of their own.
-            let is_sharp = match close.feature() {
-                PairFeature::VertexVertex([_, b]) => skin.is_sharp(c.points[b]),
-                PairFeature::VertexEdge(_, [a, b]) => skin.is_sharp_edge(c.points[a], c.points[b]),
-                _ => false,
-            };
-            !is_sharp
-                && skin.triangle_of_integration_point(p).is_none_or(|own| {
-                    let normal = self.normal(own, x);
-                    normal.dot(&to_foot) >= FACING * normal.norm() * to_foot.norm()
-                })
+        if !skin.is_integration_point(p) && skin.is_sharp(p) {
+            return Some([weight, if self.is_flush(c, close, &to_foot, x) { LAST } else { 1.0 }]);
+        }
+        // Corners and edges of the body have points of their own.
+        let is_sharp = match close.feature() {
+            PairFeature::VertexVertex([_, b]) => skin.is_sharp(c.points[b]),
+            PairFeature::VertexEdge(_, [a, b]) => skin.is_sharp_edge(c.points[a], c.points[b]),
+            _ => false,
         };
-        acts.then_some(weight)
+        let faces = |own: u32| {
+            let normal = self.normal(own, x);
+            normal.dot(&to_foot) >= FACING * normal.norm() * to_foot.norm()
+        };
+        (!is_sharp && skin.triangle_of_integration_point(p).is_none_or(faces)).then_some([weight, 1.0])
     }
 
     /// Twice the area of a triangle, along its normal.
@@ -157,7 +156,7 @@ impl Scene<'_> {
     }
 
     /// The part of the thickness in which two edges act that are nearest to each other on their surfaces, crossing. It is all where both are convex towards each other. Edges of the mesh of a surface meet nothing
-    /// but an edge of a body that the layer has not kept out: one that bends the surface between its vertices and its points of integration.
+    /// but an edge of a body that other contacts have not kept out: one that bends the surface between its vertices and its points of integration.
     fn cross(&self, c: &Candidate, close: &ClosestPair, x: &dyn Fn(u32) -> Vector3<f64>) -> Option<f64> {
         if close.feature() != PairFeature::EdgeEdge {
             return None;
@@ -179,7 +178,7 @@ impl Scene<'_> {
             return None;
         }
         if first && second {
-            return (!self.is_corner_above_corner(c, close, &out, x)).then_some(1.0);
+            return Some(if self.is_corner_above_corner(c, close, &out, x) { LAST } else { 1.0 });
         }
         let is_sharp = c.of.map(|edge| self.skin.is_sharp_edge_number(edge));
         let is_over = (first && is_sharp[0] && !is_sharp[1]) || (second && is_sharp[1] && !is_sharp[0]);

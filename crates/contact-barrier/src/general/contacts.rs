@@ -213,8 +213,8 @@ impl Contacts {
         let [weight, thickness] = match known {
             Some(known) => known,
             None => {
-                let Some(weight) = scene.point_begins(of) else { return };
-                let begun = [weight, scene.thickness.min(start.distance_squared.sqrt())];
+                let Some([weight, thickness]) = scene.point_begins(of) else { return };
+                let begun = [weight, thickness.min(start.distance_squared.sqrt())];
                 self.known.insert((begin.kind, begin.points), begun);
                 begun
             }
