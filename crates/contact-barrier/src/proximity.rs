@@ -68,7 +68,7 @@ pub(crate) struct Proximity {
     motion: Vec<Vector3<f64>>,
     room: f64,
     pub candidates: Vec<Candidate>,
-    /// Those in the layer at the start of the step, which remain candidates wherever they go.
+    /// Those from the start of the step, which remain candidates wherever they go.
     kept: Vec<Candidate>,
     thickness: f64,
     edge: f64,
@@ -97,9 +97,9 @@ impl Proximity {
         self.follow(skin, rules, x, &(0..x.len() as u32).map(motion).collect::<Vec<_>>());
     }
 
-    /// Keeps those of the candidates that `is_inside` for the rest of the step.
-    pub fn keep(&mut self, is_inside: &[bool]) {
-        self.kept.extend(self.candidates.iter().zip(is_inside).filter(|(_, inside)| **inside).map(|(c, _)| *c));
+    /// Keeps the candidates for the rest of the step: what acts, and what begins, is decided by places at its start, which must not be missing later.
+    pub fn keep(&mut self) {
+        self.kept.clone_from(&self.candidates);
     }
 
     /// Makes sure that the way from `x` by a part of `increment` (none: no motion) is on the paths; returns that part, and whether the candidates are new. The part is less than 1 where all
@@ -400,9 +400,8 @@ mod tests {
             let is_inside = |pair: &(PairKind, [u32; 4]), x: &[Vector3<f64>]| {
                 closest(pair.0, &pair.1.map(|p| x[p as usize])).distance_squared.sqrt() < THICKNESS
             };
-            let inside: Vec<bool> =
-                proximity.candidates.iter().map(|c| is_inside(&(c.kind, c.points), &x)).collect();
-            proximity.keep(&inside);
+            let first: Vec<_> = proximity.candidates.iter().map(Candidate::key).collect();
+            proximity.keep();
             let mut check = |proximity: &Proximity, x: &[Vector3<f64>]| {
                 for pair in all.iter().filter(|pair| is_inside(pair, x)) {
                     near += 1;
@@ -423,10 +422,8 @@ mod tests {
                 check(&proximity, &there);
                 assert!(!proximity.hold(&skin, &rules, &there, None).1, "the way is on the paths");
             }
-            let kept = all.iter().filter(|pair| is_inside(pair, &x));
-            for pair in kept {
-                assert!(proximity.candidates.iter().any(|c| (c.kind, c.points) == *pair), "what was kept");
-            }
+            let now: std::collections::BTreeSet<_> = proximity.candidates.iter().map(Candidate::key).collect();
+            assert!(first.iter().all(|key| now.contains(key)), "what was kept");
         }
         assert!(near > 1000 && renewed == 60, "{near} pairs near, {renewed} renewed");
     }

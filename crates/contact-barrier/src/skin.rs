@@ -350,12 +350,17 @@ impl Skin {
         self.edge(a, b).map_or([u32::MAX; 2], |edge| self.shape.beside(edge))
     }
 
-    /// Whether two triangles are neighbours across an edge at which the surface does not turn inward by much.
+    /// The sheet of a triangle: what is connected with it across edges at which the surface does not turn inward by much.
+    pub(crate) fn sheet(&self, triangle: u32) -> u32 {
+        self.shape.sheet(triangle)
+    }
+
+    /// Whether two triangles are neighbours across such an edge.
     pub(crate) fn goes_on(&self, s: u32, t: u32) -> bool {
-        let [s, t] = [s, t].map(|t| self.triangles[t as usize]);
-        let mut common = s.into_iter().filter(|v| t.contains(v));
+        let [a, b] = [s, t].map(|t| self.triangles[t as usize]);
+        let mut common = a.into_iter().filter(|v| b.contains(v));
         match (common.next(), common.next()) {
-            (Some(a), Some(b)) => self.edge(a, b).is_some_and(|edge| self.shape.goes_on(edge)),
+            (Some(p), Some(q)) => self.edge(p, q).is_some_and(|edge| self.shape.goes_on(edge)),
             _ => false,
         }
     }

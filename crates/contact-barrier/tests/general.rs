@@ -322,7 +322,8 @@ fn what_acts_outlives_a_renewal_of_candidates() {
     for case in 0..40 {
         let (rule, friction) =
             ([ContactRule::EnergyMomentum, ContactRule::EndPoint][case % 2], [0.0, 0.3][case / 2 % 2]);
-        let mut scene = two([1 + case as u32 % 3, 2], 0.05, [0.7 * random.f64(), 0.7 * random.f64()], 0.08, 0.1, friction);
+        let mut scene =
+            two([1 + case as u32 % 3, 2], 0.05, [0.7 * random.f64(), 0.7 * random.f64()], 0.08, 0.1, friction);
         let q = noise(&mut random, &scene.reference, 0.01);
         let reference = scene.reference.clone();
         scene.enter(rule, &reference);
@@ -399,7 +400,10 @@ fn forces_do_not_depend_on_the_way_of_the_iteration() {
         let [(first, energy, count), (second, other_energy, other_count)] = forces;
         let largest = first.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
         let apart = first.iter().zip(&second).fold(0.0_f64, |most, (f, g)| most.max((f - g).abs()));
-        assert!((energy - other_energy).abs() <= 1e-12 * energy && count == other_count, "{case}");
+        assert!(
+            (energy - other_energy).abs() <= 1e-12 * energy && count == other_count,
+            "{case} {energy:e} {other_energy:e} {count} {other_count}"
+        );
         let bound = if rule == ContactRule::EndPoint { 1e-12 } else { 0.05 };
         assert!(largest > 0.0 && apart <= bound * largest, "{case}: {apart:e} of {largest:e}");
     }

@@ -225,8 +225,7 @@ impl GeneralContact {
         joint.points.clear();
         joint.terms.clear();
         for piece in &self.acts.pieces[act.pieces.clone()] {
-            let [start, end] =
-                [&self.x_n, &self.x].map(|x| closest(piece.kind, &piece.points.map(|p| x[p as usize])));
+            let [start, end] = [&self.x_n, &self.x].map(|x| closest(piece.kind, &piece.points.map(|p| x[p as usize])));
             let slots = piece.points.map(|p| joint.slot(p));
             joint.terms.push(Term { weight: piece.sign * act.weight, slots_n: slots, start, slots, end });
         }

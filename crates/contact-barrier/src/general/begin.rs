@@ -102,6 +102,11 @@ impl Scene<'_> {
         (b - a).cross(&(c - a))
     }
 
+    /// Outward normal of a triangle at the start of the step; zero for one without area.
+    pub fn unit_normal(&self, triangle: u32) -> Vector3<f64> {
+        self.normal(triangle, &|p| self.x_n[p as usize]).try_normalize(0.0).unwrap_or_default()
+    }
+
     /// Whether a place in a triangle is within a thickness of an edge or a corner of the body.
     fn is_at_rim(&self, triangle: u32, place: &Vector3<f64>, x: &dyn Fn(u32) -> Vector3<f64>) -> bool {
         let (skin, reach) = (self.skin, self.thickness * self.thickness);

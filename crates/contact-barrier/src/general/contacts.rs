@@ -10,6 +10,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use stoss_geometry::{ClosestPair, PairKind, closest};
 
+/// Cosine of the angle between the normals of triangles of one sheet, up to which they look against each other.
+const AGAINST: f64 = -0.3;
+
 /// A point and a patch, or two edges.
 #[derive(Clone, Debug)]
 pub(super) struct Contact {
@@ -55,6 +58,7 @@ pub(super) struct Contacts {
     known: BTreeMap<Key, [f64; 2]>,
     order: Vec<(u32, u32, u32)>,
     labels: Vec<usize>,
+    normals: Vec<Vector3<f64>>,
     pieces: PieceList,
 }
 
@@ -143,16 +147,23 @@ impl Contacts {
         });
     }
 
-    /// Patches of a point: members that are neighbours.
+    /// Patches of a point: members that are neighbours, or lie on one sheet and do not look against each other. Floor and wall of a notch are patches of their own, and so are two lobes of a surface that folds;
+    /// places between which the candidates have gaps, as on a long way, are not.
     fn ask_point(&mut self, scene: &Scene<'_>, members: Range<usize>) {
-        let Self { labels, members: all, .. } = self;
+        let Self { labels, normals, members: all, .. } = self;
         let of = &mut all[members.clone()];
         labels.clear();
         labels.extend(0..of.len());
+        normals.clear();
+        normals.extend(of.iter().map(|&k| scene.unit_normal(scene.candidates[k as usize].of[0])));
         for i in 0..of.len() {
             for j in 0..i {
                 let [s, t] = [of[i], of[j]].map(|k| scene.candidates[k as usize].of[0]);
-                if labels[i] != labels[j] && scene.skin.goes_on(s, t) {
+                let is_one = || {
+                    scene.skin.goes_on(s, t)
+                        || (scene.skin.sheet(s) == scene.skin.sheet(t) && normals[i].dot(&normals[j]) > AGAINST)
+                };
+                if labels[i] != labels[j] && is_one() {
                     let (from, to) = (labels[i].max(labels[j]), labels[i].min(labels[j]));
                     labels.iter_mut().filter(|label| **label == from).for_each(|label| *label = to);
                 }
@@ -190,9 +201,7 @@ impl Contacts {
         let owner = |k: u32| {
             let of = known.iter().position(|known| known.0 == k);
             let distance = |i: usize| (feet[i] - foot(k)).norm_squared();
-            of.unwrap_or_else(|| {
-                (1..feet.len()).fold(0, |best, i| if distance(i) < distance(best) { i } else { best })
-            })
+            of.unwrap_or_else(|| (1..feet.len()).fold(0, |best, i| if distance(i) < distance(best) { i } else { best }))
         };
         let mut sorted: Vec<(usize, u32)> = self.members[patch.clone()].iter().map(|&k| (owner(k), k)).collect();
         sorted.sort_unstable();

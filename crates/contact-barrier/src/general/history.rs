@@ -108,7 +108,8 @@ impl History {
             return Err(wrong(format!("{} bytes for springs of {SPRING} bytes", springs.len())));
         }
         let key = |chunk: &[u8]| {
-            let kind = *KINDS.get(chunk[0] as usize).ok_or_else(|| wrong(format!("no pair is of kind {}", chunk[0])))?;
+            let kind =
+                *KINDS.get(chunk[0] as usize).ok_or_else(|| wrong(format!("no pair is of kind {}", chunk[0])))?;
             let points: [u32; 4] =
                 std::array::from_fn(|i| u32::from_le_bytes(std::array::from_fn(|k| chunk[1 + 4 * i + k])));
             match points.iter().find(|&&point| point as usize >= point_count) {
@@ -121,7 +122,9 @@ impl History {
             let held = Held { key: key(chunk)?, weight: value(chunk, 0), thickness: value(chunk, 1) };
             match held.weight > 0.0 && held.thickness > 0.0 {
                 true => Ok(held),
-                false => Err(wrong(format!("a contact of the weight {} and the thickness {}", held.weight, held.thickness))),
+                false => {
+                    Err(wrong(format!("a contact of the weight {} and the thickness {}", held.weight, held.thickness)))
+                }
             }
         });
         let springs = springs.chunks_exact(SPRING).map(|chunk| {

@@ -119,8 +119,7 @@ impl Joint {
             }
         }
         let variation = Variation { share, weights: &self.d_c, normal: &self.d_normal };
-        let pressed =
-            Pressed { normal: self.normal, weights: &self.weights, x: &self.acting, dx: &self.moved, base };
+        let pressed = Pressed { normal: self.normal, weights: &self.weights, x: &self.acting, dx: &self.moved, base };
         let tangent = varied.then_some((&variation, &mut self.tangent[..]));
         sums.slid = Some(pressed.friction(law, &mut self.friction, tangent));
         sums

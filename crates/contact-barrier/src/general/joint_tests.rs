@@ -59,10 +59,8 @@ fn patches_conserve() {
         changed += usize::from(all[0].slots != all[0].slots_n);
         let change: f64 =
             all.iter().map(|t| t.weight * (psi(t.end.distance_squared) - psi(t.start.distance_squared))).sum();
-        let scale = all
-            .iter()
-            .map(|t| psi(t.end.distance_squared).max(psi(t.start.distance_squared)))
-            .fold(1e-3, f64::max);
+        let scale =
+            all.iter().map(|t| psi(t.end.distance_squared).max(psi(t.start.distance_squared))).fold(1e-3, f64::max);
         let mut act = |x: &[Vector3<f64>], terms: Vec<Term>, at_end: bool, wants: bool| {
             (joint.terms, joint.x_n, joint.x) = (terms, x_n.clone(), x.to_vec());
             let of = joint.act(&layer, at_end, Some((&friction, base)), wants);

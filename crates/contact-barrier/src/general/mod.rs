@@ -210,12 +210,7 @@ impl Potential for GeneralContact {
         proximity.begin(skin, rules, x_n, motion);
         self.contacts.begin(&self.history.held);
         self.regroup();
-        let Self { contacts, proximity, .. } = self;
-        let mut inside = vec![false; proximity.candidates.len()];
-        for contact in contacts.iter().filter(|contact| contact.inside_n) {
-            contacts.members(contact).iter().for_each(|&k| inside[k as usize] = true);
-        }
-        proximity.keep(&inside);
+        self.proximity.keep();
         self.groups.clear();
         self.shortened = 0;
         self.activate();
@@ -289,8 +284,7 @@ impl Potential for GeneralContact {
         want_tangent: bool,
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError> {
-        let (mut local, mut joint, mut scatter) =
-            (LocalContribution::default(), Joint::default(), Scatter::default());
+        let (mut local, mut joint, mut scatter) = (LocalContribution::default(), Joint::default(), Scatter::default());
         let mut next = 0;
         for facets in &self.groups {
             self.nodes_of(facets, &mut local.nodes);

@@ -42,6 +42,8 @@ pub(super) struct Shape {
     fan: Vec<u32>,
     triangles_at: Lists,
     around: Vec<[Around; 3]>,
+    /// The sheet of each triangle: triangles that are connected across edges at which the surface goes on.
+    sheet: Vec<u32>,
 }
 
 impl Shape {
@@ -95,7 +97,38 @@ impl Shape {
         corners.sort_unstable();
         shape.triangles_at = Lists::of_pairs(n, &corners);
         shape.around = shape.look_around(triangles, edges, &areas);
+        shape.sheet = shape.sheets(triangles, edges);
         shape
+    }
+
+    fn sheets(&self, triangles: &[[u32; 3]], edges: &[[u32; 2]]) -> Vec<u32> {
+        let mut sheet = vec![u32::MAX; triangles.len()];
+        let mut front = Vec::new();
+        for first in 0..triangles.len() {
+            if sheet[first] != u32::MAX {
+                continue;
+            }
+            sheet[first] = first as u32;
+            front.push(first);
+            while let Some(t) = front.pop() {
+                let [a, b, c] = triangles[t];
+                for [p, q] in [[a, b], [b, c], [c, a]] {
+                    let Ok(e) = edges.binary_search(&[p.min(q), p.max(q)]) else { continue };
+                    for s in self.beside[e].into_iter().filter(|&s| s != u32::MAX && self.goes_on(e)) {
+                        if sheet[s as usize] == u32::MAX {
+                            sheet[s as usize] = first as u32;
+                            front.push(s as usize);
+                        }
+                    }
+                }
+            }
+        }
+        sheet
+    }
+
+    /// The sheet of a triangle.
+    pub fn sheet(&self, triangle: u32) -> u32 {
+        self.sheet[triangle as usize]
     }
 
     /// What is around the corners of the triangles.
@@ -202,6 +235,7 @@ mod tests {
             assert!((around.roughness - if sharp { 0.0 } else { angle.abs() }).abs() < 1e-15);
             assert!((around.size - 0.5 * (1.0 + height * height).sqrt()).abs() < 1e-15);
             assert_eq!(shape.triangles_at(1), [0, 1]);
+            assert_eq!([shape.sheet(0), shape.sheet(1)], [0, 0]);
         }
     }
 }
