@@ -434,6 +434,10 @@ fn what_is_in_the_layer_goes_on_from_a_checkpoint() {
         without.contact.renew(&q_n).unwrap();
         // The third power of round-off at the edge of the layer.
         assert!(without.contact.energy(&q_n).unwrap() < 1e-40, "{case}");
+        // A contact that is switched on again begins with nothing.
+        without.enter(rule, &q_n);
+        without.contact.load_history(&[]).unwrap();
+        assert!(without.contact.energy(&q_n).unwrap() == 0.0 && !without.contact.acts(), "{case}");
         for cut in [1, 7, history.len() - 1] {
             assert!(without.contact.load_history(&history[..cut]).is_err(), "{case} {cut}");
         }
