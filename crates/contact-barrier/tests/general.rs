@@ -559,8 +559,8 @@ fn pressures_at_a_rim_are_those_of_the_middle() {
         for node in lower {
             let at = vector(&q, node.node as usize);
             let ratio = node.pressure / AT_HALF;
-            // Points are near the nodes of the plate, too: what of its cells is below the rim counts by its nodes.
-            assert!(ratio > 0.75 && ratio < 1.8, "{n} {m}: {ratio} at {at}");
+            // Points are near the nodes of both: what of the plate's cells is below the rim counts by their corners, so a node at a corner of the block has more or less than its share.
+            assert!(ratio > 0.75 && ratio < 2.2, "{n} {m}: {ratio} at {at}");
             count += 1;
         }
         assert_eq!(count, (n + 1) * (n + 1), "{n} {m}");

@@ -8,8 +8,8 @@ use crate::verify::check::{Bound, Check};
 use crate::verify::{Bench, Findings, Run};
 use crate::workspace::Outcome;
 
-/// Distance of the impulse of the thinnest layer from that of the multipliers that keep energy.
-const IMPULSE: f64 = 0.02;
+/// Distance of the impulse of the thinnest layer from that of the multipliers that keep energy: both set the mesh vibrating, each in its way.
+const IMPULSE: f64 = 0.035;
 
 /// Relative errors of Hertz's contact.
 const HERTZ: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! Runs a scene and holds it against what general contact promises: no intersection found by the watch, energy and momenta to round-off.
+//! Runs a scene and holds it against what general contact promises: nothing deeper in a body than the layer, energy and momenta to round-off.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ pub const LEDGER: f64 = 1e-9;
 /// Change of momenta over mass times the speed that belongs to the largest kinetic energy, angular ones with an arm of 1.
 const MOMENTA: f64 = 1e-11;
 
-/// Overlap of the skins of bodies that touch at the start, in thicknesses, at edges.
+/// Overlap of the skins of bodies that touch or nearly touch at the start, whose inner surfaces are what contact keeps apart, in thicknesses: at edges the root of two.
 const SKINS: f64 = 1.42;
 
 /// Far more than any scene needs.
@@ -29,6 +29,10 @@ const LIMIT: Duration = Duration::from_secs(900);
 pub struct Figures {
     /// Nodes inside a body, edges that cut one and nodes that went through one, over all looks of the watch.
     pub intersections: f64,
+    /// Nodes that went through a body.
+    pub tunnelled: f64,
+    /// Depth of the deepest node inside a body.
+    pub depth: f64,
     /// Change of the energy over the largest kinetic energy.
     pub ledger: f64,
     /// The larger of the changes of the momenta, over their scale.
@@ -64,6 +68,8 @@ pub fn figures(run: &Run, scene: &Scene) -> Outcome<Figures> {
     for column in columns {
         intersections += watch.column(column)?.iter().sum::<f64>();
     }
+    let tunnelled = watch.column("tunnelled")?.iter().sum();
+    let depth = watch.column("depth")?.iter().copied().fold(0.0, larger);
     let balance = run.balance()?;
     let table = run.table("balance.csv")?;
     let kinetic = table.column("kinetic")?.iter().copied().fold(0.0, larger);
@@ -72,6 +78,8 @@ pub fn figures(run: &Run, scene: &Scene) -> Outcome<Figures> {
     let gaps = run.table("contact.csv")?;
     Ok(Figures {
         intersections,
+        tunnelled,
+        depth,
         ledger: balance.energy_drift(Some(kinetic)),
         momenta: momenta.into_iter().fold(0.0, larger),
         cuts: run.summary_number("cuts")?,
@@ -79,6 +87,14 @@ pub fn figures(run: &Run, scene: &Scene) -> Outcome<Figures> {
         iterations: run.summary_number("mean_iterations")?,
         distance: gaps.column("min_gap")?.iter().copied().fold(f64::INFINITY, f64::min),
     })
+}
+
+/// The thickness of the layer, as the summary says it.
+fn thickness(run: &Run) -> Outcome<f64> {
+    let summary = run.summary()?;
+    let words = summary["contacts"][0]["enforcement"].as_str().unwrap_or_default();
+    let number = words.strip_prefix("layer of thickness ").and_then(|rest| rest.parse().ok());
+    Ok(number.ok_or_else(|| format!("{}: no thickness of general contact in summary.json", run.name))?)
 }
 
 /// Runs a scene and adds its rows; nothing if it did not come to its end.
@@ -112,14 +128,9 @@ pub fn judge_closely(
         "{steps} steps, {iterations:.1} solutions a step, smallest distance {distance:.2e}, {:.1} s",
         launched.run.ending.seconds
     );
-    match scene.skins {
-        None => row("intersections by the watch", found.intersections, Bound::AtMost(0.0), launched.run.reasons()),
-        Some(thickness) => {
-            let depths = launched.run.table("watch.csv")?;
-            let depth = depths.column("depth")?.iter().copied().fold(0.0, larger) / thickness;
-            row("deepest node inside a body, thicknesses", depth, Bound::AtMost(SKINS), launched.run.reasons());
-        }
-    }
+    row("nodes that went through a body", found.tunnelled, Bound::AtMost(0.0), launched.run.reasons());
+    let depth = found.depth / thickness(&launched.run)?;
+    row("deepest node inside a body, thicknesses", depth, Bound::AtMost(SKINS), launched.run.reasons());
     let verdict = match launched.run.verdict()?.as_str() {
         "sound" => 0.0,
         "doubtful" => 1.0,

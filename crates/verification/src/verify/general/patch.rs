@@ -84,8 +84,14 @@ fn faces(n: [u32; 2], shift: f64) -> Outcome<Faces> {
 
 /// Forces along z on the nodes, guards included.
 fn with_guards(faces: &mut Faces) -> Outcome<Vec<f64>> {
-    let Faces { contact, q, .. } = faces;
+    let Faces { contact, q, lower } = faces;
     let mut force = vec![0.0; q.len() / 3];
+    // Contacts begin with the thickness that is left, so the layer is entered by a step from outside.
+    let lifted: Vec<f64> =
+        q.iter().enumerate().map(|(k, x)| if k % 3 == 2 && k / 3 >= *lower { x + THICKNESS } else { *x }).collect();
+    contact.begin(&Step::quasi_static(&lifted, 1.0))?;
+    contact.renew(q)?;
+    contact.commit(q);
     contact.begin(&Step::quasi_static(q, 1.0))?;
     contact.renew(q)?;
     let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
@@ -104,6 +110,12 @@ fn without_guards(faces: &Faces) -> Vec<f64> {
     let mut force = vec![0.0; q.len() / 3];
     let is_lower = |point: u32| skin.terms(point).iter().all(|&(node, _)| (node as usize) < faces.lower);
     for p in skin.vertex_count() as u32..skin.point_count() as u32 {
+        // Three points in each triangle; those of side walls do not face the other body.
+        let [a, b, c] = skin.triangles()[(p as usize - skin.vertex_count()) / 3].map(|v| skin.at(v, q));
+        let normal = (b - a).cross(&(c - a));
+        if normal.z.abs() < 0.5 * normal.norm() {
+            continue;
+        }
         let others = skin.triangles().iter().enumerate().filter(|(_, triangle)| is_lower(p) != is_lower(triangle[0]));
         let pairs = others.map(|(t, triangle)| {
             let points = [p, triangle[0], triangle[1], triangle[2]];

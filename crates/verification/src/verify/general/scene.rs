@@ -17,8 +17,6 @@ pub struct Scene {
     pub keeps_energy: bool,
     /// Whether nothing holds, drives or weighs the bodies.
     pub free: bool,
-    /// Thickness of the layer of bodies that touch at the start: their skins may overlap.
-    pub skins: Option<f64>,
 }
 
 /// A deformable body. Density is 1, Poisson's ratio 0.3.
@@ -172,11 +170,6 @@ impl Scene {
     /// Momenta are not kept.
     pub fn held(self) -> Self {
         Self { free: false, ..self }
-    }
-
-    /// Bodies touch at the start; the thickness of the layer.
-    pub fn touching(self, thickness: f64) -> Self {
-        Self { skins: Some(thickness), ..self }
     }
 
     /// A file that the text names.
