@@ -172,7 +172,7 @@ pub(super) fn finer_facets(key: &str, surfaces: &[RoundSurface], mesh: &Mesh, pr
             facets.iter().flat_map(sides_of).map(steep).fold(0.0, f64::max)
         };
         match fitted.map(|round| (round, arch(&round), off(&round))) {
-            Some((round, ..)) if widest(&round) > WIDEST => {
+            Some((round, arch, off)) if off <= ON * arch && widest(&round) > WIDEST => {
                 let message = format!("has sides that span more than 60 degrees of the {surface} that fits best");
                 problems.add(
                     key,
