@@ -18,6 +18,7 @@ mod general_joints;
 mod general_sizes;
 mod general_start;
 mod general_table;
+mod impacts;
 mod increments;
 mod joint_probes;
 mod lean;
