@@ -34,7 +34,7 @@ mod tangent;
 
 pub use general::{GeneralContact, GeneralOptions};
 pub use initial::{InitialCheck, Nearest, check_initial};
-pub use inset::mitre;
+pub use inset::{Facing, mitre};
 pub use interactions::{Interaction, Interactions};
 pub use layer::Layer;
 pub use mollifier::EdgeMollifier;

@@ -391,14 +391,14 @@ fn inset_surfaces_that_touch_have_no_force() {
                 if (x[d] - side).abs() < 1e-12 {
                     let mut n = Vector3::zeros();
                     n[d] = sign;
-                    normals.push(n);
+                    normals.push((n, 0.5 * thickness));
                 }
             }
         }
         if normals.is_empty() {
             return None;
         }
-        let at = x - mitre(&normals).unwrap() * (0.5 * thickness);
+        let at = x - mitre(&normals).unwrap();
         let (first, n) = if body(node) == 0 { (0, 2) } else { (27, 3) };
         let ends = [n, (n + 1) * n, (n + 1) * (n + 1) * n];
         let part: [f64; 3] = std::array::from_fn(|d| (at[d] - c[d]) / (c[d + 3] - c[d]));

@@ -81,6 +81,21 @@ impl SolidBody {
         nearest.map(|(_, point)| point)
     }
 
+    /// The point `x` of the reference configuration as one of a certain element, of which it is outside by `beyond` in natural coordinates at most; `None` if it is farther.
+    pub fn material_point_of(
+        &self,
+        element: usize,
+        reference: &[f64],
+        x: [f64; 3],
+        beyond: f64,
+    ) -> Option<MaterialPoint> {
+        let kind = self.elements().kind(element);
+        let at = |&node: &u32| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) };
+        let places: Vec<[f64; 3]> = self.elements()[element].iter().map(at).collect();
+        let (natural, gradients) = inverse_map(kind, &places, x)?;
+        (kind.table().family.excess(natural) <= beyond).then_some(MaterialPoint { element, natural, gradients })
+    }
+
     /// Deformation gradient, strain and stress at a material point, at positions `q` of the model.
     ///
     /// # Errors

@@ -60,6 +60,27 @@ named! {
     }
 }
 
+named! {
+    /// Shape of a round surface.
+    RoundShape {
+        /// A circular cylinder.
+        Cylinder = "cylinder",
+        /// A sphere.
+        Sphere = "sphere",
+    }
+}
+
+/// A surface of linear elements whose nodes lie on a cylinder or a sphere.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct RoundSurface {
+    /// Set of facets of the body, without the name of the body.
+    pub set: String,
+    /// What its nodes lie on; where, follows from them.
+    pub surface: RoundShape,
+}
+
 /// `[[body]]`: a deformable body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -80,6 +101,9 @@ pub struct Body {
     /// If left out the elements of the mesh are used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<Cell>,
+    /// Surfaces of linear elements that are round: general contact and node-to-surface contact then see their true positions, and not the flat facets, which are a part of a clearance or a press fit off.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub round: Vec<RoundSurface>,
     /// Integration rule for stress and stiffness: `full` if left out.
     #[serde(default = "Body::default_integration", skip_serializing_if = "Body::is_full")]
     pub integration: Integration,

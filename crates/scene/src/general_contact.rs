@@ -29,8 +29,8 @@ pub struct GeneralContact {
     /// `false` switches general contact off; `true` if left out.
     #[serde(default = "GeneralContact::yes", skip_serializing_if = "GeneralContact::is_yes")]
     pub enabled: bool,
-    /// Thickness of the contact layer on the surfaces (a length): contact forces begin at this distance. By default 0.04 of the shortest edge of a facet, or half of the smallest distance between two parts of
-    /// the surface of a body that are not neighbours, if that is less.
+    /// Thickness of the contact layer on the surfaces (a length): contact forces begin at this distance. By default 0.04 of the shortest edge of the facets that face another surface within two of their edges at the
+    /// start, and of the facets beside them (of all facets if there are none), but not above 0.16 of the shortest edge of all, nor above half of the smallest distance between two parts of the surface of a body that are not neighbours.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub thickness: Option<f64>,
@@ -38,6 +38,10 @@ pub struct GeneralContact {
     #[serde(default = "GeneralContact::one")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub stiffness: f64,
+    /// Modulus of the contact layer (a stress), positive, between two rigid bodies that have none in `pairs`. By default a hundred times the weight of the lighter body over the smallest side of the box around it; without gravity such bodies pass through each other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    pub modulus: Option<f64>,
     /// Coefficient of friction, not negative, of all pairs of bodies that are not in `pairs`.
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
@@ -78,7 +82,7 @@ pub struct GeneralPair {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub friction: Option<f64>,
-    /// Modulus of the contact layer (a stress), positive; it follows from `stiffness` if left out. Required between two rigid bodies.
+    /// Modulus of the contact layer (a stress), positive; it follows from `stiffness` if left out, of two rigid bodies it is the `modulus` of `[general_contact]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub modulus: Option<f64>,
@@ -104,6 +108,7 @@ impl Default for GeneralContact {
             enabled: true,
             thickness: None,
             stiffness: 1.0,
+            modulus: None,
             friction: 0.0,
             slip_velocity: None,
             damping: 0.0,

@@ -107,7 +107,7 @@ impl Driven {
         add(&self.arch, ARCHES, &|arch, percent| {
             format!(
                 "the facets of `{first}` and `{second}`, curved alike, lie {arch} beside the curved surfaces in the mean, {percent:.0} % of the {drive} of overlap and motion that drives them into each \
-                 other: forces are off by about as much. Use finer facets, or meshes whose nodes lie opposite each other"
+                 other: forces are off by about as much. Use finer facets, say that they are `round` (general contact), or take meshes whose nodes lie opposite each other"
             )
         });
         found

@@ -614,7 +614,7 @@ fn rigid_bodies_that_touch_start_without_force() {
         assert!((0.004..0.008).contains(&nearest), "{nearest}");
     }
     // Too thin for that.
-    let thin = rigid.replace("0.4, 0.2], divisions", "0.4, 0.007], divisions").replace("0.1]", "0.0035]");
+    let thin = rigid.replace("0.4, 0.2], divisions", "0.4, 0.0035], divisions").replace("0.1]", "0.00175]");
     let error = try_build(&(head("energy-momentum", 0.0025, 0.5) + floor + &thin + contact)).unwrap_err();
     assert!(error.contains("too thin"), "{error}");
 }

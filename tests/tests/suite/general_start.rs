@@ -1,6 +1,7 @@
 //! Bodies that overlap at the start: they are reported, refused, or moved apart.
 
 use crate::general_contact::{MATERIAL, cube, head, try_build};
+use crate::support::simulation;
 use stoss::solver::Simulation;
 
 fn ball(name: &str, at: [f64; 3], radius: f64) -> String {
@@ -160,5 +161,69 @@ fn blocks_that_touch_may_lie_anywhere() {
             let round_off = 1e-25 + 2e-30 * at * at;
             assert!(record.balance.strain < round_off, "{at} {off}: {}", record.balance.strain);
         }
+    }
+}
+
+/// Force of two blocks with meshes that do not match, one of which comes down by the gap and 0.03.
+fn force_after_a_gap(gap: f64) -> f64 {
+    let block = |name: &str, low: f64, divisions: u32| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = [0, 0, {low:?}], max = [1, 1, {:?}], divisions = [{divisions}, {divisions}, 1] }}\n\
+             material = {{ law = \"neo-hooke\", young = 1.0, poisson = 0.0 }}\n",
+            low + 0.5
+        )
+    };
+    let text = "[scene]\ntitle = \"gap\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.25\n".to_owned()
+        + &block("a", 0.0, 3)
+        + &block("b", 0.5 + gap, 2)
+        + "[[prescribe]]\nset = \"a.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n"
+        + &format!(
+            "[[prescribe]]\nset = \"b.top\"\ncomponents = [\"x\", \"y\", \"z\"]\ndisplacement = {{ table = [[0, 0, 0, 0], [1, 0, 0, {:?}]] }}\n",
+            -0.03 - gap
+        )
+        + "[general_contact]\nself = false\n";
+    let mut run = simulation(&text);
+    let mut force = 0.0;
+    while !run.finished() {
+        let contact = run.advance().unwrap_or_else(|e| panic!("{gap}: {e}")).contact.unwrap();
+        force = contact.bodies.first().map_or(0.0, |pair| pair.force[2]);
+    }
+    force.abs()
+}
+
+/// The layer takes nothing of a small gap: forces begin where the bodies touch, not a thickness before.
+#[test]
+fn forces_begin_where_bodies_touch() {
+    let touching = force_after_a_gap(0.0);
+    // A uniform strain of 0.03 but for what is left of the layer.
+    assert!((touching / 0.0305 - 1.0).abs() < 0.03, "{touching}");
+    for gap in [0.004, 0.012, 0.05] {
+        let force = force_after_a_gap(gap);
+        assert!((force / touching - 1.0).abs() < 1e-3, "{gap}: {force} {touching}");
+    }
+}
+
+/// A block of 0.2 x 0.5 x 1 stands up to an angle of 11.31 degrees: its base keeps its width where its surface goes inside, whatever the thickness of the layer.
+#[test]
+fn a_base_keeps_its_width() {
+    for thickness in [0.004, 0.016] {
+        let text = format!(
+            "[scene]\ntitle = \"base\"\nkind = \"dynamic\"\n[time]\nend = 2\nstep = 0.02\nintegrator = {{ scheme = \"energy-momentum\" }}\n\
+             [[body]]\nname = \"d\"\nmesh = {{ generator = \"block\", min = [-0.1, -0.25, 0], max = [0.1, 0.25, 1], divisions = [2, 2, 4] }}\n\
+             material = {{ law = \"neo-hooke\", young = 10000.0, poisson = 0.3 }}\ndensity = 1.0\n\
+             [[rigid]]\nname = \"floor\"\nshape = {{ kind = \"plane\", size = [6, 4] }}\nfixed = true\n\
+             [gravity]\nacceleration = [\"sin(radians(DEGREES))\", 0, \"-cos(radians(DEGREES))\"]\n\
+             [general_contact]\nfriction = 1.0\nslip_velocity = 0.001\nthickness = {thickness:?}\n"
+        );
+        let highest = |degrees: f64| {
+            let mut run = simulation(&text.replace("DEGREES", &format!("{degrees:?}")));
+            while !run.finished() {
+                run.advance().unwrap_or_else(|e| panic!("{degrees}: {e}"));
+            }
+            let q = &run.state().q;
+            (0..q.len() / 3).map(|node| q[3 * node] - run.model().reference[3 * node]).fold(0.0, f64::max)
+        };
+        let [stands, falls] = [8.5, 13.0].map(highest);
+        assert!(stands < 0.02 && falls > 0.1, "{thickness}: {stands} {falls}");
     }
 }

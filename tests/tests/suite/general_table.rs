@@ -285,7 +285,43 @@ fn steps_that_are_much_too_long_end_soon() {
         &(plate("p", 0.0, 5.0) + &plate("q", 0.5, -5.0)),
     );
     let message = failure(&text);
-    // Whichever comes first: too many pairs to look at, or an iteration that ends where bodies pass each other.
-    let told = ["moved past so many facets", "move by much more than the thickness of the layer"];
+    // Whichever comes first: too many pairs to look at, or an iteration that ends where bodies pass each other or are crushed.
+    let told = [
+        "moved past so many facets",
+        "move by much more than the thickness of the layer",
+        "deform too much for one step",
+    ];
     assert!(told.iter().any(|part| message.contains(part)), "{message}");
+}
+
+/// Two rigid bodies need no modulus where gravity gives one, or where the table has one for all.
+#[test]
+fn rigid_pairs_have_a_modulus() {
+    let rigid = |name: &str, z: f64, more: &str| {
+        format!(
+            "[[rigid]]\nname = \"{name}\"\nshape = {{ kind = \"box\", size = [1, 1, 0.5], divisions = [2, 2, 1] }}\nposition = [4, 0, {z:?}]\n{more}\n"
+        )
+    };
+    let both =
+        block("a", [0.0; 3], [1.0; 3]) + &rigid("floor", 0.0, "fixed = true") + &rigid("r", 0.55, "density = 2.0");
+    let gravity = "[gravity]\nacceleration = [0, 0, -10]\n";
+    let pass = |more: &str| {
+        let built = try_build(&scene(EM, &(both.clone() + more))).unwrap();
+        built
+            .warnings
+            .iter()
+            .any(|w| w.contains("`floor` and `r` pass through each other") && w.contains("modulus = 1e6 (a pressure)"))
+    };
+    assert!(pass("[general_contact]\n"));
+    assert!(!pass(&(gravity.to_owned() + "[general_contact]\n")));
+    assert!(!pass("[general_contact]\nmodulus = 1e4\n"));
+    // It rests on the floor: the layer keeps 0.93 of its thickness, of which the gap is a part more than the start's.
+    let text = scene(&EM.replace("0.02", "0.01"), &(both.clone() + gravity + "[general_contact]\nthickness = 0.02\n"));
+    let mut run = simulation(&text);
+    let mut least = f64::INFINITY;
+    while !run.finished() {
+        let record = run.advance().unwrap_or_else(|e| panic!("{e}"));
+        least = record.contact.unwrap().bodies.iter().map(|pair| pair.distance).fold(least, f64::min);
+    }
+    assert!(least > 0.0 && least < 0.02, "{least}");
 }

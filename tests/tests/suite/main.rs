@@ -15,6 +15,7 @@ mod general_blocked;
 mod general_contact;
 mod general_defaults;
 mod general_joints;
+mod general_round;
 mod general_sizes;
 mod general_start;
 mod general_table;

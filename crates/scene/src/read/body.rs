@@ -4,7 +4,7 @@ use super::node::Node;
 use super::table::Table;
 use super::world::Setting;
 use super::{material, mesh};
-use crate::{Body, Cell, Damping, Integration, Mass, Rotation, Rotations, Volumetric};
+use crate::{Body, Cell, Damping, Integration, Mass, Rotation, Rotations, RoundShape, RoundSurface, Volumetric};
 use toml::de::DeValue;
 
 /// Keys that have a meaning only with inertia.
@@ -18,6 +18,7 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
     let position = table.default("position", [0.0; 3], Node::vector);
     let rotation = table.default("rotation", Rotations::default(), rotations);
     let cell = table.optional("cell", |n| n.choice(Cell::NAMES, Cell::from_name));
+    let round = table.default("round", Vec::new(), |n| n.list(round_surface));
     let integration =
         table.default("integration", Integration::Full, |n| n.choice(Integration::NAMES, Integration::from_name));
     let volumetric =
@@ -43,6 +44,7 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
             position: position?,
             rotation: rotation?,
             cell: cell?,
+            round: round?,
             integration: integration?,
             volumetric: volumetric?,
             material: material?,
@@ -56,6 +58,15 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
         })
     })();
     (body, name)
+}
+
+fn round_surface(node: &Node<'_>) -> Option<RoundSurface> {
+    let table = node.table_like("{ set = \"outer\", surface = \"cylinder\" }")?;
+    let set = table.required("set", "set = \"outer\"", Node::text);
+    let surface =
+        table.required("surface", "surface = \"cylinder\"", |n| n.choice(RoundShape::NAMES, RoundShape::from_name));
+    table.finish();
+    Some(RoundSurface { set: set?, surface: surface? })
 }
 
 fn damping(node: &Node<'_>) -> Option<Damping> {

@@ -12,6 +12,7 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
         if n.is_string() && n.string_value() == Some("auto") { Some(None) } else { n.positive().map(Some) }
     });
     let stiffness = table.default("stiffness", plain.stiffness, Node::positive);
+    let modulus = table.optional("modulus", Node::positive);
     let friction = table.default("friction", plain.friction, Node::not_negative);
     let slip_velocity = table.optional("slip_velocity", Node::positive);
     let damping = table.default("damping", plain.damping, Node::not_negative);
@@ -26,6 +27,7 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
         enabled: enabled?,
         thickness: thickness?.flatten(),
         stiffness: stiffness?,
+        modulus: modulus?,
         friction: friction?,
         slip_velocity: slip_velocity?,
         damping: damping?,

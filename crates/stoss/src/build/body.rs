@@ -2,6 +2,7 @@
 
 use super::mesh_files::MeshFiles;
 use super::placed::{Placed, Shape};
+use super::round;
 use super::trace::{Needs, Traces};
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
@@ -109,7 +110,10 @@ pub(super) fn bodies(
                 Mass::Lumped => MassKind::Lumped,
             },
         });
-        let traces = Traces::add(&mesh, needs, first_node, model);
+        let mut traces = Traces::add(&mesh, needs, first_node, model);
+        if needs.trace {
+            round::add(&key, &body.round, &mesh, first_node, &mut traces, model, problems);
+        }
         placed.push(Placed { name: body.name.clone(), shape: Shape::Solid { mesh, law, traces }, first_node });
     }
     (placed, lines)

@@ -1,38 +1,17 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
 use super::general_schemes::{Bond, connected, owner, sorted};
+use super::general_skin::{Bodies, skin};
 use super::general_table::{self, NAME};
-use super::interacting::{Classes, THICKNESS, facets, interactions, point, shortest_edge, without_joined_overlaps};
+use super::interacting::{Classes, facets, interactions, without_joined_overlaps};
 use super::joined::held_of;
-use super::rigid_inset::{Frame, fits};
-use super::separate;
 use super::tie::Ties;
 use super::{ContactPlan, FrictionPlan, Joined, Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split_set};
 use crate::solver::{ContactPair, Coupling, Model};
 use std::collections::{BTreeMap, BTreeSet};
-use stoss_contact_barrier::{
-    GeneralContact, GeneralOptions, Interactions, Relation, Skin, SkinFacet, check_initial, mitre,
-};
+use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interactions, Skin};
 use stoss_mesh::BOUNDARY;
-
-/// Thinnest layer that is made, in parts of the shortest edge.
-const THINNEST: f64 = 1e-4;
-
-/// Distance in thicknesses below which bodies touch.
-const TOUCH: f64 = 0.1;
-
-/// Of distances of inset surfaces, relative.
-const ROUND_OFF: f64 = 1e-6;
-
-/// Overlap up to which bodies touch, in parts of the largest coordinate: what seven digits in a file leave.
-const DIGITS: f64 = 2e-6;
-
-/// The same in thicknesses; the smaller one counts.
-const SLIGHT: f64 = 0.01;
-
-/// Rounds of measuring the overlap of bodies that touch, by the distance of their inset surfaces.
-const ROUNDS: usize = 4;
 
 /// Speed of slip below which friction of two bodies falls, in parts of their largest relative speed at the start.
 const SLIP: f64 = 0.01;
@@ -46,11 +25,8 @@ const NO_SPEED: f64 = 1e-9;
 /// Pairs of bodies that the plan tells one by one.
 const MOST_NAMED: usize = 6;
 
-/// How far, in natural coordinates, a vertex of a trace may lie outside of the element that it goes with: the height of a curved face over its chord, in half depths of the element.
-const BEYOND: f64 = 0.3;
-
 /// What helps bodies that overlap.
-const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
+pub(super) const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
 
 /// Adds general contact to the model if the scene has it. Where it acts between parts whose joints end, nothing is left in `joined`.
 pub(super) fn general(
@@ -135,7 +111,7 @@ fn contact(
         warnings.push(message.into());
     }
     let inner = inner_pairs(scene, placed);
-    let (skin, thickness) = skin(table, placed, model, &rules, facets, inner, problems, warnings)?;
+    let (skin, thickness) = skin(table, &Bodies { placed, model, rules: &rules }, facets, inner, problems, warnings)?;
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;
     let slip = slip_velocities(scene, table, &skin, &rules, model, thickness);
@@ -267,265 +243,6 @@ fn described(slips: &BTreeMap<String, f64>) -> String {
 /// Whether nobody has asked for general contact.
 fn is_default(scene: &Scene) -> bool {
     scene.general_contact.is_none() && scene.contacts.is_empty()
-}
-
-/// The skin, inset where bodies are nearer than the layer is thick, and that thickness.
-fn skin(
-    table: &Table,
-    placed: &[Placed],
-    model: &Model,
-    rules: &Interactions,
-    facets: Vec<SkinFacet>,
-    inner: impl Iterator<Item = [u32; 2]>,
-    problems: &mut Problems<'_>,
-    warnings: &mut Vec<String>,
-) -> Option<(Skin, f64)> {
-    let key = || "general_contact".to_owned();
-    let name = |body: u32| &placed[body as usize].name;
-    let skin = Skin::new(facets.clone(), &model.reference, &|_| None);
-    let edge = shortest_edge(&skin, rules, placed, &model.reference);
-    let default = THICKNESS * edge;
-    if let Some(thickness) = table.thickness.filter(|&thickness| thickness < THINNEST * edge) {
-        let message = format!(
-            "is less than {THINNEST:e} of the shortest edge, {edge:.3e}: no step size is small enough for so thin a layer"
-        );
-        let remedy = format!("choose at least {:.3e}; if it is left out it is {default:.3e}", THINNEST * edge);
-        problems.add("general_contact.thickness".into(), format!("{thickness:e}"), message, remedy);
-        return None;
-    }
-    let mut thickness = table.thickness.unwrap_or(default);
-    let look = check_initial(&skin, rules, &model.reference, thickness.max(2.0 * default));
-    let largest = model.reference.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    let slight = (SLIGHT * thickness).min(DIGITS * largest);
-    let is_slight = separate::slight(&skin, rules, model, slight);
-    let bodies_of = |facets: [u32; 2]| facets.map(|facet| rules.body(skin.facets()[facet as usize].class));
-    let overlaps = |facets: [u32; 2]| !is_slight(bodies_of(facets));
-    if let Some(&(facets, place)) = look.crossings.iter().find(|(facets, _)| overlaps(*facets)) {
-        let [a, b] = bodies_of(facets);
-        let (what, deep, remedy) = if a == b {
-            let what = format!("the surface of `{}` intersects itself", name(a));
-            (what, None, "correct the mesh, or set `self = false`")
-        } else {
-            let what = format!("`{}` and `{}` overlap", name(a), name(b));
-            (what, separate::depth(&skin, rules, model, placed, [a, b]), PART)
-        };
-        let deep = deep.map_or(String::new(), |deep| format!(", {deep}"));
-        let (place, count) = (point(place, edge), look.crossings.len());
-        let message = format!("{what} at the start, near {place}{deep}; {count} pairs of facets cross");
-        problems.add(key(), "", message, remedy);
-        return None;
-    }
-    if let Some(([a, b], relation)) = separate::inside(&skin, rules, model, &is_slight) {
-        let (message, remedy) = match separate::depth(&skin, rules, model, placed, [a, b]) {
-            Some(deep) if relation == Relation::Cross => {
-                (format!("`{}` and `{}` overlap at the start, {deep}", name(a), name(b)), PART)
-            }
-            _ => {
-                let message = format!("one of `{}` and `{}` lies inside the other at the start", name(a), name(b));
-                (message, "move one of them, or leave one of them out by `exclude`")
-            }
-        };
-        problems.add(key(), "", message, remedy);
-        return None;
-    }
-    if let Some([a, b]) = separate::enclosed(placed, rules, model) {
-        let message = format!("one of `{}` and `{}` lies inside the other at the start", name(a), name(b));
-        problems.add(key(), "", message, "move one of them, or leave one of them out by `exclude`");
-        return None;
-    }
-    let itself = look.nearest.iter().filter(|([a, b], _)| a == b);
-    let itself = itself.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
-    if let Some(([body, _], nearest)) = itself {
-        if table.thickness.is_none() {
-            thickness = thickness.min(0.5 * nearest.distance);
-        }
-        if nearest.distance <= thickness || thickness < THINNEST * edge {
-            let message = format!(
-                "two parts of the surface of `{}` that are not adjacent are only {:.3e} apart near {}, so that the contact layer would act there all the time",
-                name(*body),
-                nearest.distance,
-                point(nearest.place, edge)
-            );
-            let remedy = if nearest.distance > 2.0 * THINNEST * edge {
-                "make `thickness` smaller, correct the mesh there, or set `self = false`"
-            } else {
-                "correct the mesh there, or set `self = false`: no layer is thin enough, as between the faces of a closed crack"
-            };
-            problems.add(key(), "", message, remedy);
-            return None;
-        }
-    }
-    // Bodies that are near each other but do not touch get a thinner layer, which costs nothing but smaller steps at contact; those that touch are inset.
-    let between: Vec<_> = look.nearest.iter().filter(|([a, b], _)| a != b).collect();
-    if table.thickness.is_none() {
-        let apart = between.iter().map(|(_, nearest)| nearest.distance).filter(|&d| d >= TOUCH * thickness);
-        thickness = apart.fold(thickness, f64::min);
-    }
-    let touching = between.iter().filter(|(_, nearest)| nearest.distance < thickness);
-    // Only a thickness that the scene gives is larger than the gap of bodies that are apart.
-    for ([a, b], nearest) in touching.clone().filter(|(_, nearest)| nearest.distance >= TOUCH * thickness) {
-        warnings.push(format!(
-            "general_contact: `{}` and `{}` start {:.3e} apart near {}, less than the thickness {thickness:.3e}: their surfaces are inset as if they touched, forces begin \
-             where the bodies touch, and the bodies may overlap by up to the thickness; make `thickness` smaller than the gap, or leave it out",
-            name(*a),
-            name(*b),
-            nearest.distance,
-            point(nearest.place, edge)
-        ));
-    }
-    let mut frames: BTreeMap<u32, Option<Frame>> = BTreeMap::new();
-    // Pairs of bodies that touch, and the part of the inset that each takes.
-    let mut insets: Vec<([u32; 2], [f64; 2])> = Vec::new();
-    let inner = inner.map(|[a, b]| [a.min(b), a.max(b)]);
-    for pair in touching.map(|(pair, _)| **pair).chain(inner) {
-        // Without points below the surface.
-        let flat = pair.map(|body| {
-            let frame = || Frame::of(&facets_of(&facets, rules, body), &model.reference);
-            placed[body as usize].mesh().is_none() && frames.entry(body).or_insert_with(frame).is_none()
-        });
-        let parts = match flat {
-            [false, false] => [0.5, 0.5],
-            // Opposite a flat one the other body goes all of the way.
-            [true, false] => [0.0, 1.0],
-            [false, true] => [1.0, 0.0],
-            [true, true] => {
-                let message = format!(
-                    "the rigid bodies `{}` and `{}` touch at the start, and neither surface can be inset: both are flat or not closed",
-                    name(pair[0]),
-                    name(pair[1]),
-                );
-                problems.add(key(), "", message, format!("leave a gap of {thickness:.3e} between them"));
-                return None;
-            }
-        };
-        insets.push((pair, parts));
-    }
-    if insets.is_empty() {
-        return Some((skin, thickness));
-    }
-    let mut overlap: BTreeMap<[u32; 2], f64> = BTreeMap::new();
-    for _ in 0..ROUNDS {
-        let mut depth: BTreeMap<u32, f64> = BTreeMap::new();
-        for (pair, parts) in &insets {
-            let distance = thickness + overlap.get(pair).copied().unwrap_or_default();
-            for (&body, &part) in pair.iter().zip(parts).filter(|(_, part)| **part > 0.0) {
-                let depth = depth.entry(body).or_insert(0.0);
-                *depth = depth.max(part * distance);
-            }
-        }
-        let mut places = BTreeMap::new();
-        for (&body, &depth) in &depth {
-            let part = &placed[body as usize];
-            let frame = frames.get(&body).and_then(Option::as_ref);
-            if let Err((node, reason)) = inset(&skin, rules, model, body, frame, depth, &mut places) {
-                let at = std::array::from_fn(|i| model.reference[3 * node as usize + i]);
-                let message = format!(
-                    "`{}` touches another body at the start, and its surface cannot be inset by {depth:.3e} near {}: {reason}",
-                    part.name,
-                    point(at, edge)
-                );
-                problems.add(
-                    key(),
-                    "",
-                    message,
-                    format!(
-                        "leave a gap of {thickness:.3e}, make `thickness` smaller, or leave the body out by `exclude`"
-                    ),
-                );
-                return None;
-            }
-        }
-        let skin = Skin::new(facets.clone(), &model.reference, &|node| places.get(&node).cloned());
-        let look = check_initial(&skin, rules, &model.reference, thickness);
-        let near = || look.nearest.iter().filter(|(_, nearest)| nearest.distance < (1.0 - ROUND_OFF) * thickness);
-        if near().next().is_none() {
-            return Some((skin, thickness));
-        }
-        // What only touched is farther apart by now.
-        let too_near = near().find(|(pair, nearest)| {
-            let lack = thickness - nearest.distance;
-            lack > slight || !insets.iter().any(|(touching, _)| touching == *pair)
-        });
-        let Some(([a, b], nearest)) = too_near else {
-            near().for_each(|(pair, nearest)| *overlap.entry(*pair).or_default() += thickness - nearest.distance);
-            continue;
-        };
-        if nearest.distance < ROUND_OFF * thickness {
-            let message =
-                format!("`{}` and `{}` overlap at the start, near {}", name(*a), name(*b), point(nearest.place, edge));
-            problems.add(key(), "", message, PART);
-        } else {
-            let message = format!(
-                "inset surfaces of `{}` and `{}`, which touch at the start, are {:.3e} apart near {}, less than the thickness {thickness:.3e}",
-                name(*a),
-                name(*b),
-                nearest.distance,
-                point(nearest.place, edge)
-            );
-            problems.add(key(), "", message, "make `thickness` smaller, or leave a gap between the bodies");
-        }
-        return None;
-    }
-    let message = format!("inset surfaces of bodies that touch do not keep the thickness {thickness:.3e}");
-    problems.add(key(), "", message, "leave a gap between the bodies");
-    None
-}
-
-/// Nodes and weights of the vertices of a body, at a depth below its surface; a node and the reason where there are none.
-fn inset(
-    skin: &Skin,
-    rules: &Interactions,
-    model: &Model,
-    body: u32,
-    frame: Option<&Frame>,
-    depth: f64,
-    places: &mut BTreeMap<u32, Vec<(u32, f64)>>,
-) -> Result<(), (u32, String)> {
-    let x = |v: u32| skin.at(v, &model.reference);
-    let mut normals: BTreeMap<u32, Vec<_>> = BTreeMap::new();
-    for (t, triangle) in skin.triangles().iter().enumerate() {
-        let facet = &skin.facets()[skin.facet_of_triangle(t as u32) as usize];
-        if rules.body(facet.class) != body {
-            continue;
-        }
-        let [a, b, c] = triangle.map(x);
-        let normal = (b - a).cross(&(c - a)).normalize();
-        for &v in triangle {
-            if let [(node, _)] = skin.terms(v) {
-                normals.entry(*node).or_default().push(normal);
-            }
-        }
-    }
-    let first = normals.keys().next().copied();
-    for (node, normals) in normals {
-        let m = mitre(&normals).ok_or_else(|| (node, "facets there face each other".to_owned()))?;
-        let k = 3 * node as usize;
-        let at = std::array::from_fn(|i| model.reference[k + i] - depth * m[i]);
-        let outside = || (node, "the body is too thin there".to_owned());
-        if let Some(frame) = frame {
-            places.insert(node, frame.terms(at));
-            continue;
-        }
-        let solid = &model.bodies[body as usize].solid;
-        // Vertices of traces of curved faces need not lie in an element: the nearest one goes on beyond its faces.
-        let beyond = if model.embedding.carriers(node).is_some() { BEYOND } else { 0.0 };
-        let point = solid.material_point_near(&model.reference, at, beyond).ok_or_else(outside)?;
-        let (kind, nodes) = (solid.elements().kind(point.element), &solid.elements()[point.element]);
-        places.insert(node, nodes.iter().copied().zip((kind.table().shape)(point.natural)).collect());
-    }
-    let place = |node: u32| places.get(&node).cloned();
-    match first {
-        Some(node)
-            if frame.is_some() && !fits(&facets_of(skin.facets(), rules, body), &model.reference, depth, &place) =>
-        {
-            Err((node, "the body is too thin".to_owned()))
-        }
-        _ => Ok(()),
-    }
-}
-
-fn facets_of(facets: &[SkinFacet], rules: &Interactions, body: u32) -> Vec<SkinFacet> {
-    facets.iter().filter(|facet| rules.body(facet.class) == body).copied().collect()
 }
 
 /// Pairs of bodies whose contact leaves its edges to general contact: their surfaces go inside.

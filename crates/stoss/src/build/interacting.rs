@@ -10,7 +10,7 @@ use super::{Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Scene};
 use crate::solver::{Model, short};
 use std::collections::{BTreeMap, BTreeSet};
-use stoss_contact_barrier::{Interaction, Interactions, Overlaps, Relation, Skin, SkinFacet};
+use stoss_contact_barrier::{Facing, Interaction, Interactions, Overlaps, Relation, Skin, SkinFacet};
 use stoss_mesh::BOUNDARY;
 use stoss_reference_element::FacetNodes;
 use stoss_tensor::Vector3;
@@ -18,18 +18,54 @@ use stoss_tensor::Vector3;
 /// Thickness of the layer in parts of the shortest edge, where the scene leaves it open.
 pub(super) const THICKNESS: f64 = 0.04;
 
+/// Modulus of the layer between two rigid bodies, in weights of the lighter one over the smallest side of the box around it: at rest the layer keeps 0.93 of its thickness.
+const WEIGHTS: f64 = 100.0;
+
 /// A place, with the digits that an edge of this length has.
 pub(super) fn point(x: [f64; 3], edge: f64) -> String {
     let [x, y, z] = x.map(|x| short(x, edge));
     format!("({x}, {y}, {z})")
 }
 
-/// The shortest edge of facets of deformable bodies. Facets of rigid ones may be slivers, and much smaller than what they touch: they count only where there is nothing else.
-pub(super) fn shortest_edge(skin: &Skin, rules: &Interactions, placed: &[Placed], reference: &[f64]) -> f64 {
+/// A facet faces another one within so many times the longest side of its triangles.
+const FEW: f64 = 2.0;
+
+/// So far, in parts of the shortest edge, facets that touch may be behind each other.
+const BEHIND: f64 = 1e-4;
+
+/// Largest edge for the layer, in shortest edges of all: what faces nothing at the start may come into contact later.
+const COARSEST: f64 = 4.0;
+
+/// The edge that the layer is thin for, a length: the shortest one of facets that face another one within a few edges and of those beside them (the sides of the elements there), four times that of all facets at most; the latter where nothing faces anything.
+pub(super) fn layer_edge(
+    skin: &Skin,
+    facing: &Facing<'_>,
+    rules: &Interactions,
+    placed: &[Placed],
+    reference: &[f64],
+) -> f64 {
+    let of_all = shortest_edge(skin, rules, placed, reference, |_| true);
+    // What touches may be behind by round-off.
+    let found = facing.find(|t| FEW * facing.longest_side(t), BEHIND * of_all);
+    let facets = || found.values().flatten().map(|&t| &skin.facets()[skin.facet_of_triangle(t) as usize]);
+    let nodes: BTreeSet<u32> = facets().flat_map(|facet| facet.nodes.iter()).copied().collect();
+    let is_beside = |f: u32| skin.facets()[f as usize].nodes.iter().any(|node| nodes.contains(node));
+    let of_these = shortest_edge(skin, rules, placed, reference, is_beside);
+    if of_these.is_finite() { of_these.min(COARSEST * of_all) } else { of_all }
+}
+
+/// The shortest edge of those facets of deformable bodies that `counts` lets in; infinite if there is none. Facets of rigid ones may be slivers, and much smaller than what they touch: they count only where there is nothing else.
+pub(super) fn shortest_edge(
+    skin: &Skin,
+    rules: &Interactions,
+    placed: &[Placed],
+    reference: &[f64],
+    counts: impl Fn(u32) -> bool,
+) -> f64 {
     let at = |node: u32, i: usize| reference[3 * node as usize + i];
     let length = |a: u32, b: u32| (0..3).map(|i| (at(a, i) - at(b, i)).powi(2)).sum::<f64>();
     let mut shortest = [f64::INFINITY; 2];
-    for facet in skin.facets() {
+    for (_, facet) in (0..).zip(skin.facets()).filter(|(f, _)| counts(*f)) {
         let rigid = usize::from(placed[rules.body(facet.class) as usize].mesh().is_none());
         for &[i, j] in facet.nodes.kind().sides() {
             shortest[rigid] = shortest[rigid].min(length(facet.nodes[i], facet.nodes[j]));
@@ -153,6 +189,12 @@ pub(super) fn interactions(
     let (connected, of_contacts) = (connected(scene), of_contacts(scene, placed, warnings));
     let bodies: Vec<(u32, bool)> = classes.iter().map(|&part| (part as u32, is_rigid(part))).collect();
     let mut rules = Interactions::none(&bodies);
+    let by_weight = |parts: &[usize; 2]| {
+        let movable = parts.iter().copied().filter(|&part| !is_held(part));
+        let known = movable.filter_map(|part| weight_and_area(scene, &placed[part], model));
+        let [weight, area] = known.min_by(|a, b| a[0].total_cmp(&b[0]))?;
+        Some(WEIGHTS * weight / area)
+    };
     let (mut unknown, mut left_out) = (BTreeSet::new(), BTreeSet::new());
     for (a, &p) in classes.iter().enumerate() {
         for (b, &q) in classes.iter().enumerate().skip(a) {
@@ -169,8 +211,10 @@ pub(super) fn interactions(
                 }
                 continue;
             }
-            let softer = young(model, p).min(young(model, q));
-            let modulus = own.and_then(|own| own.modulus).unwrap_or(table.stiffness * softer);
+            let softer = table.stiffness * young(model, p).min(young(model, q));
+            let of_table =
+                || if softer.is_finite() { Some(softer) } else { table.modulus.or_else(|| by_weight(&[p, q])) };
+            let modulus = own.and_then(|own| own.modulus).or_else(of_table).unwrap_or(f64::INFINITY);
             if modulus.is_finite() {
                 let of_contact = of_contacts.get(&[p.min(q), p.max(q)]).copied();
                 let friction = own.and_then(|own| own.friction).or(of_contact).unwrap_or(table.friction);
@@ -182,12 +226,32 @@ pub(super) fn interactions(
     }
     for [a, b] in unknown {
         warnings.push(format!(
-            "general_contact: the rigid bodies `{a}` and `{b}` pass through each other, because the stiffness of the layer between them is not given; add to [general_contact]: \
-             pairs = [{{ between = [\"{a}\", \"{b}\"], modulus = 1e6 }}] with a pressure"
+            "general_contact: the rigid bodies `{a}` and `{b}` pass through each other, because the stiffness of the layer between them is not given, and does not follow from a weight; add to [general_contact]: \
+             modulus = 1e6 (a pressure), or for these two alone pairs = [{{ between = [\"{a}\", \"{b}\"], modulus = 1e6 }}]"
         ));
     }
     warnings.extend(joined_pairs(&left_out));
     rules
+}
+
+/// The weight of a rigid body (a force), and the smallest side of the box around its surface (an area); nothing without gravity or mass, or if it is flat.
+fn weight_and_area(scene: &Scene, part: &Placed, model: &Model) -> Option<[f64; 2]> {
+    let acceleration = scene.gravity.as_ref()?.acceleration;
+    let body = model.parts.iter().find(|known| known.name() == part.name)?;
+    let mut force = Vector3::zeros();
+    body.weight(acceleration, &mut |vector, own| {
+        if !body.is_direction(vector) {
+            force += Vector3::from(own);
+        }
+    });
+    let x = |node: u32| Vector3::from_column_slice(&model.reference[3 * node as usize..3 * node as usize + 3]);
+    let none = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
+    let facets = part.facets_of(BOUNDARY).ok()?;
+    let [low, high] = facets.iter().flatten().fold(none, |[low, high], &n| [low.inf(&x(n)), high.sup(&x(n))]);
+    let mut extents: [f64; 3] = (high - low).into();
+    extents.sort_by(f64::total_cmp);
+    let found = [force.norm(), extents[0] * extents[1]];
+    found.iter().all(|value| *value > 0.0 && value.is_finite()).then_some(found)
 }
 
 /// Names of pairs in a message; more than these are counted.

@@ -13,6 +13,8 @@ mod friction;
 mod general;
 pub(crate) mod general_schemes;
 #[cfg(feature = "general")]
+mod general_skin;
+#[cfg(feature = "general")]
 mod general_table;
 #[cfg(feature = "general")]
 mod interacting;
@@ -43,6 +45,7 @@ mod probe;
 #[cfg(feature = "mortar")]
 #[cfg(feature = "general")]
 mod rigid_inset;
+mod round;
 mod schedule;
 #[cfg(feature = "general")]
 mod separate;

@@ -10,6 +10,11 @@ const FLAT: f64 = 1e-6;
 /// Least distance of the surface inside to the surface, in depths: a depth, but for facets that are not plane.
 const LEAST: f64 = 0.9;
 
+/// Classes of facets: those that go inside where they were and where they are, and those that stay.
+const OUTER: u32 = 0;
+const INNER: u32 = 1;
+const STAYS: u32 = 2;
+
 /// Four nodes of a rigid surface that tell where any of its points is.
 #[derive(Clone, Debug)]
 pub(super) struct Frame {
@@ -57,15 +62,27 @@ impl Frame {
     }
 }
 
-/// Whether a surface with its nodes at other places, a depth below these, stays that far from the surface itself: not so where the body is too thin.
+/// Whether a surface with nodes at other places, `depth` (a length) below these where facets are `inside`, stays that far from what it was there, goes through no other facet, and does not turn inside out: not so where the body is too thin.
 pub(super) fn fits(
     facets: &[SkinFacet],
+    inside: &[bool],
     reference: &[f64],
     depth: f64,
     place: &dyn Fn(u32) -> Option<Vec<(u32, f64)>>,
 ) -> bool {
-    let all: Vec<SkinFacet> = facets.iter().map(|facet| SkinFacet { class: 0, ..*facet }).collect();
+    let class = |inside: &bool| if *inside { OUTER } else { STAYS };
+    let all: Vec<SkinFacet> =
+        facets.iter().zip(inside).map(|(facet, inside)| SkinFacet { class: class(inside), ..*facet }).collect();
     let skin = Skin::new(all.clone(), reference, place);
+    let before = Skin::new(all.clone(), reference, &|_| None);
+    let normal = |skin: &Skin, triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|v| skin.at(v, reference));
+        (b - a).cross(&(c - a))
+    };
+    let turns = |triangle: &[u32; 3]| normal(&skin, triangle).dot(&normal(&before, triangle)) <= 0.0;
+    if skin.triangles().iter().any(turns) {
+        return false;
+    }
     // The surface inside gets nodes of its own.
     let mut q = reference.to_vec();
     let first = (reference.len() / 3) as u32;
@@ -73,13 +90,15 @@ pub(super) fn fits(
     (0..nodes.len() as u32).for_each(|vertex| q.extend_from_slice(skin.at(vertex, reference).as_slice()));
     // cannot fail: these are the nodes of the facets.
     let number = |node: u32| first + nodes.binary_search(&node).unwrap_or_default() as u32;
-    let inner = all.iter().map(|facet| SkinFacet { nodes: facet.nodes.map(number), class: 1 });
+    let inner = all.iter().filter(|facet| facet.class == OUTER);
+    let inner = inner.map(|facet| SkinFacet { nodes: facet.nodes.map(number), class: INNER });
     let both = Skin::new(all.iter().copied().chain(inner).collect(), &q, &|_| None);
-    let mut rules = Interactions::none(&[(0, false), (1, false)]);
-    rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0, slip_velocity: 1.0 }));
+    let mut rules = Interactions::none(&[OUTER, INNER, STAYS].map(|class| (class, false)));
+    let acts = Some(Interaction { modulus: 1.0, friction: 0.0, slip_velocity: 1.0 });
+    [OUTER, STAYS].into_iter().for_each(|class| rules.set(class, INNER, acts));
     let look = check_initial(&both, &rules, &q, depth);
-    let near = look.nearest.values().any(|nearest| nearest.distance < LEAST * depth);
-    look.crossings.is_empty() && !near
+    let nearest = look.nearest.get(&[OUTER, INNER]);
+    look.crossings.is_empty() && nearest.is_none_or(|nearest| nearest.distance >= LEAST * depth)
 }
 
 #[cfg(test)]
@@ -109,6 +128,21 @@ mod tests {
         assert!(Frame::of(&flat, &q).is_none());
     }
 
+    /// The bottom alone goes inside: the sides of the body are around it, and its top may be as near as it likes, but not below it.
+    #[test]
+    fn a_base_goes_inside_alone() {
+        for (height, fits_it) in [(0.09, false), (0.11, true), (1.0, true)] {
+            let (facets, q) = cube(height);
+            let frame = Frame::of(&facets, &q).unwrap();
+            let place = |node: u32| {
+                let x = at(&q, node);
+                (x[2] == 0.0).then(|| frame.terms([x[0], x[1], 0.1]))
+            };
+            let inside = [true, false, false, false, false, false];
+            assert_eq!(fits(&facets, &inside, &q, 0.1, &place), fits_it, "{height}");
+        }
+    }
+
     #[test]
     fn thin_bodies_have_no_room() {
         for (height, fits_it) in [(0.1, false), (0.18, false), (0.21, true), (1.0, true)] {
@@ -120,7 +154,7 @@ mod tests {
                 let inwards = |x: f64, high: f64| if x == 0.0 { depth } else { high - depth };
                 Some(frame.terms([inwards(x[0], 1.0), inwards(x[1], 1.0), inwards(x[2], height)]))
             };
-            assert_eq!(fits(&facets, &q, depth, &place), fits_it, "{height}");
+            assert_eq!(fits(&facets, &[true; 6], &q, depth, &place), fits_it, "{height}");
         }
     }
 }

@@ -6,7 +6,7 @@ use super::tie::Ties;
 use super::{Placed, Problems};
 use crate::scene::{Initial, Scene, split_set};
 use crate::solver::Model;
-use stoss_contact_barrier::{Interaction, Interactions, Overlaps, Relation, Separation, Skin, SkinFacet};
+use stoss_contact_barrier::{Facing, Interaction, Interactions, Overlaps, Relation, Separation, Skin, SkinFacet};
 use stoss_mesh::BOUNDARY;
 use stoss_tensor::Vector3;
 
@@ -131,7 +131,8 @@ pub(super) fn separate(
         return true;
     }
     let skin = Skin::new(facets, &model.reference, &|_| None);
-    let edge = interacting::shortest_edge(&skin, &rules, placed, &model.reference);
+    let facing = Facing::new(&skin, &rules, &model.reference);
+    let edge = interacting::layer_edge(&skin, &facing, &rules, placed, &model.reference);
     let gap = GAP * table.thickness.unwrap_or(interacting::THICKNESS * edge);
     let moves = match motions(scene, placed, first, model, &skin, &rules, gap) {
         Ok(moves) => moves,

@@ -3,6 +3,7 @@
 //! Mortar contact and ties take facets on the nodes of faces, and the faces behind them (theory/mortar#faces). Node-to-surface and general contact take the trace
 //! (theory/elements#contact), with vertices of its own in place of the nodes on edges.
 
+use super::round::{Corner, Finer, Place};
 use crate::scene::{ContactMethod, Scene};
 use crate::solver::Model;
 use std::collections::BTreeMap;
@@ -18,6 +19,8 @@ enum Vertex {
     Middle(u32, u8),
     /// On the face itself, there.
     Centre(u32, u8),
+    /// Of a finer facet of a round surface.
+    Round(Place),
 }
 
 /// Which vertices a scene needs.
@@ -45,6 +48,8 @@ impl Needs {
 pub(crate) struct Traces {
     vertices: BTreeMap<Vertex, u32>,
     has_trace: bool,
+    /// Finer facets of round surfaces, in global node numbers, by element and number in it.
+    finer: BTreeMap<(u32, u8), Vec<FacetNodes>>,
 }
 
 fn vertex(facet: &Facet, v: usize) -> Vertex {
@@ -107,6 +112,9 @@ impl Traces {
     /// The linear facets of a facet's trace, in global node numbers. Without what needs the trace they are pieces on the nodes.
     pub fn facets_of(&self, facet: &Facet, first_node: u32) -> Vec<FacetNodes> {
         let kind = facet.nodes.kind();
+        if let Some(finer) = self.finer.get(&(facet.element, facet.local)) {
+            return finer.clone();
+        }
         if !kind.is_quadratic() || !self.has_trace {
             return self.pieces_of(facet, first_node).map(|piece| piece.facet()).collect();
         }
@@ -118,6 +126,34 @@ impl Traces {
             Nodal::from_fn(shape, |k| node(usize::from(piece[k])))
         };
         kind.trace().facets.iter().map(of_piece).collect()
+    }
+
+    /// Adds a vertex of a finer facet as a point of an element of the body that was added last, in which it may lie a little outside.
+    pub fn add_point(
+        &mut self,
+        place: Place,
+        element: u32,
+        x: [f64; 3],
+        beyond: f64,
+        model: &mut Model,
+    ) -> Result<(), &'static str> {
+        let solid = &model.bodies.last().ok_or("no body")?.solid;
+        let point = solid.material_point_of(element as usize, &model.reference, x, beyond);
+        let point = point.ok_or("it lies far outside")?;
+        let (kind, nodes) = (solid.elements().kind(point.element), &solid.elements()[point.element]);
+        let carriers: Vec<(u32, f64)> = nodes.iter().copied().zip((kind.table().shape)(point.natural)).collect();
+        self.add_vertex(Vertex::Round(place), carriers.into_iter(), None, model);
+        Ok(())
+    }
+
+    /// Takes finer facets in place of those of the mesh; their points are added.
+    pub fn set_finer(&mut self, finer: &Finer, first_node: u32) {
+        let number = |corner: &Corner| match corner {
+            Corner::Node(node) => first_node + node,
+            Corner::Point(place) => self.vertices[&Vertex::Round(*place)],
+        };
+        let of_facet = |list: &Vec<Vec<Corner>>| list.iter().map(|corners| Finer::nodes(corners, number)).collect();
+        self.finer = finer.facets.iter().map(|(&key, list)| (key, of_facet(list))).collect();
     }
 
     /// The pieces of a facet on its nodes, in global node numbers.
