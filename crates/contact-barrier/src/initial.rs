@@ -38,9 +38,9 @@ pub fn check_initial(skin: &Skin, rules: &Interactions, q: &[f64], reach: f64) -
     proximity.begin(skin, rules, &x, |_| Vector3::zeros());
     let body = |class: u32| rules.body(class);
     for candidate in proximity.candidates.iter().filter(|candidate| !candidate.is_integration_point) {
-        let Candidate { classes: [a, b], facets, term, .. } = candidate;
+        let Candidate { classes: [a, b], facets, kind, .. } = candidate;
         let points = candidate.of(&x);
-        let pair = closest(term.kind, &points);
+        let pair = closest(*kind, &points);
         let distance = pair.distance_squared.sqrt();
         if distance >= reach {
             continue;

@@ -72,6 +72,12 @@ impl Pattern {
         Self { lambda, r, r_end, r_n, z_n, z, steep, share: 0.5 }
     }
 
+    /// The pattern of the end alone, which acts there.
+    pub fn at_end(ends: &Ends<'_>) -> Self {
+        let (r, none) = (sum(ends.c, ends.x), Vector3::zeros());
+        Self { lambda: 1.0, r, r_end: r, r_n: none, z_n: none, z: none, steep: 0.0, share: 1.0 }
+    }
+
     /// Weight of a point.
     pub fn weight(&self, ends: &Ends<'_>, i: usize) -> f64 {
         (1.0 - self.lambda) * ends.c_n[i] + self.lambda * ends.c[i]

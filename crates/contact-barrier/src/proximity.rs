@@ -4,7 +4,7 @@
 //! as the points are somewhere on their paths, all at the same time, no other pair can be in the layer, nor can others pass through each other. Only relative motion counts, so a body that flies, turns or
 //! bends far in a step has no more candidates than one at rest. Where an iterate leaves the paths, they start again from it.
 
-use crate::{Interactions, PairTerm, Skin};
+use crate::{Interactions, Skin};
 use nalgebra::Vector3;
 use stoss_geometry::{BoundingVolume, BoundingVolumeTree, MovingBox, PairKind, closest, safe_fraction};
 
@@ -25,10 +25,12 @@ const SHORTEST: f64 = 1.0 / 1024.0;
 pub(crate) struct Candidate {
     /// Facets of the two primitives, the smaller number first.
     pub facets: [u32; 2],
+    /// What the primitives are.
+    pub kind: PairKind,
     /// Points in the order of the kind.
     pub points: [u32; 4],
-    /// Energy without the modulus of the layer.
-    pub term: PairTerm,
+    /// The triangle that a point is against, twice; or the two edges in the order of the points.
+    pub of: [u32; 2],
     /// Classes of the first and of the second primitive.
     pub classes: [u32; 2],
     /// Whether the first primitive is a point of integration: those lie in facets, and cannot pass through others unless these do.
@@ -37,7 +39,7 @@ pub(crate) struct Candidate {
 
 impl Candidate {
     fn key(&self) -> ([u32; 2], PairKind, [u32; 4]) {
-        (self.facets, self.term.kind, self.points)
+        (self.facets, self.kind, self.points)
     }
 
     /// The four points.
@@ -47,7 +49,7 @@ impl Candidate {
 
     /// Whether the two primitives may come nearer than `distance` on the way from `x` by `motion`.
     pub fn may_meet(&self, x: &[Vector3<f64>; 4], motion: &[Vector3<f64>; 4], distance: f64) -> bool {
-        let first = self.term.kind.first_count();
+        let first = self.kind.first_count();
         let around = |of: std::ops::Range<usize>| {
             of.fold(MovingBox::empty(), |all, i| all.union(&MovingBox::new(&x[i], &motion[i], 0.5 * distance)))
         };
@@ -66,7 +68,7 @@ pub(crate) struct Proximity {
     motion: Vec<Vector3<f64>>,
     room: f64,
     pub candidates: Vec<Candidate>,
-    /// Those in the layer at the start of the step, which remain candidates wherever they go.
+    /// Those from the start of the step, which remain candidates wherever they go.
     kept: Vec<Candidate>,
     thickness: f64,
     edge: f64,
@@ -95,9 +97,9 @@ impl Proximity {
         self.follow(skin, rules, x, &(0..x.len() as u32).map(motion).collect::<Vec<_>>());
     }
 
-    /// Keeps those of the candidates that `is_inside` for the rest of the step.
-    pub fn keep(&mut self, is_inside: &[bool]) {
-        self.kept.extend(self.candidates.iter().zip(is_inside).filter(|(_, inside)| **inside).map(|(c, _)| *c));
+    /// Keeps the candidates for the rest of the step: what acts, and what begins, is decided by places at its start, which must not be missing later.
+    pub fn keep(&mut self) {
+        self.kept.clone_from(&self.candidates);
     }
 
     /// Makes sure that the way from `x` by a part of `increment` (none: no motion) is on the paths; returns that part, and whether the candidates are new. The part is less than 1 where all
@@ -169,7 +171,7 @@ impl Proximity {
         triangles.extend(skin.triangles().iter().map(|points| of_points(points)));
         edges.clear();
         edges.extend(skin.edges().iter().map(|points| of_points(points)));
-        let paths = Paths { skin, rules, start, motion, triangles, edges, around };
+        let paths = Paths { skin, start, motion, triangles, edges, around };
         for (facets, tree) in trees.iter_mut() {
             let around = |k: usize| paths.of_facet(facets[k]);
             if tree.len() == facets.len() {
@@ -203,13 +205,18 @@ impl Proximity {
         is_complete
     }
 
+    /// Where a point is at the end of its path.
+    pub fn end_of(&self, point: u32) -> Vector3<f64> {
+        self.start[point as usize] + self.motion[point as usize]
+    }
+
     /// Whether a pair is in the layer at the start of the paths or at their end; most of the others are there for the room around them.
     pub fn expects(&self, candidate: &Candidate) -> bool {
         let (x, motion) = (candidate.of(&self.start), candidate.of(&self.motion));
         candidate.may_meet(&x, &motion, self.thickness)
             && [0.0, 1.0].iter().any(|&t| {
                 let there = std::array::from_fn(|i| x[i] + motion[i] * t);
-                closest(candidate.term.kind, &there).distance_squared < self.thickness * self.thickness
+                closest(candidate.kind, &there).distance_squared < self.thickness * self.thickness
             })
     }
 
@@ -220,7 +227,7 @@ impl Proximity {
             let [x, d] = [candidate.of(x), candidate.of(increment)];
             // What stays apart by more than the layer leaves enough of any distance that matters.
             if candidate.may_meet(&x, &d, self.thickness) {
-                fraction = fraction.min(safe_fraction(candidate.term.kind, &x, &d, KEEP));
+                fraction = fraction.min(safe_fraction(candidate.kind, &x, &d, KEEP));
             }
         }
         fraction
@@ -230,7 +237,6 @@ impl Proximity {
 /// Where the points may be.
 struct Paths<'a> {
     skin: &'a Skin,
-    rules: &'a Interactions,
     start: &'a [Vector3<f64>],
     motion: &'a [Vector3<f64>],
     triangles: &'a [MovingBox],
@@ -265,7 +271,6 @@ impl Paths<'_> {
     fn points_on(&self, f: u32, g: u32, found: &mut Vec<Candidate>) {
         let (skin, whole) = (self.skin, self.of_facet(g));
         let classes = [f, g].map(|facet| self.class(facet));
-        let share = self.rules.share(classes[0], classes[1]);
         let mut add = |point: u32| {
             let here = self.of_point(point);
             if !here.overlaps(&whole) {
@@ -274,11 +279,11 @@ impl Paths<'_> {
             for &t in skin.triangles_of(g) {
                 if !skin.is_adjacent(point, t) && here.overlaps(&self.triangles[t as usize]) {
                     let [a, b, c] = skin.triangles()[t as usize];
-                    let weight = skin.point_weight(point, t, share);
                     found.push(Candidate {
                         facets: [f.min(g), f.max(g)],
+                        kind: PairKind::VertexTriangle,
                         points: [point, a, b, c],
-                        term: PairTerm { kind: PairKind::VertexTriangle, weight, mollifier: None },
+                        of: [t, t],
                         classes,
                         is_integration_point: skin.is_integration_point(point),
                     });
@@ -286,9 +291,7 @@ impl Paths<'_> {
             }
         };
         skin.vertices_of(f).iter().for_each(|&v| add(v));
-        if share > 0.0 {
-            skin.triangles_of(f).iter().flat_map(|&t| skin.integration_points(t)).for_each(add);
-        }
+        skin.triangles_of(f).iter().flat_map(|&t| skin.integration_points(t)).for_each(add);
     }
 
     /// Edges of `f` against edges of `g`.
@@ -306,13 +309,13 @@ impl Paths<'_> {
                 let is_pair = (f != g || k < l) && e.iter().all(|p| !other.contains(p));
                 if is_pair && here.overlaps(&self.edges[l as usize]) {
                     // The edge with the smaller numbers comes first.
-                    let ([[a, b], [c, d]], [f, g]) =
-                        if e < other { ([e, other], [f, g]) } else { ([other, e], [g, f]) };
-                    let (weight, mollifier) = skin.edge_weight([k, l]);
+                    let ([[a, b], [c, d]], [f, g], of) =
+                        if e < other { ([e, other], [f, g], [k, l]) } else { ([other, e], [g, f], [l, k]) };
                     found.push(Candidate {
                         facets: [f.min(g), f.max(g)],
+                        kind: PairKind::EdgeEdge,
                         points: [a, b, c, d],
-                        term: PairTerm { kind: PairKind::EdgeEdge, weight, mollifier: Some(mollifier) },
+                        of,
                         classes: [f, g].map(|facet| self.class(facet)),
                         is_integration_point: false,
                     });
@@ -397,13 +400,12 @@ mod tests {
             let is_inside = |pair: &(PairKind, [u32; 4]), x: &[Vector3<f64>]| {
                 closest(pair.0, &pair.1.map(|p| x[p as usize])).distance_squared.sqrt() < THICKNESS
             };
-            let inside: Vec<bool> =
-                proximity.candidates.iter().map(|c| is_inside(&(c.term.kind, c.points), &x)).collect();
-            proximity.keep(&inside);
+            let first: Vec<_> = proximity.candidates.iter().map(Candidate::key).collect();
+            proximity.keep();
             let mut check = |proximity: &Proximity, x: &[Vector3<f64>]| {
                 for pair in all.iter().filter(|pair| is_inside(pair, x)) {
                     near += 1;
-                    let found = proximity.candidates.iter().any(|c| (c.term.kind, c.points) == *pair);
+                    let found = proximity.candidates.iter().any(|c| (c.kind, c.points) == *pair);
                     assert!(found, "case {case}: {pair:?}");
                 }
             };
@@ -420,10 +422,8 @@ mod tests {
                 check(&proximity, &there);
                 assert!(!proximity.hold(&skin, &rules, &there, None).1, "the way is on the paths");
             }
-            let kept = all.iter().filter(|pair| is_inside(pair, &x));
-            for pair in kept {
-                assert!(proximity.candidates.iter().any(|c| (c.term.kind, c.points) == *pair), "what was kept");
-            }
+            let now: std::collections::BTreeSet<_> = proximity.candidates.iter().map(Candidate::key).collect();
+            assert!(first.iter().all(|key| now.contains(key)), "what was kept");
         }
         assert!(near > 1000 && renewed == 60, "{near} pairs near, {renewed} renewed");
     }
@@ -455,7 +455,7 @@ mod tests {
                     let distance = closest(kind, &points.map(|p| there[p as usize])).distance_squared.sqrt();
                     if distance < THICKNESS {
                         near += 1;
-                        let is_known = proximity.candidates.iter().any(|c| (c.term.kind, c.points) == (kind, points));
+                        let is_known = proximity.candidates.iter().any(|c| (c.kind, c.points) == (kind, points));
                         assert!(is_known, "{points:?}");
                     }
                 }

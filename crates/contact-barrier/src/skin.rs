@@ -1,7 +1,10 @@
 //! The surfaces of all bodies as one set of vertices, edges, triangles and points of integration.
 
+mod shape;
+
 use crate::EdgeMollifier;
 use nalgebra::Vector3;
+use shape::{Around, Shape};
 use std::collections::BTreeSet;
 use stoss_contact::position;
 use stoss_reference_element::FacetNodes;
@@ -11,6 +14,12 @@ const GUARD: f64 = 0.01;
 
 /// Ratio of two areas from which on the larger one no longer counts as it is: what it meets then has no more of it than this many of its own.
 const UNEVEN: f64 = 3.0;
+
+/// Of two surfaces the rougher one has the points: it begins to have more of them where its angles are [`FLAT`] larger, and has all of them from `ROUGHER` times those of the other and twice [`FLAT`] on.
+const ROUGHER: f64 = 2.0;
+
+/// Angles, in rad, below which surfaces are flat.
+const FLAT: f64 = 0.025;
 
 /// Barycentric coordinate of a point of integration at the two corners that it is far from: near the corners, so that a base acts up to its rim. The rule is exact for linear fields whatever it is (1/6: for quadratic ones).
 const CORNER: f64 = 0.02;
@@ -58,6 +67,7 @@ pub struct Skin {
     edges_of: Lists,
     edge_area: Vec<f64>,
     edge_square: Vec<f64>,
+    shape: Shape,
 }
 
 impl Skin {
@@ -96,6 +106,7 @@ impl Skin {
         skin.nodes = nodes;
         skin.edges = edges_of(&skin.triangles);
         skin.facets = facets;
+        skin.shape = Shape::new(&skin.triangles, &skin.edges, &positions);
         skin.measure(&positions);
         skin.collect_nodes();
         let count = skin.facets.len();
@@ -293,6 +304,72 @@ impl Skin {
         GAUSS.len() as f64 * self.point_area[self.integration_points(triangle).start as usize]
     }
 
+    /// Vertices of which a point is a mean, with their shares.
+    pub(crate) fn corners_of(&self, point: u32, visit: &mut dyn FnMut(u32, f64)) {
+        match (point as usize).checked_sub(self.vertex_count) {
+            None => visit(point, 1.0),
+            Some(k) => {
+                let corners = self.triangles[k / GAUSS.len()];
+                corners.into_iter().zip(GAUSS[k % GAUSS.len()]).for_each(|(v, share)| visit(v, share));
+            }
+        }
+    }
+
+    /// The number of an edge; none if it is no edge.
+    pub(crate) fn edge(&self, a: u32, b: u32) -> Option<usize> {
+        self.edges.binary_search(&[a.min(b), a.max(b)]).ok()
+    }
+
+    /// Whether two vertices are the ends of an edge of the body.
+    pub(crate) fn is_sharp_edge(&self, a: u32, b: u32) -> bool {
+        self.edge(a, b).is_some_and(|edge| self.shape.is_sharp_edge(edge))
+    }
+
+    /// Whether an edge by its number is one of the body.
+    pub(crate) fn is_sharp_edge_number(&self, edge: u32) -> bool {
+        self.shape.is_sharp_edge(edge as usize)
+    }
+
+    /// Whether a vertex is a corner, or on an edge, of the body.
+    pub(crate) fn is_sharp(&self, vertex: u32) -> bool {
+        self.shape.is_sharp(vertex)
+    }
+
+    /// Number of triangles around a vertex; zero at a rim.
+    pub(crate) fn fan(&self, vertex: u32) -> u32 {
+        self.shape.fan(vertex)
+    }
+
+    /// The triangles around a vertex.
+    pub(crate) fn triangles_at(&self, vertex: u32) -> &[u32] {
+        self.shape.triangles_at(vertex)
+    }
+
+    /// The corners opposite of an edge; `u32::MAX` at a rim.
+    pub(crate) fn opposite(&self, edge: u32) -> [u32; 2] {
+        self.shape.opposite(edge as usize)
+    }
+
+    /// The triangles at the edge between two vertices; `u32::MAX` at a rim.
+    pub(crate) fn beside(&self, a: u32, b: u32) -> [u32; 2] {
+        self.edge(a, b).map_or([u32::MAX; 2], |edge| self.shape.beside(edge))
+    }
+
+    /// The sheet of a triangle: what is connected with it across edges at which the surface does not turn inward by much.
+    pub(crate) fn sheet(&self, triangle: u32) -> u32 {
+        self.shape.sheet(triangle)
+    }
+
+    /// Whether two triangles are neighbours across such an edge.
+    pub(crate) fn goes_on(&self, s: u32, t: u32) -> bool {
+        let [a, b] = [s, t].map(|t| self.triangles[t as usize]);
+        let mut common = a.into_iter().filter(|v| b.contains(v));
+        match (common.next(), common.next()) {
+            (Some(p), Some(q)) => self.edge(p, q).is_some_and(|edge| self.shape.goes_on(edge)),
+            _ => false,
+        }
+    }
+
     /// Whether a point is one of integration.
     pub fn is_integration_point(&self, point: u32) -> bool {
         point as usize >= self.vertex_count
@@ -318,22 +395,29 @@ impl Skin {
         own.iter().any(|v| corners.contains(v))
     }
 
-    /// Weight of a point against a triangle, an area; theory/barrier#eq-weight.
+    /// Weight of a point against a place in a triangle, an area; theory/barrier#eq-weight.
     ///
-    /// `share` is the part of its area that a point of integration has against a triangle of about the size of its own: one half where both sides are summed. Against a much larger one it has more and against a much
-    /// smaller one less, and the parts of two triangles against each other have the sum one. A vertex has a small part of its area, and not more than of a few of the largest at the triangle's corners.
-    pub fn point_weight(&self, point: u32, triangle: u32, share: f64) -> f64 {
+    /// `share` is the part of its area that a point of integration has against a surface like its own: one half where both sides are summed. Against much larger triangles it has more and against much
+    /// smaller ones less, and more where its own surface is rougher. The parts of two surfaces at one place have the sum one, and they depend continuously on it: `shares` are those of the corners of the triangle.
+    /// A vertex has a small part of its area, and not more than of a few of the largest at the triangle's corners; it has none opposite a surface that is much rougher than its own.
+    pub fn point_weight(&self, point: u32, triangle: u32, shares: [f64; 3], share: f64) -> f64 {
         let area = self.point_area[point as usize];
+        let other = self.shape.around(triangle, shares);
         if (point as usize) < self.vertex_count {
             let corners = self.triangles[triangle as usize].map(|v| self.point_area[v as usize]);
-            return 0.5 * GUARD * area.min(UNEVEN * corners.into_iter().fold(0.0, f64::max));
+            let most = UNEVEN * corners.into_iter().fold(0.0, f64::max);
+            // Areas of vertices are a third of those of some six triangles.
+            let own = Around { size: 0.5 * area, roughness: self.shape.vertex_angle(point) };
+            return 0.5 * GUARD * area.min(most) * (1.0 - rougher(&other, &own));
         }
-        let other = self.point_area[self.integration_points(triangle).start as usize];
+        let place = point as usize - self.vertex_count;
+        let own = self.shape.around((place / GAUSS.len()) as u32, GAUSS[place % GAUSS.len()]);
         // Sizes as far as they differ by more than a little.
-        let bound = UNEVEN * area.min(other);
-        let [own, other] = [area.max(bound), other.max(bound)];
-        let (by_own, by_other) = ((1.0 - share) * own * own, share * other * other);
-        if by_other > 0.0 { area * (by_other / (by_own + by_other)) } else { 0.0 }
+        let bound = UNEVEN * own.size.min(other.size);
+        let [a, b] = [own.size.max(bound), other.size.max(bound)];
+        let (by_own, by_other) = ((1.0 - share) * a * a, share * b * b);
+        let by_size = if by_other > 0.0 { by_other / (by_own + by_other) } else { 0.0 };
+        area * (by_size + rougher(&own, &other) * (1.0 - by_size) - rougher(&other, &own) * by_size)
     }
 
     /// Weight of two edges, an area, and the factor that fades them out where they are parallel. It is a small part of the mean of the areas that belong to them, and not more than of a few of the smaller one.
@@ -343,6 +427,15 @@ impl Skin {
         let weight = 0.25 * GUARD * (own + other).min(2.0 * UNEVEN * own.min(other));
         (weight, EdgeMollifier::of_edges(self.edge_square[e], self.edge_square[f]))
     }
+}
+
+/// By how much one surface is rougher than another one that has not much smaller triangles, from 0 to 1: then its points follow its shape, and points of the smoother one would meet it at an angle.
+fn rougher(own: &Around, other: &Around) -> f64 {
+    let (low, high) = (other.roughness + FLAT, ROUGHER * (other.roughness + FLAT));
+    let by_angle = ((own.roughness - low) / (high - low)).clamp(0.0, 1.0);
+    // All at equal sizes and at UNEVEN times the area, none at twice of that.
+    let by_size = (2.0 - own.size / (UNEVEN * other.size)).clamp(0.0, 1.0);
+    by_angle * by_size
 }
 
 /// Lists of numbers, one after the other.
@@ -365,6 +458,14 @@ impl Lists {
             next[owner as usize] += 1;
         }
         Self { starts, items }
+    }
+
+    /// The second numbers of pairs in ascending order, by the first ones.
+    fn of_pairs(count: usize, pairs: &[(u32, u32)]) -> Self {
+        let mut starts = vec![0u32; count + 1];
+        pairs.iter().for_each(|pair| starts[pair.0 as usize + 1] += 1);
+        (0..count).for_each(|k| starts[k + 1] += starts[k]);
+        Self { starts, items: pairs.iter().map(|pair| pair.1).collect() }
     }
 
     fn of(&self, owner: u32) -> &[u32] {

@@ -1,27 +1,33 @@
-//! General contact: the sum over all pairs of a skin.
+//! General contact: points of a skin against patches of it, and edges that cross.
 //!
-//! Springs of pairs that stick are in `springs`, what is reported at the end of a step in `output`.
+//! Which contacts there are is in `contacts` and `begin`, patches that turn inward in `pieces`; what acts and its force in `act` and `joint`, how forces come to nodes in `scatter`; what goes on to the next step in `history`, and
+//! what is reported at the end of a step in `output`.
 
+mod act;
 mod areas;
+mod begin;
+mod contacts;
+mod history;
+mod joint;
 mod output;
-mod springs;
+mod pieces;
+mod scatter;
 
-use crate::proximity::{Candidate, Proximity};
+use crate::proximity::Proximity;
 use crate::slip::SlipLine;
-use crate::{Friction, Interaction, Interactions, Layer, PairStart, Skin, StepForce, Stick, Tangent};
+use crate::{Interactions, Skin};
+use act::{ActForce, Acts};
+use begin::Scene;
+use contacts::Contacts;
+use history::History;
+use joint::Joint;
 use nalgebra::Vector3;
-use springs::Spring;
+use pieces::PieceList;
+use scatter::Scatter;
 use stoss_contact::{
     BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, Step, StepConfiguration,
     SurfaceForce, SurfaceNode,
 };
-use stoss_geometry::closest;
-
-/// No start of a pair is known.
-const NONE: u32 = u32::MAX;
-
-/// Shear stiffness of the layer of a pair that sticks, in moduli over thicknesses.
-const SHEAR: f64 = 3.0;
 
 /// Iterations of a step with inertia in which motions are shortened because they pass very many facets; then the step is given up.
 const MAX_SHORTENED: u32 = 3;
@@ -35,19 +41,13 @@ pub struct GeneralOptions {
     pub damping: f64,
 }
 
-/// A pair that acts. It owns what it needs of its candidate: candidates are found anew on the way from one iterate to the next.
-#[derive(Clone, Copy, Debug)]
-struct Active {
-    candidate: Candidate,
-    /// Place in the list of pairs at the start of the step, if the rule asks for that.
-    start: u32,
-}
-
-/// Contact of everything with everything: each point of integration of a skin against each triangle, each vertex against each triangle and each edge against each other with a small weight.
+/// Contact of everything with everything: points of integration and vertices of a skin against patches of its triangles, and edges that cross.
 ///
-/// Under [`ContactRule::EnergyMomentum`] the force of a step does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, theory/barrier#gradient; under [`ContactRule::EndPoint`] it
-/// is the gradient at the end. Nothing passes through anything as long as each iterate is reached from the last by a motion that [`Potential::longest_step`] admits. Without friction, and in dynamics, it has no history;
-/// in statics pairs with friction hold like springs until they slide, and the stretch of these carries over from step to step.
+/// A contact begins, and ends, where its energy is zero; while it is in the layer it keeps its weight and its thickness, so the energy is continuous in time. Under [`ContactRule::EnergyMomentum`] the force of a step
+/// does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, theory/barrier#gradient; under [`ContactRule::EndPoint`] it is the gradient at the end. Nothing passes through anything as long as each iterate is reached
+/// from the last by a motion that [`Potential::longest_step`] admits. What carries over from step to step are the contacts in their layers, and in statics the springs of those that stick.
+///
+/// [`Potential::energy`] is that of the contacts of the step that was begun last: nothing before the first one.
 #[derive(Debug)]
 pub struct GeneralContact {
     name: String,
@@ -62,23 +62,22 @@ pub struct GeneralContact {
     x_n: Vec<Vector3<f64>>,
     x: Vec<Vector3<f64>>,
     increment: Vec<Vector3<f64>>,
-    /// For each candidate: whether it is in the layer at the start, and its place in `starts`.
-    inside_n: Vec<bool>,
-    start_of: Vec<u32>,
-    /// Pairs at the start of the step; they grow only, for what acts refers to them.
-    starts: Vec<PairStart>,
+    /// Positions of the points that the velocities at the start lead to.
+    predicted: Vec<Vector3<f64>>,
+    contacts: Contacts,
     /// What acts at the iterate that was seen last.
-    active: Vec<Active>,
-    /// Pairs of facets that had an active pair in the step: they grow only, so that stencils seldom change.
-    groups: Vec<[u32; 2]>,
+    acts: Acts,
+    pieces: PieceList,
+    /// Sets of facets that had something acting between them in the step: they grow only, so that stencils seldom change.
+    groups: Vec<Box<[u32]>>,
     /// Motions of the step that were shortened because they pass very many facets.
     shortened: u32,
     /// Friction along the motion that was set last.
     line: Vec<SlipLine>,
-    /// Springs of pairs with friction at the start of the step, ascending.
-    springs: Vec<Spring>,
-    /// Those at the end of the step that was accepted last, until the next one begins.
-    next_springs: Option<Vec<Spring>>,
+    /// At the start of the step.
+    history: History,
+    /// At the end of the step that was accepted last, until the next one begins.
+    next_history: Option<History>,
 }
 
 impl GeneralContact {
@@ -111,15 +110,15 @@ impl GeneralContact {
             x_n: Vec::new(),
             x: Vec::new(),
             increment: Vec::new(),
-            inside_n: Vec::new(),
-            start_of: Vec::new(),
-            starts: Vec::new(),
-            active: Vec::new(),
+            predicted: Vec::new(),
+            contacts: Contacts::default(),
+            acts: Acts::default(),
+            pieces: PieceList::default(),
             groups: Vec::new(),
             shortened: 0,
             line: Vec::new(),
-            springs: Vec::new(),
-            next_springs: None,
+            history: History::default(),
+            next_history: None,
         })
     }
 
@@ -128,99 +127,36 @@ impl GeneralContact {
         &self.skin
     }
 
-    fn layer(&self, candidate: &Candidate) -> Layer {
-        let [a, b] = candidate.classes;
-        let modulus = self.rules.between(a, b).map_or(0.0, |interaction| interaction.modulus);
-        let layer = Layer::new(modulus, self.options.thickness);
-        if self.has_rates && self.options.damping > 0.0 {
-            layer.damped(self.options.damping / self.step_size)
-        } else {
-            layer
-        }
-    }
-
-    fn friction(&self, candidate: &Candidate) -> Option<Friction> {
-        let [a, b] = candidate.classes;
-        let Interaction { modulus, friction, slip_velocity } = *self.rules.between(a, b)?;
-        if friction <= 0.0 {
-            return None;
-        }
-        let stick = if self.has_rates {
-            Stick::Creep { slip_scale: slip_velocity * self.step_size }
-        } else {
-            let key = (candidate.term.kind, candidate.points);
-            let known = self.springs.binary_search_by_key(&key, |spring| (spring.kind, spring.points));
-            Stick::Spring {
-                stiffness: SHEAR * modulus / self.options.thickness * candidate.term.weight,
-                stretch: known.map_or_else(|_| Vector3::zeros(), |place| self.springs[place].stretch),
-            }
-        };
-        Some(Friction { coefficient: friction, stick })
-    }
-
-    /// After the candidates changed: which are in the layer at the start.
-    fn renew_starts(&mut self) {
-        let Self { proximity, x_n, inside_n, start_of, options, .. } = self;
-        inside_n.clear();
-        inside_n.extend(proximity.candidates.iter().map(|c| is_inside(c, x_n, options.thickness)));
-        start_of.clear();
-        start_of.resize(proximity.candidates.len(), NONE);
-    }
-
-    /// Finds what acts at `x`; returns whether there are new pairs of facets.
-    fn activate(&mut self) -> bool {
-        let mut active = std::mem::take(&mut self.active);
-        active.clear();
-        let known = self.groups.len();
-        for k in 0..self.proximity.candidates.len() {
-            let candidate = self.proximity.candidates[k];
-            if !self.inside_n[k] && !is_inside(&candidate, &self.x, self.options.thickness) {
-                continue;
-            }
-            if self.start_of[k] == NONE && self.rule == ContactRule::EnergyMomentum {
-                self.start_of[k] = self.starts.len() as u32;
-                let start = PairStart::new(candidate.term, self.layer(&candidate), &candidate.of(&self.x_n));
-                self.starts.push(start);
-            }
-            active.push(Active { candidate, start: self.start_of[k] });
-            // Candidates come by facets.
-            let is_new = self.groups.len() == known || self.groups.last() != Some(&candidate.facets);
-            if is_new && self.groups[..known].binary_search(&candidate.facets).is_err() {
-                self.groups.push(candidate.facets);
-            }
-        }
-        self.active = active;
-        let changed = self.groups.len() > known;
-        self.groups.sort_unstable();
-        changed
-    }
-
-    /// Force of an active candidate at the iterate.
-    fn force(&self, Active { candidate, start }: &Active, tangent: Option<&mut Tangent>) -> StepForce {
-        let (x, friction) = (candidate.of(&self.x), self.friction(candidate));
-        match self.starts.get(*start as usize) {
-            Some(start) => start.step(&x, friction.as_ref(), tangent),
-            None => {
-                candidate.term.at_end(&self.layer(candidate), &candidate.of(&self.x_n), &x, friction.as_ref(), tangent)
-            }
-        }
-    }
-
-    /// Nodes of two facets, ascending.
-    fn nodes_of(&self, [f, g]: [u32; 2], nodes: &mut Vec<u32>) {
+    /// Nodes of some facets, ascending.
+    fn nodes_of(&self, facets: &[u32], nodes: &mut Vec<u32>) {
         nodes.clear();
-        nodes.extend_from_slice(self.skin.nodes_of(f));
-        nodes.extend_from_slice(self.skin.nodes_of(g));
+        facets.iter().for_each(|&f| nodes.extend_from_slice(self.skin.nodes_of(f)));
         nodes.sort_unstable();
         nodes.dedup();
     }
-}
 
-/// Whether a pair is in the layer. Most are not, which their boxes tell.
-fn is_inside(candidate: &Candidate, x: &[Vector3<f64>], thickness: f64) -> bool {
-    let x = candidate.of(x);
-    candidate.may_meet(&x, &[Vector3::zeros(); 4], thickness)
-        && closest(candidate.term.kind, &x).distance_squared < thickness * thickness
+    /// What decides which contacts begin.
+    fn scene(&self) -> Scene<'_> {
+        let Self { skin, rules, proximity, x_n, predicted, .. } = self;
+        Scene {
+            skin,
+            rules,
+            proximity,
+            candidates: &proximity.candidates,
+            x_n,
+            predicted,
+            springs: &self.history.springs,
+            thickness: self.options.thickness,
+            between_states: self.rule == ContactRule::EnergyMomentum,
+        }
+    }
+
+    /// After the candidates changed: the contacts of the step.
+    fn regroup(&mut self) {
+        let mut contacts = std::mem::take(&mut self.contacts);
+        contacts.regroup(&self.scene());
+        self.contacts = contacts;
+    }
 }
 
 impl Potential for GeneralContact {
@@ -247,11 +183,8 @@ impl Potential for GeneralContact {
         }
         let mut d = std::mem::take(&mut self.increment);
         self.skin.place(increment, &mut d);
-        let along = |Active { candidate, .. }: &Active| {
-            let points = [candidate.of(&self.x_n), candidate.of(&self.x), candidate.of(&d)];
-            candidate.term.slip_along(&self.layer(candidate), points.each_ref(), &self.friction(candidate)?)
-        };
-        let line = self.active.iter().filter_map(along).collect();
+        let mut joint = Joint::default();
+        let line = (&self.acts).into_iter().filter_map(|act| self.slip_along(act, &d, &mut joint)).collect();
         (self.line, self.increment) = (line, d);
     }
 
@@ -265,17 +198,19 @@ impl Potential for GeneralContact {
         if !matches!(self.rule, ContactRule::EnergyMomentum | ContactRule::EndPoint) {
             return Err(ContactError::RuleUnavailable { method: "general", rule: format!("{:?}", self.rule) });
         }
-        if let Some(springs) = self.next_springs.take() {
-            self.springs = springs;
+        if let Some(history) = self.next_history.take() {
+            self.history = history;
         }
-        let Self { skin, rules, proximity, x_n, x, step_size, .. } = self;
+        let Self { skin, rules, proximity, x_n, x, predicted, step_size, .. } = self;
         skin.place(q_n, x_n);
         x.clone_from(x_n);
         let motion = |p: u32| if v_n.is_empty() { Vector3::zeros() } else { skin.at(p, v_n) * *step_size };
+        predicted.clear();
+        predicted.extend(x_n.iter().zip(0..).map(|(x, p)| x + motion(p)));
         proximity.begin(skin, rules, x_n, motion);
-        self.starts.clear();
-        self.renew_starts();
-        self.proximity.keep(&self.inside_n);
+        self.contacts.begin(&self.history.held);
+        self.regroup();
+        self.proximity.keep();
         self.groups.clear();
         self.shortened = 0;
         self.activate();
@@ -294,7 +229,7 @@ impl Potential for GeneralContact {
             return Err(ContactError::NotFinite { node });
         }
         if proximity.hold(skin, rules, x, None).1 {
-            self.renew_starts();
+            self.regroup();
         }
         Ok(self.activate())
     }
@@ -309,14 +244,14 @@ impl Potential for GeneralContact {
         }
         let fraction = part * proximity.safe_fraction(x, d);
         if changed {
-            self.renew_starts();
+            self.regroup();
         }
         self.shortened += u32::from(part < 1.0);
         fraction
     }
 
     fn acts(&self) -> bool {
-        !self.active.is_empty()
+        !self.acts.is_empty()
     }
 
     fn keeps_apart(&self) -> bool {
@@ -325,7 +260,7 @@ impl Potential for GeneralContact {
 
     fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
         let mut nodes = Vec::new();
-        for &facets in &self.groups {
+        for facets in &self.groups {
             self.nodes_of(facets, &mut nodes);
             visit(&nodes);
         }
@@ -337,7 +272,7 @@ impl Potential for GeneralContact {
         for candidate in &self.proximity.candidates {
             if last != Some(candidate.facets) && self.proximity.expects(candidate) {
                 last = Some(candidate.facets);
-                self.nodes_of(candidate.facets, &mut nodes);
+                self.nodes_of(&candidate.facets, &mut nodes);
                 visit(&nodes);
             }
         }
@@ -349,51 +284,18 @@ impl Potential for GeneralContact {
         want_tangent: bool,
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError> {
-        let mut local = LocalContribution::default();
-        let mut tangent: Tangent = [[0.0; 12]; 12];
-        let mut terms: Vec<(usize, f64)> = Vec::new();
+        let (mut local, mut joint, mut scatter) = (LocalContribution::default(), Joint::default(), Scatter::default());
         let mut next = 0;
-        for &facets in &self.groups {
+        for facets in &self.groups {
             self.nodes_of(facets, &mut local.nodes);
             local.reset(want_tangent);
-            let n = local.dim();
-            while let Some(active) = self.active.get(next) {
-                let candidate = &active.candidate;
-                if candidate.facets != facets {
-                    break;
-                }
+            scatter.begin(&self.skin, facets, want_tangent);
+            while let Some(act) = self.acts.get(next).filter(|act| self.acts.facets(act) == &**facets) {
                 next += 1;
-                let force = self.force(active, want_tangent.then_some(&mut tangent));
-                // Places of the nodes of the four points in the contribution.
-                terms.clear();
-                let mut ends = [0; 5];
-                for (i, &point) in candidate.points.iter().enumerate() {
-                    // cannot fail: the points of a pair are points of its facets.
-                    let place = |node: u32| local.nodes.binary_search(&node).unwrap_or_default();
-                    terms.extend(self.skin.terms(point).iter().map(|&(node, w)| (3 * place(node), w)));
-                    ends[i + 1] = terms.len();
-                }
-                for i in 0..4 {
-                    for &(row, w) in &terms[ends[i]..ends[i + 1]] {
-                        for c in 0..3 {
-                            local.residual[row + c] +=
-                                w * (force.barrier.gradient[i][c] + force.friction.gradient[i][c]);
-                        }
-                        if !want_tangent {
-                            continue;
-                        }
-                        for j in 0..4 {
-                            for &(column, v) in &terms[ends[j]..ends[j + 1]] {
-                                for c in 0..3 {
-                                    let entries = &mut local.tangent[(row + c) * n + column..][..3];
-                                    let block = &tangent[3 * i + c][3 * j..3 * j + 3];
-                                    entries.iter_mut().zip(block).for_each(|(t, b)| *t += w * v * b);
-                                }
-                            }
-                        }
-                    }
-                }
+                self.force(act, &mut joint, want_tangent);
+                scatter.add(&self.skin, &joint);
             }
+            scatter.finish(&self.skin, &mut local);
             visit(&local);
         }
         Ok(())
@@ -402,23 +304,20 @@ impl Potential for GeneralContact {
     fn energy(&self, q: &[f64]) -> Result<f64, ContactError> {
         let mut x = Vec::new();
         self.skin.place(q, &mut x);
-        let mut proximity = Proximity::new(&self.skin, self.options.thickness);
-        proximity.begin(&self.skin, &self.rules, &x, |_| Vector3::zeros());
-        let energy = |c: &Candidate| c.term.at_state(&self.layer(c), &c.of(&x), None).energy;
-        Ok(proximity.candidates.iter().map(energy).sum())
+        Ok(self.energy_at(&x))
     }
 
     fn work(&self, _q_np1: &[f64]) -> Result<ContactWork, ContactError> {
-        let mut work = ContactWork::default();
-        for active in &self.active {
-            let StepForce { barrier, friction } = self.force(active, None);
-            work.stored += barrier.energy + friction.stored;
-            work.friction_stored += friction.stored;
-            work.friction_work += friction.work;
-            work.damped += barrier.dissipated;
+        let (mut work, mut joint) = (ContactWork::default(), Joint::default());
+        for act in &self.acts {
+            let ActForce { energy, dissipated, work: by_friction, stored, .. } = self.force(act, &mut joint, false);
+            work.stored += energy + stored;
+            work.friction_stored += stored;
+            work.friction_work += by_friction;
+            work.damped += dissipated;
         }
-        // Springs whose pairs have gone lose their energy.
-        let before: f64 = self.springs.iter().map(|spring| spring.stored).sum();
+        // Springs whose contacts have gone lose their energy.
+        let before: f64 = self.history.springs.iter().map(|spring| spring.stored).sum();
         work.dissipated = work.damped + (work.friction_work + before - work.friction_stored).max(0.0);
         Ok(work)
     }
@@ -441,18 +340,18 @@ impl Potential for GeneralContact {
 
     fn commit(&mut self, _q_np1: &[f64]) {
         // What the step did is asked for afterwards, so its start is left as it is until the next one begins.
-        if self.next_springs.is_none() {
-            self.next_springs = Some(self.stretched());
+        if self.next_history.is_none() {
+            self.next_history = Some(self.history_at_end());
         }
     }
 
     fn save_history(&self) -> Vec<u8> {
-        springs::save(self.next_springs.as_ref().unwrap_or(&self.springs))
+        self.next_history.as_ref().unwrap_or(&self.history).save()
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        self.springs = springs::load(bytes, self.skin.point_count())?;
-        self.next_springs = None;
+        self.history = History::load(bytes, self.skin.point_count())?;
+        self.next_history = None;
         Ok(())
     }
 }

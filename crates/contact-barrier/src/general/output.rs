@@ -1,9 +1,9 @@
 //! What general contact reports at the end of a step: forces between bodies, tractions and forces at the nodes of surfaces.
 
 use super::GeneralContact;
+use super::act::Act;
 use super::areas::{Areas, Meeting, areas_of_triangles};
-use crate::StepForce;
-use crate::proximity::Candidate;
+use super::joint::Joint;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_contact::{BodyPair, SurfaceForce, SurfaceNode};
@@ -27,23 +27,23 @@ impl GeneralContact {
         let zero = || vec![Vector3::zeros(); n];
         let mut surface =
             Surface { normal: zero(), friction: zero(), distance: vec![f64::INFINITY; n], meets: Vec::new() };
-        for active in &self.active {
-            let candidate = &active.candidate;
-            let StepForce { barrier, friction } = self.force(active, None);
-            if candidate.is_integration_point {
-                surface.meets.extend(self.meeting(candidate, triangles));
+        let mut joint = Joint::default();
+        for act in &self.acts {
+            self.force(act, &mut joint, false);
+            if act.end.is_integration_point {
+                surface.meets.extend(self.meeting(act, triangles));
             }
-            for i in 0..4 {
-                self.skin.shares(candidate.points[i], 1.0, &mut |k, share| {
-                    surface.normal[k] -= barrier.gradient[i] * share;
-                    surface.friction[k] -= friction.gradient[i] * share;
+            for (i, &point) in joint.points.iter().enumerate() {
+                self.skin.shares(point, 1.0, &mut |k, share| {
+                    surface.normal[k] -= joint.barrier[i] * share;
+                    surface.friction[k] -= joint.friction[i] * share;
                 });
             }
         }
         for candidate in &self.proximity.candidates {
             let point = candidate.points[0] as usize;
-            if candidate.term.kind == PairKind::VertexTriangle && point < n {
-                let distance = closest(candidate.term.kind, &candidate.of(&self.x)).distance_squared.sqrt();
+            if candidate.kind == PairKind::VertexTriangle && point < n {
+                let distance = closest(candidate.kind, &candidate.of(&self.x)).distance_squared.sqrt();
                 surface.distance[point] = surface.distance[point].min(distance);
             }
         }
@@ -51,50 +51,43 @@ impl GeneralContact {
     }
 
     /// A point of integration and a triangle that act on each other at the end of the step, if their surfaces face each other: the side of a block that stands on a plate does not face the plate, near as its lower edge may be.
-    fn meeting(&self, candidate: &Candidate, triangles: &[Vector3<f64>]) -> Option<Meeting> {
-        let [point, ref corners @ ..] = candidate.points;
+    fn meeting(&self, act: &Act, triangles: &[Vector3<f64>]) -> Option<Meeting> {
+        let (point, triangle) = (act.end.points[0], act.end.of[0]);
         let own = self.skin.triangle_of_integration_point(point)?;
-        let [f, g] = candidate.facets;
-        let other = if self.skin.facet_of_triangle(own) == f { g } else { f };
-        let mut of_other = self.skin.triangles_of(other).iter().copied();
-        let triangle = of_other.find(|&t| self.skin.triangles()[t as usize] == *corners)?;
         let [a, b] = [own, triangle].map(|t| triangles[t as usize]);
         let faces = a.dot(&b) < -FACING * a.norm() * b.norm();
-        let pair = closest(candidate.term.kind, &candidate.of(&self.x));
-        let is_near = pair.distance_squared < self.options.thickness * self.options.thickness;
-        let weights = std::array::from_fn(|i| -pair.weights[i + 1]);
-        (faces && is_near).then_some(Meeting { point, own, triangle, weights, weight: candidate.term.weight })
+        let is_near = act.close.distance_squared < act.thickness * act.thickness;
+        let weights = std::array::from_fn(|i| -act.close.weights[i + 1]);
+        (faces && is_near).then_some(Meeting { point, own, triangle, weights, weight: act.weight })
     }
 
     /// Forces, pressures and areas of each pair of bodies that act on each other.
     pub(super) fn pairs_of_bodies(&self) -> Vec<BodyPair> {
         let mut list: BTreeMap<[u32; 2], BodyPair> = BTreeMap::new();
-        // Points of integration with their weights and forces: one may act on several triangles.
+        // Points of integration with their weights and forces: one may act on several patches.
         let mut points: BTreeMap<([u32; 2], u32), (f64, Vector3<f64>)> = BTreeMap::new();
-        for active in &self.active {
-            let candidate = &active.candidate;
-            let StepForce { barrier, friction } = self.force(active, None);
-            let [a, b] = candidate.classes.map(|class| self.rules.body(class));
+        let mut joint = Joint::default();
+        for act in &self.acts {
+            let force = self.force(act, &mut joint, false);
+            let [a, b] = act.end.classes.map(|class| self.rules.body(class));
             let bodies = [a.min(b), a.max(b)];
             let pair = list.entry(bodies).or_insert(BodyPair::none(bodies));
-            let x = candidate.of(&self.x);
-            let distance = closest(candidate.term.kind, &x).distance_squared.sqrt();
+            let distance = act.close.distance_squared.sqrt();
             pair.distance = pair.distance.min(distance);
-            pair.friction_work += friction.work;
-            if distance < self.options.thickness {
+            pair.friction_work += force.work;
+            if distance < act.thickness {
                 pair.active += 1;
-                if candidate.is_integration_point {
-                    let point = points.entry((bodies, candidate.points[0])).or_default();
-                    point.0 = candidate.term.weight.max(point.0);
-                    point.1 += barrier.gradient[0];
+                if act.end.is_integration_point {
+                    let point = points.entry((bodies, act.end.points[0])).or_default();
+                    point.0 = act.weight.max(point.0);
+                    point.1 += joint.barrier[0];
                 }
             }
             // Forces on the points of the first body; of a body on itself they cancel.
-            let first = candidate.term.kind.first_count();
-            let points = if a <= b { 0..first } else { first..4 };
+            let points = if a <= b { 0..force.first } else { force.first..joint.points.len() };
             for i in points.filter(|_| a != b) {
-                let force = -(barrier.gradient[i] + friction.gradient[i]);
-                let moment = x[i].cross(&force);
+                let force = -(joint.barrier[i] + joint.friction[i]);
+                let moment = self.x[joint.points[i] as usize].cross(&force);
                 for c in 0..3 {
                     pair.force[c] += force[c];
                     pair.moment[c] += moment[c];
@@ -117,13 +110,13 @@ impl GeneralContact {
             return Vec::new();
         }
         let mut sums = vec![[Vector3::zeros(); 2]; nodes.len()];
-        for active in &self.active {
-            let candidate = &active.candidate;
-            let (StepForce { barrier, friction }, x) = (self.force(active, None), candidate.of(&self.x));
-            for i in 0..4 {
-                let force = -(barrier.gradient[i] + friction.gradient[i]);
-                let moment = x[i].cross(&force);
-                self.skin.shares(candidate.points[i], 1.0, &mut |k, share| {
+        let mut joint = Joint::default();
+        for act in &self.acts {
+            self.force(act, &mut joint, false);
+            for (i, &point) in joint.points.iter().enumerate() {
+                let force = -(joint.barrier[i] + joint.friction[i]);
+                let moment = self.x[point as usize].cross(&force);
+                self.skin.shares(point, 1.0, &mut |k, share| {
                     sums[k][0] += force * share;
                     sums[k][1] += moment * share;
                 });

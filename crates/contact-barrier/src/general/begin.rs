@@ -1,0 +1,212 @@
+//! Which contacts begin. It is asked where they have no energy, so the answers may be sharp; theory/barrier#begin.
+
+use super::history::{Key, Spring};
+use crate::proximity::{Candidate, Proximity};
+use crate::{Interactions, Skin};
+use nalgebra::Vector3;
+use stoss_geometry::{ClosestPair, PairFeature, closest, combine};
+
+/// Cosine between the outward normal at a point of integration and the direction to what it is to act on, from which on it does.
+const FACING: f64 = 0.3;
+
+/// Cosine between a direction and the normal of a face, or of the normals of two faces of which one is turned around, from which on they are flush.
+const FLUSH: f64 = 0.9;
+
+/// Cosines for edges: how far the closest direction may lie outside of the cone of normals of an edge, and the least by which the two sides of an edge turn away.
+const OUTSIDE: f64 = 0.1;
+const TURN: f64 = 0.1;
+
+/// The part of the thickness in which that acts which is not needed as long as other contacts carry: corners that are flush, and an edge of a body above edges of the mesh of a surface.
+const LAST: f64 = 0.3;
+
+/// Where the question is asked: at the start of the step, at its predictor, at the end of a way of the iteration.
+pub(super) struct Scene<'a> {
+    pub skin: &'a Skin,
+    pub rules: &'a Interactions,
+    pub proximity: &'a Proximity,
+    pub candidates: &'a [Candidate],
+    pub x_n: &'a [Vector3<f64>],
+    pub predicted: &'a [Vector3<f64>],
+    pub springs: &'a [Spring],
+    pub thickness: f64,
+    /// Whether forces are those between two states.
+    pub between_states: bool,
+}
+
+impl Scene<'_> {
+    /// The place on the second primitive that is closest to a point.
+    pub fn foot(&self, c: &Candidate, close: &ClosestPair, x: &[Vector3<f64>]) -> Vector3<f64> {
+        x[c.points[0] as usize] - combine(&close.weights, &c.of(x))
+    }
+
+    /// The stretch of the spring of the first of these pairs that has one.
+    pub fn stretch(&self, mut keys: impl Iterator<Item = Key>) -> Vector3<f64> {
+        if self.springs.is_empty() {
+            return Vector3::zeros();
+        }
+        let of = |key: Key| self.springs.binary_search_by_key(&key, |spring| spring.key).ok();
+        keys.find_map(of).map_or_else(Vector3::zeros, |place| self.springs[place].stretch)
+    }
+
+    /// A point in one of the three configurations, of which one suffices: at the start of the step, at its predictor, at the end of the way on which candidates were looked for.
+    fn at(&self, which: usize, point: u32) -> Vector3<f64> {
+        match which {
+            0 => self.x_n[point as usize],
+            1 => self.predicted[point as usize],
+            _ => self.proximity.end_of(point),
+        }
+    }
+
+    /// Weight and largest thickness of a point against a patch, if it begins to act on it.
+    pub fn point_begins(&self, of: &[u32]) -> Option<[f64; 2]> {
+        (0..2).find_map(|which| {
+            let all = of.iter().map(|&k| {
+                let c = &self.candidates[k as usize];
+                (c, closest(c.kind, &c.points.map(|p| self.at(which, p))))
+            });
+            let (c, close) = all.min_by(|a, b| a.1.distance_squared.total_cmp(&b.1.distance_squared))?;
+            let [weight, part] = self.meets(c, &close, &|p| self.at(which, p))?;
+            Some([weight, part * self.thickness])
+        })
+    }
+
+    /// Weight of a point that meets a triangle at a place where it is to act on it, and the part of the thickness in which it does.
+    fn meets(&self, c: &Candidate, close: &ClosestPair, x: &dyn Fn(u32) -> Vector3<f64>) -> Option<[f64; 2]> {
+        let (skin, p) = (self.skin, c.points[0]);
+        let shares = [1, 2, 3].map(|i| -close.weights[i]);
+        let share = self.rules.share(c.classes[0], c.classes[1]);
+        let weight = skin.point_weight(p, c.of[0], shares, share);
+        if weight <= 0.0 {
+            return None;
+        }
+        let to_foot = -combine(&close.weights, &c.points.map(x));
+        if !skin.is_integration_point(p) && skin.is_sharp(p) {
+            return Some([weight, if self.is_flush(c, close, &to_foot, x) { LAST } else { 1.0 }]);
+        }
+        // Corners and edges of the body have points of their own.
+        let is_sharp = match close.feature() {
+            PairFeature::VertexVertex([_, b]) => skin.is_sharp(c.points[b]),
+            PairFeature::VertexEdge(_, [a, b]) => skin.is_sharp_edge(c.points[a], c.points[b]),
+            _ => false,
+        };
+        let faces = |own: u32| {
+            let normal = self.normal(own, x);
+            normal.dot(&to_foot) >= FACING * normal.norm() * to_foot.norm()
+        };
+        (!is_sharp && skin.triangle_of_integration_point(p).is_none_or(faces)).then_some([weight, 1.0])
+    }
+
+    /// Twice the area of a triangle, along its normal.
+    fn normal(&self, triangle: u32, x: &dyn Fn(u32) -> Vector3<f64>) -> Vector3<f64> {
+        let [a, b, c] = self.skin.triangles()[triangle as usize].map(x);
+        (b - a).cross(&(c - a))
+    }
+
+    /// Outward normal of a triangle at the start of the step; zero for one without area.
+    pub fn unit_normal(&self, triangle: u32) -> Vector3<f64> {
+        self.normal(triangle, &|p| self.x_n[p as usize]).try_normalize(0.0).unwrap_or_default()
+    }
+
+    /// Whether a place in a triangle is within a thickness of an edge or a corner of the body.
+    fn is_at_rim(&self, triangle: u32, place: &Vector3<f64>, x: &dyn Fn(u32) -> Vector3<f64>) -> bool {
+        let (skin, reach) = (self.skin, self.thickness * self.thickness);
+        let corners @ [a, b, c] = skin.triangles()[triangle as usize];
+        let near_edge = |[a, b]: [u32; 2]| {
+            let (s, e) = (x(a), x(b) - x(a));
+            let part = ((place - s).dot(&e) / e.norm_squared()).clamp(0.0, 1.0);
+            skin.is_sharp_edge(a, b) && (s + e * part - place).norm_squared() < reach
+        };
+        let near_corner = |v: u32| skin.is_sharp(v) && (x(v) - place).norm_squared() < reach;
+        [[a, b], [b, c], [c, a]].into_iter().any(near_edge) || corners.into_iter().any(near_corner)
+    }
+
+    /// Whether a corner of a body, or a vertex on one of its edges, lies above the rim of a face that is flush with one of its own: what is beside it acts there, and its oblique direction to the rim would
+    /// push the rims apart. Places within a thickness of the rim count as on it, so that nothing is decided by round-off.
+    fn is_flush(
+        &self,
+        c: &Candidate,
+        close: &ClosestPair,
+        to_foot: &Vector3<f64>,
+        x: &dyn Fn(u32) -> Vector3<f64>,
+    ) -> bool {
+        let (skin, p) = (self.skin, c.points[0]);
+        if !self.is_at_rim(c.of[0], &(x(p) + to_foot), x) {
+            return false;
+        }
+        let above = |triangle: u32| {
+            let normal = self.normal(triangle, x);
+            let size = normal.norm();
+            -normal.dot(to_foot) >= FLUSH * size * to_foot.norm()
+                && skin.triangles_at(p).iter().any(|&own| {
+                    let own = self.normal(own, x);
+                    -own.dot(&normal) >= FLUSH * size * own.norm()
+                })
+        };
+        match close.feature() {
+            PairFeature::VertexVertex([_, v]) => skin.triangles_at(c.points[v]).iter().any(|&t| above(t)),
+            PairFeature::VertexEdge(_, [a, b]) => {
+                skin.beside(c.points[a], c.points[b]).into_iter().filter(|&t| t != u32::MAX).any(above)
+            }
+            _ => above(c.of[0]),
+        }
+    }
+
+    /// Weight and largest thickness of two edges that begin to act on each other.
+    pub fn edges_begin(&self, c: &Candidate) -> Option<[f64; 2]> {
+        let part = (0..2).find_map(|which| {
+            let close = closest(c.kind, &c.points.map(|p| self.at(which, p)));
+            self.cross(c, &close, &|p| self.at(which, p))
+        })?;
+        Some([self.skin.edge_weight(c.of).0, part * self.thickness])
+    }
+
+    /// The part of the thickness in which two edges act that are nearest to each other on their surfaces, crossing. It is all where both are convex towards each other. Edges of the mesh of a surface meet nothing
+    /// but an edge of a body that other contacts have not kept out: one that bends the surface between its vertices and its points of integration.
+    fn cross(&self, c: &Candidate, close: &ClosestPair, x: &dyn Fn(u32) -> Vector3<f64>) -> Option<f64> {
+        if close.feature() != PairFeature::EdgeEdge {
+            return None;
+        }
+        let points = c.points.map(x);
+        let out = (-combine(&close.weights, &points)).try_normalize(0.0)?;
+        let sides = |edge: usize, [a, b]: [usize; 2], out: Vector3<f64>| {
+            let along = (points[b] - points[a]).try_normalize(0.0).unwrap_or_default();
+            let [s, t] = self.skin.opposite(c.of[edge]).map(|v| {
+                let d = (v != u32::MAX).then(|| x(v) - points[a])?;
+                Some((d - along * along.dot(&d)).try_normalize(0.0)?.dot(&out))
+            });
+            let (s, t) = (s.or(t)?, t.or(s)?);
+            // Whether the direction is one of the normals, and whether the edge turns away from it.
+            Some((s <= OUTSIDE && t <= OUTSIDE, s + t <= -TURN || self.skin.opposite(c.of[edge])[1] == u32::MAX))
+        };
+        let ((in_first, first), (in_second, second)) = (sides(0, [0, 1], out)?, sides(1, [2, 3], -out)?);
+        if !(in_first && in_second) {
+            return None;
+        }
+        if first && second {
+            return Some(if self.is_corner_above_corner(c, close, &out, x) { LAST } else { 1.0 });
+        }
+        let is_sharp = c.of.map(|edge| self.skin.is_sharp_edge_number(edge));
+        let is_over = (first && is_sharp[0] && !is_sharp[1]) || (second && is_sharp[1] && !is_sharp[0]);
+        is_over.then_some(LAST)
+    }
+
+    /// Whether two edges cross within a thickness of an end of either of them, above faces that are flush: as a corner on a rim, [`Self::is_flush`].
+    fn is_corner_above_corner(
+        &self,
+        c: &Candidate,
+        close: &ClosestPair,
+        out: &Vector3<f64>,
+        x: &dyn Fn(u32) -> Vector3<f64>,
+    ) -> bool {
+        let edge = |[a, b]: [usize; 2], part: f64, out: Vector3<f64>| {
+            let [a, b] = [c.points[a], c.points[b]];
+            let at_end = part.min(1.0 - part) * (x(b) - x(a)).norm() < self.thickness;
+            at_end
+                && self.skin.beside(a, b).into_iter().filter(|&t| t != u32::MAX).any(|t| {
+                    let normal = self.normal(t, x);
+                    normal.dot(&out) >= FLUSH * normal.norm()
+                })
+        };
+        edge([0, 1], close.weights[1], *out) && edge([2, 3], -close.weights[3], -out)
+    }
+}
