@@ -112,7 +112,15 @@ pub(super) fn bodies(
         });
         let mut traces = Traces::add(&mesh, needs, first_node, model);
         if needs.trace {
-            round::add(&key, &body.round, &mesh, first_node, &mut traces, model, problems);
+            let finer = round::finer_facets(&key, &body.round, &mesh, problems);
+            if let Err(x) = traces.refine(&finer, first_node, model) {
+                let x = x.map(|x| crate::solver::short(x, 1.0));
+                let message = format!(
+                    "the surface is too far from the element at ({}): more than half of its depth",
+                    x.join(", ")
+                );
+                problems.add(format!("{key}.round"), "", message, "take finer elements there, or remove the entry");
+            }
         }
         placed.push(Placed { name: body.name.clone(), shape: Shape::Solid { mesh, law, traces }, first_node });
     }

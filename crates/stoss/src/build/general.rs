@@ -25,9 +25,6 @@ const NO_SPEED: f64 = 1e-9;
 /// Pairs of bodies that the plan tells one by one.
 const MOST_NAMED: usize = 6;
 
-/// What helps bodies that overlap.
-pub(super) const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
-
 /// Adds general contact to the model if the scene has it. Where it acts between parts whose joints end, nothing is left in `joined`.
 pub(super) fn general(
     scene: &Scene,

@@ -1,8 +1,8 @@
 //! The skin of general contact: its thickness, and surfaces that go inside where bodies touch or nearly so (theory/barrier#touch).
 
-use super::general::PART;
 use super::interacting::{THICKNESS, layer_edge, point, shortest_edge};
 use super::rigid_inset::{Frame, fits};
+use super::round::BEYOND;
 use super::separate;
 use super::{Placed, Problems};
 use crate::scene::GeneralContact as Table;
@@ -31,11 +31,11 @@ const SLIGHT: f64 = 0.01;
 /// Rounds of measuring the overlap of bodies that touch, by the distance of their inset surfaces.
 const ROUNDS: usize = 4;
 
-/// How far, in natural coordinates, a vertex of a trace may lie outside of the element that it goes with: the height of a curved face over its chord, in half depths of the element.
-const BEYOND: f64 = 0.3;
-
-/// The same of a node of a curved element at the rim of what goes inside: it goes along a chord of the side.
+/// How far, in natural coordinates, a node of a curved element may lie outside of the element that it goes with at the rim of what goes inside: it goes along a chord of the side.
 const BESIDE: f64 = 0.05;
+
+/// What helps bodies that overlap.
+const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
 
 /// Two bodies whose surfaces go inside.
 struct Touch {

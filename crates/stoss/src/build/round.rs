@@ -1,9 +1,7 @@
 //! Surfaces of linear cells that the scene calls round: facets of their own for contact, with vertices on the cylinder or sphere (theory/barrier#round).
 
 use super::Problems;
-use super::trace::Traces;
 use crate::scene::{RoundShape, RoundSurface};
-use crate::solver::Model;
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_mesh::{Facet, Mesh};
 use stoss_reference_element::FacetNodes;
@@ -22,8 +20,8 @@ const STRAIGHT: f64 = 1e-6;
 /// Iterations of the fit; a few are usual.
 const ITERATIONS: usize = 50;
 
-/// How far beyond an element its vertices may lie, in natural coordinates.
-const BEYOND: f64 = 0.3;
+/// How far beyond an element its vertices may lie, in natural coordinates: half of its depth.
+pub(super) const BEYOND: f64 = 1.0;
 
 /// A cylinder or a sphere in the reference.
 #[derive(Clone, Copy, Debug)]
@@ -136,16 +134,8 @@ pub(crate) enum Corner {
     Point(Place),
 }
 
-/// Fits the round surfaces of a body, and gives its linear facets on them, and beside them, finer ones to `traces`.
-pub(super) fn add(
-    key: &str,
-    surfaces: &[RoundSurface],
-    mesh: &Mesh,
-    first_node: u32,
-    traces: &mut Traces,
-    model: &mut Model,
-    problems: &mut Problems<'_>,
-) {
+/// Fits the round surfaces of a body: finer facets in place of its linear ones on them, and beside them.
+pub(super) fn finer_facets(key: &str, surfaces: &[RoundSurface], mesh: &Mesh, problems: &mut Problems<'_>) -> Finer {
     let at = |node: u32| Vector3::from(mesh.nodes[node as usize]);
     let mut sides: BTreeMap<[u32; 2], Round> = BTreeMap::new();
     let mut rounds: BTreeMap<(u32, u8), Round> = BTreeMap::new();
@@ -198,16 +188,7 @@ pub(super) fn add(
             }
         }
     }
-    let finer = finer(mesh, &sides, &rounds);
-    for (place, (element, x)) in &finer.points {
-        if let Err(reason) = traces.add_point(*place, *element, (*x).into(), BEYOND, model) {
-            let x = x.map(|x| (x * 1e6).round() / 1e6);
-            let message = format!("the surface is too far from the element at {:?}: {reason}", <[f64; 3]>::from(x));
-            problems.add(format!("{key}.round"), "", message, "take finer elements there, or remove the entry");
-            return;
-        }
-    }
-    traces.set_finer(&finer, first_node);
+    finer(mesh, &sides, &rounds)
 }
 
 fn sides_of(facet: &Facet) -> impl Iterator<Item = [u32; 2]> + use<> {

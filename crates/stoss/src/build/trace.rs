@@ -3,7 +3,7 @@
 //! Mortar contact and ties take facets on the nodes of faces, and the faces behind them (theory/mortar#faces). Node-to-surface and general contact take the trace
 //! (theory/elements#contact), with vertices of its own in place of the nodes on edges.
 
-use super::round::{Corner, Finer, Place};
+use super::round::{BEYOND, Corner, Finer, Place};
 use crate::scene::{ContactMethod, Scene};
 use crate::solver::Model;
 use std::collections::BTreeMap;
@@ -128,32 +128,23 @@ impl Traces {
         kind.trace().facets.iter().map(of_piece).collect()
     }
 
-    /// Adds a vertex of a finer facet as a point of an element of the body that was added last, in which it may lie a little outside.
-    pub fn add_point(
-        &mut self,
-        place: Place,
-        element: u32,
-        x: [f64; 3],
-        beyond: f64,
-        model: &mut Model,
-    ) -> Result<(), &'static str> {
-        let solid = &model.bodies.last().ok_or("no body")?.solid;
-        let point = solid.material_point_of(element as usize, &model.reference, x, beyond);
-        let point = point.ok_or("it lies far outside")?;
-        let (kind, nodes) = (solid.elements().kind(point.element), &solid.elements()[point.element]);
-        let carriers: Vec<(u32, f64)> = nodes.iter().copied().zip((kind.table().shape)(point.natural)).collect();
-        self.add_vertex(Vertex::Round(place), carriers.into_iter(), None, model);
-        Ok(())
-    }
-
-    /// Takes finer facets in place of those of the mesh; their points are added.
-    pub fn set_finer(&mut self, finer: &Finer, first_node: u32) {
+    /// Takes finer facets of round surfaces in place of those of the mesh, of the body that was added to the model last. Their vertices are points of its elements, in which they may lie a little outside; one that is farther is an error.
+    pub fn refine(&mut self, finer: &Finer, first_node: u32, model: &mut Model) -> Result<(), [f64; 3]> {
+        for (place, (element, x)) in &finer.points {
+            let x = <[f64; 3]>::from(*x);
+            let solid = &model.bodies.last().ok_or(x)?.solid;
+            let point = solid.material_point_of(*element as usize, &model.reference, x, BEYOND).ok_or(x)?;
+            let (kind, nodes) = (solid.elements().kind(point.element), &solid.elements()[point.element]);
+            let carriers: Vec<(u32, f64)> = nodes.iter().copied().zip((kind.table().shape)(point.natural)).collect();
+            self.add_vertex(Vertex::Round(*place), carriers.into_iter(), None, model);
+        }
         let number = |corner: &Corner| match corner {
             Corner::Node(node) => first_node + node,
             Corner::Point(place) => self.vertices[&Vertex::Round(*place)],
         };
         let of_facet = |list: &Vec<Vec<Corner>>| list.iter().map(|corners| Finer::nodes(corners, number)).collect();
         self.finer = finer.facets.iter().map(|(&key, list)| (key, of_facet(list))).collect();
+        Ok(())
     }
 
     /// The pieces of a facet on its nodes, in global node numbers.
