@@ -95,7 +95,7 @@ impl Interactions {
     }
 
     /// Share of the surface of `point`'s class that is summed against facets of the other that are as large: one half, because the other is summed too; one against rigid bodies, whose
-    /// points are not summed. What larger and smaller facets have is in [`Skin::point_weight`](crate::Skin::point_weight).
+    /// points are not summed. What larger, smaller and rougher facets have is in [`Skin::point_weight`](crate::Skin::point_weight).
     pub fn share(&self, point: u32, facet: u32) -> f64 {
         match (self.rigid[point as usize], self.rigid[facet as usize]) {
             (false, true) => 1.0,

@@ -325,11 +325,6 @@ impl Skin {
         self.edge(a, b).is_some_and(|edge| self.shape.is_sharp_edge(edge))
     }
 
-    /// Whether an edge by its number is one of the body.
-    pub(crate) fn is_sharp_edge_number(&self, edge: u32) -> bool {
-        self.shape.is_sharp_edge(edge as usize)
-    }
-
     /// Whether a vertex is a corner, or on an edge, of the body.
     pub(crate) fn is_sharp(&self, vertex: u32) -> bool {
         self.shape.is_sharp(vertex)

@@ -409,6 +409,41 @@ fn forces_do_not_depend_on_the_way_of_the_iteration() {
     }
 }
 
+/// Contacts in their layers are in checkpoints: a contact that goes on from one has the same bits. Without them there is no force, as what is found in the layer begins there.
+#[test]
+fn what_is_in_the_layer_goes_on_from_a_checkpoint() {
+    let mut random = Rng::with_seed(8);
+    for case in 0..8 {
+        let (rule, friction) =
+            ([ContactRule::EnergyMomentum, ContactRule::EndPoint][case % 2], [0.0, 0.3][case / 2 % 2]);
+        let shift = [0.5 * random.f64(), 0.5 * random.f64()];
+        let mut scenes = [(); 3].map(|()| two([2, 3], 0.05, shift, 0.08, 0.1, friction));
+        let (q_n, q) = (noise(&mut random, &scenes[0].reference, 0.01), noise(&mut random, &scenes[0].reference, 0.01));
+        scenes[0].enter(rule, &q_n);
+        let history = scenes[0].contact.save_history();
+        scenes[1].contact.load_history(&history).unwrap();
+        assert_eq!(scenes[1].contact.save_history(), history);
+        let [first, second, without] = &mut scenes;
+        let of = |scene: &mut Scene| {
+            begin(&mut scene.contact, rule, &q_n, &q);
+            assemble(&mut scene.contact, rule, &q_n, &q)
+        };
+        let (first, second) = (of(first), of(second));
+        assert!(first == second && first.0.iter().any(|force| *force != 0.0), "{case}");
+        begin(&mut without.contact, rule, &q_n, &q_n);
+        without.contact.renew(&q_n).unwrap();
+        // The third power of round-off at the edge of the layer.
+        assert!(without.contact.energy(&q_n).unwrap() < 1e-40, "{case}");
+        // A contact that is switched on again begins with nothing.
+        without.enter(rule, &q_n);
+        without.contact.load_history(&[]).unwrap();
+        assert!(without.contact.energy(&q_n).unwrap() == 0.0 && !without.contact.acts(), "{case}");
+        for cut in [1, 7, history.len() - 1] {
+            assert!(without.contact.load_history(&history[..cut]).is_err(), "{case} {cut}");
+        }
+    }
+}
+
 /// Blocks that touch: with vertices a half of the thickness inside there is neither force nor energy at the start.
 #[test]
 fn inset_surfaces_that_touch_have_no_force() {

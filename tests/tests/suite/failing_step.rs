@@ -40,7 +40,7 @@ fn fixed_planes_that_cross() {
     let (finding, diagnosis) = diagnosed("crossing-planes");
     is_cause(&finding, Cause::LoadTooLarge);
     assert!(!names(&diagnosis, Cause::OverlapAtStart), "{diagnosis:#?}");
-    let light = text_of("crossing-planes").replace("[1, 24.0]", "[1, 0.2]");
+    let light = text_of("crossing-planes").replace("[1, 2000.0]", "[1, 0.2]");
     let Left { result, diagnosis } = run(&light);
     result.unwrap_or_else(|e| panic!("{e}"));
     assert!(diagnosis.is_none_or(|diagnosis| !names(&diagnosis, Cause::OverlapAtStart)));

@@ -77,7 +77,9 @@ impl Acts {
     }
 
     fn clear(&mut self) {
-        (self.list.clear(), self.keys.clear(), self.pieces.clear());
+        self.list.clear();
+        self.keys.clear();
+        self.pieces.clear();
     }
 
     fn push(&mut self, contact: &Contact, end: Candidate, close: ClosestPair, pieces: &[Piece]) {

@@ -16,7 +16,7 @@ const FLUSH: f64 = 0.9;
 const OUTSIDE: f64 = 0.1;
 const TURN: f64 = 0.1;
 
-/// The part of the thickness in which that acts which is not needed as long as other contacts carry: corners that are flush, and an edge of a body above edges of the mesh of a surface.
+/// The part of the thickness in which that acts which is not needed as long as other contacts carry: corners that are flush, and edges of the mesh of flat surfaces.
 const LAST: f64 = 0.3;
 
 /// Where the question is asked: at the start of the step, at its predictor, at the end of a way of the iteration.
@@ -160,8 +160,8 @@ impl Scene<'_> {
         Some([self.skin.edge_weight(c.of).0, part * self.thickness])
     }
 
-    /// The part of the thickness in which two edges act that are nearest to each other on their surfaces, crossing. It is all where both are convex towards each other. Edges of the mesh of a surface meet nothing
-    /// but an edge of a body that other contacts have not kept out: one that bends the surface between its vertices and its points of integration.
+    /// The part of the thickness in which two edges act that are nearest to each other on their surfaces, crossing. It is all where both are convex towards each other. Edges of flat surfaces are only needed where other contacts
+    /// have not kept these apart: where an edge of a body bends one between its points, or where both bulge a little and touch between them.
     fn cross(&self, c: &Candidate, close: &ClosestPair, x: &dyn Fn(u32) -> Vector3<f64>) -> Option<f64> {
         if close.feature() != PairFeature::EdgeEdge {
             return None;
@@ -182,12 +182,8 @@ impl Scene<'_> {
         if !(in_first && in_second) {
             return None;
         }
-        if first && second {
-            return Some(if self.is_corner_above_corner(c, close, &out, x) { LAST } else { 1.0 });
-        }
-        let is_sharp = c.of.map(|edge| self.skin.is_sharp_edge_number(edge));
-        let is_over = (first && is_sharp[0] && !is_sharp[1]) || (second && is_sharp[1] && !is_sharp[0]);
-        is_over.then_some(LAST)
+        let carries = first && second && !self.is_corner_above_corner(c, close, &out, x);
+        Some(if carries { 1.0 } else { LAST })
     }
 
     /// Whether two edges cross within a thickness of an end of either of them, above faces that are flush: as a corner on a rim, [`Self::is_flush`].

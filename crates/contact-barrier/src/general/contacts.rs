@@ -82,7 +82,10 @@ impl Contacts {
     /// The candidates are new: those of one point and one class go together. What is near at the start of the step is asked for its contacts.
     pub fn regroup(&mut self, scene: &Scene<'_>) {
         let Self { groups, members, list, order, .. } = self;
-        (groups.clear(), members.clear(), list.clear(), order.clear());
+        groups.clear();
+        members.clear();
+        list.clear();
+        order.clear();
         for (k, c) in scene.candidates.iter().enumerate() {
             if c.kind == PairKind::VertexTriangle {
                 order.push((c.points[0], c.classes[1], k as u32));

@@ -133,7 +133,8 @@ impl Joint {
     fn clear(&mut self, at_end: bool, wants_tangent: bool, varied: bool) {
         let Self { x_n, x, acting, moved, .. } = self;
         let n = x.len();
-        (acting.clear(), moved.clear());
+        acting.clear();
+        moved.clear();
         moved.extend(x.iter().zip(&*x_n).map(|(x, x_n)| x - x_n));
         match at_end {
             true => acting.extend_from_slice(x),

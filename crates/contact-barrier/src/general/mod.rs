@@ -352,6 +352,9 @@ impl Potential for GeneralContact {
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
         self.history = History::load(bytes, self.skin.point_count())?;
         self.next_history = None;
+        // What the last step knew has no meaning any more.
+        self.contacts = Contacts::default();
+        self.acts = Acts::default();
         Ok(())
     }
 }

@@ -54,7 +54,8 @@ impl Patch<'_> {
                 list.push(Piece { kind, points, sign, facets, distance_squared });
             }
         };
-        (edges.clear(), vertices.clear());
+        edges.clear();
+        vertices.clear();
         let mut point = 0;
         for &k in self.members {
             let [p, a, b, c] = self.candidates[k as usize].points;
@@ -135,5 +136,106 @@ impl Patch<'_> {
         self.members.iter().enumerate().any(|(i, &k)| {
             self.members[..i].iter().any(|&l| inward(points(k), points(l)) && is_near(&k) && is_near(&l))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SkinFacet;
+    use fastrand::Rng;
+    use stoss_reference_element::FacetNodes;
+
+    const N: u32 = 6;
+
+    /// A square of random triangles over a grid, of the height `curve r^2` over its middle, and a triangle of another class with the first node.
+    fn surface(rng: &mut Rng, curve: f64) -> (Skin, Vec<f64>) {
+        let middle = 0.5 * f64::from(N);
+        let height = |i: f64, j: f64| curve * ((i - middle).powi(2) + (j - middle).powi(2));
+        let mut q = vec![0.0, 0.0, 9.0, 1.0, 0.0, 9.0, 0.0, 1.0, 9.0];
+        let mut facets = vec![SkinFacet { nodes: FacetNodes::from([0, 1, 2]), class: 1 }];
+        for j in 0..=N {
+            for i in 0..=N {
+                let [x, y] = [i, j].map(f64::from);
+                q.extend([x, y, height(x, y)]);
+            }
+        }
+        let mut add = |nodes: [u32; 3]| facets.push(SkinFacet { nodes: FacetNodes::from(nodes), class: 0 });
+        for j in 0..N {
+            for i in 0..N {
+                let a = 3 + i + (N + 1) * j;
+                let [a, b, c, d] = [a, a + 1, a + N + 2, a + N + 1];
+                // Diagonals along which the surface turns as it does elsewhere.
+                let falls = (f64::from(i) + 0.5 - middle) * (f64::from(j) + 0.5 - middle) < 0.0;
+                if if curve == 0.0 { rng.bool() } else { falls == (curve < 0.0) } {
+                    add([a, b, c]);
+                    add([a, c, d]);
+                } else {
+                    add([a, b, d]);
+                    add([b, c, d]);
+                }
+            }
+        }
+        (Skin::new(facets, &q, &|_| None), q)
+    }
+
+    /// On surfaces that are flat or turn outward the pieces are the nearest place; where they turn inward they are more, and their energy has no kink where two places are equally near.
+    #[test]
+    fn pieces_are_the_nearest_place_unless_the_surface_turns_inward() {
+        let mut rng = Rng::with_seed(4);
+        let thickness = 1.0;
+        let layer = Layer::new(1.0, thickness);
+        for curve in [0.0, -0.02, 0.02] {
+            let (skin, q) = surface(&mut rng, curve);
+            let mut x = Vec::new();
+            skin.place(&q, &mut x);
+            let candidate = |t: u32| {
+                let [a, b, c] = skin.triangles()[t as usize];
+                let kind = PairKind::VertexTriangle;
+                Candidate {
+                    facets: [0, t],
+                    kind,
+                    points: [0, a, b, c],
+                    of: [t, t],
+                    classes: [1, 0],
+                    is_integration_point: false,
+                }
+            };
+            let candidates: Vec<Candidate> = (1..skin.triangles().len() as u32).map(candidate).collect();
+            let members: Vec<u32> = (0..candidates.len() as u32).collect();
+            let patch = Patch { skin: &skin, candidates: &candidates, members: &members, thickness };
+            let mut pieces = PieceList::default();
+            let energy = |x: &[Vector3<f64>], pieces: &mut PieceList| {
+                let more = patch.several(x, pieces);
+                (
+                    more,
+                    pieces.list.iter().map(|piece| piece.sign * layer.evaluate(piece.distance_squared)[0]).sum::<f64>(),
+                )
+            };
+            let mut more = 0;
+            for _ in 0..400 {
+                let [a, b] = [(); 2].map(|()| 2.0 + (f64::from(N) - 4.0) * rng.f64());
+                let middle = 0.5 * f64::from(N);
+                x[0] =
+                    Vector3::new(a, b, curve * ((a - middle).powi(2) + (b - middle).powi(2)) + 0.2 + 0.5 * rng.f64());
+                let (several, value) = energy(&x, &mut pieces);
+                more += usize::from(several);
+                assert!(!several || curve > 0.0, "{curve} {}", x[0]);
+                // Slopes ahead and behind, by steps in which they change by the curvature alone.
+                let step = 1e-5;
+                let mut at = |s: f64| {
+                    let mut y = x.clone();
+                    y[0].x += s;
+                    energy(&y, &mut pieces).1
+                };
+                let (ahead, behind) = (at(step) - value, value - at(-step));
+                assert!(
+                    value == 0.0 || (ahead - behind).abs() <= 1e-6 * step * 1e3,
+                    "{curve} {} {ahead:e} {behind:e}",
+                    x[0]
+                );
+            }
+            assert_eq!(more > 10, curve > 0.0, "{curve}: {more}");
+        }
     }
 }

@@ -125,7 +125,7 @@ pub fn judge_closely(
         "doubtful" => 1.0,
         _ => 2.0,
     };
-    // Its forces have parts along the facets, and it keeps bodies apart by a part of its layer; the verdict says where that is more than it should be.
+    // Forces of corners and edges that meet have directions that no facet has, and a layer keeps bodies apart by a part of its thickness; the verdict says where that is much.
     row("verdict (0 sound, 1 doubtful, 2 wrong)", verdict, Bound::AtMost(1.0), launched.run.reasons());
     row("halved steps", cuts, Bound::Unbounded, note);
     if scene.keeps_energy {
