@@ -267,20 +267,21 @@ fn a_layer_between_matching_meshes_has_a_uniform_pressure() {
         let layer = stoss_contact_barrier::Layer::new(MODULUS, thickness);
         let mut force = vec![0.0; q.len() / 3];
         for p in skin.vertex_count() as u32..skin.point_count() as u32 {
-            for (t, triangle) in skin.triangles().iter().enumerate() {
+            let pairs = skin.triangles().iter().enumerate().map(|(t, triangle)| {
                 let points = [p, triangle[0], triangle[1], triangle[2]];
-                let pair = closest(PairKind::VertexTriangle, &points.map(|p| x[p as usize]));
-                if skin.is_adjacent(p, t as u32) || !layer.is_inside(pair.distance_squared) {
-                    continue;
-                }
-                let r: Vector3<f64> = points.iter().zip(pair.weights).map(|(&p, c)| x[p as usize] * c).sum();
-                let [_, slope, _] = layer.evaluate(pair.distance_squared);
-                for (&point, c) in points.iter().zip(pair.weights) {
-                    for &(node, w) in skin.terms(point) {
-                        let shares = [1, 2, 3].map(|i| -pair.weights[i]);
-                        let weight = skin.point_weight(p, t as u32, shares, 0.5);
-                        force[node as usize] += weight * slope * 2.0 * c * r[2] * w;
-                    }
+                (t as u32, points, closest(PairKind::VertexTriangle, &points.map(|p| x[p as usize])))
+            });
+            // One plane is one patch: the nearest of its triangles.
+            let others =
+                pairs.filter(|(t, _, pair)| !skin.is_adjacent(p, *t) && layer.is_inside(pair.distance_squared));
+            let nearest = others.min_by(|a, b| a.2.distance_squared.total_cmp(&b.2.distance_squared));
+            let Some((t, points, pair)) = nearest else { continue };
+            let r: Vector3<f64> = points.iter().zip(pair.weights).map(|(&p, c)| x[p as usize] * c).sum();
+            let [_, slope, _] = layer.evaluate(pair.distance_squared);
+            let weight = skin.point_weight(p, t, [1, 2, 3].map(|i| -pair.weights[i]), 0.5);
+            for (&point, c) in points.iter().zip(pair.weights) {
+                for &(node, w) in skin.terms(point) {
+                    force[node as usize] += weight * slope * 2.0 * c * r[2] * w;
                 }
             }
         }

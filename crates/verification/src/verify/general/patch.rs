@@ -97,26 +97,30 @@ fn with_guards(faces: &mut Faces) -> Outcome<Vec<f64>> {
     Ok(force)
 }
 
-/// The same of points of integration alone, as the sum over all of them and all triangles.
+/// The same of points of integration alone, as the sum over all of them, each against the nearest triangle.
 fn without_guards(faces: &Faces) -> Vec<f64> {
     let (skin, q) = (faces.contact.skin(), &faces.q);
     let layer = Layer::new(1.0, THICKNESS);
     let mut force = vec![0.0; q.len() / 3];
     let is_lower = |point: u32| skin.terms(point).iter().all(|&(node, _)| (node as usize) < faces.lower);
     for p in skin.vertex_count() as u32..skin.point_count() as u32 {
-        for (t, triangle) in skin.triangles().iter().enumerate() {
+        let others = skin.triangles().iter().enumerate().filter(|(_, triangle)| is_lower(p) != is_lower(triangle[0]));
+        let pairs = others.map(|(t, triangle)| {
             let points = [p, triangle[0], triangle[1], triangle[2]];
             let x = points.map(|point| skin.at(point, q));
-            let pair = closest(PairKind::VertexTriangle, &x);
-            if is_lower(p) == is_lower(triangle[0]) || !layer.is_inside(pair.distance_squared) {
-                continue;
-            }
-            let gap: f64 = x.iter().zip(pair.weights).map(|(x, c)| c * x[2]).sum();
-            let [_, slope, _] = layer.evaluate(pair.distance_squared);
-            for (point, c) in points.into_iter().zip(pair.weights) {
-                for &(node, weight) in skin.terms(point) {
-                    force[node as usize] += skin.point_weight(p, t as u32, 0.5) * slope * 2.0 * c * gap * weight;
-                }
+            (t, points, x, closest(PairKind::VertexTriangle, &x))
+        });
+        // One plane is one patch: the nearest of its triangles.
+        let nearest = pairs.min_by(|a, b| a.3.distance_squared.total_cmp(&b.3.distance_squared));
+        let Some((t, points, x, pair)) = nearest.filter(|(.., pair)| layer.is_inside(pair.distance_squared)) else {
+            continue;
+        };
+        let gap: f64 = x.iter().zip(pair.weights).map(|(x, c)| c * x[2]).sum();
+        let [_, slope, _] = layer.evaluate(pair.distance_squared);
+        let area = skin.point_weight(p, t as u32, [1, 2, 3].map(|i| -pair.weights[i]), 0.5);
+        for (point, c) in points.into_iter().zip(pair.weights) {
+            for &(node, weight) in skin.terms(point) {
+                force[node as usize] += area * slope * 2.0 * c * gap * weight;
             }
         }
     }
