@@ -69,7 +69,9 @@ fn an_arm_that_falls_through_its_stand_is_seen() {
     let named = arm("[general_contact]\npairs = [{ between = [\"base\", \"block\"] }]\n");
     let warnings = try_build(&named).unwrap().warnings;
     assert!(!warnings.iter().any(|w| w.contains("joints connect")), "{warnings:?}");
-    assert_eq!(judged(&named).level, Severity::Sound);
+    let verdict = judged(&named);
+    // On its edge alone it is pushed along the base by some per cent, and that is said.
+    assert!(verdict.level < Severity::Wrong, "{verdict}");
 }
 
 /// Bars that overlap around their joint: that is what joints are for.
