@@ -186,7 +186,7 @@ impl Curves {
         loop {
             let found: Vec<(usize, Vector)> = (0..self.corners.len())
                 .filter(|&c| !self.corners[c].known)
-                .filter_map(|c| self.from_neighbours(x, c).map(|normal| (c, normal)))
+                .filter_map(|c| self.normal_by_neighbours(x, c).map(|normal| (c, normal)))
                 .collect();
             for &(c, normal) in &found {
                 (self.corners[c].normal, self.corners[c].known) = (normal, true);
@@ -209,7 +209,7 @@ impl Curves {
     }
 
     /// The normal nearest to that of a corner for which `(n_a + n_b) . d = 0` to all neighbours whose normals are known, in the sense of least squares.
-    fn from_neighbours(&self, x: &[Vector], corner: usize) -> Option<Vector> {
+    fn normal_by_neighbours(&self, x: &[Vector], corner: usize) -> Option<Vector> {
         let Corner { node, facets, normal: start, .. } = &self.corners[corner];
         let mut chords: Vec<(Vector, f64)> = Vec::new();
         for &f in facets {

@@ -11,6 +11,9 @@ use stoss_tensor::nalgebra::{Matrix4, Matrix5, Vector4, Vector5};
 /// Pieces of a side that lies along the curvature: the facets are a ninth as far from the surface as before.
 const PIECES: usize = 3;
 
+/// Height of the arch over a side, in parts of the side, from which on it spans more than 60 degrees: `tan(15 degrees) / 2`.
+const WIDEST: f64 = 0.134;
+
 /// Nodes are on the surface if they are nearer to it than this part of the largest height of a side's arch.
 const ON: f64 = 0.05;
 
@@ -164,10 +167,30 @@ pub(super) fn finer_facets(key: &str, surfaces: &[RoundSurface], mesh: &Mesh, pr
         let arch =
             |round: &Round| facets.iter().flat_map(sides_of).map(|s| round.distance(&middle(s))).fold(0.0, f64::max);
         let off = |round: &Round| points.iter().map(|x| round.distance(x)).fold(0.0, f64::max);
+        let widest = |round: &Round| {
+            let steep = |s: [u32; 2]| round.distance(&middle(s)) / (at(s[0]) - at(s[1])).norm();
+            facets.iter().flat_map(sides_of).map(steep).fold(0.0, f64::max)
+        };
         match fitted.map(|round| (round, arch(&round), off(&round))) {
+            Some((round, ..)) if widest(&round) > WIDEST => {
+                let message = format!("has sides that span more than 60 degrees of the {surface} that fits best");
+                problems.add(
+                    key,
+                    set,
+                    message,
+                    "use at least six elements around, or remove the entry: as many points lie on many surfaces",
+                );
+            }
             Some((round, arch, off)) if off <= ON * arch => {
                 for facet in &facets {
-                    rounds.entry((facet.element, facet.local)).or_insert(round);
+                    if rounds.insert((facet.element, facet.local), round).is_some() {
+                        let message = format!(
+                            "has facet {} of element {}, which an entry before has, too",
+                            facet.local, facet.element
+                        );
+                        problems.add(key, set, message, "name each facet once");
+                        break;
+                    }
                     for side in sides_of(facet) {
                         let length = (at(side[0]) - at(side[1])).norm();
                         if round.distance(&middle(side)) > STRAIGHT * length {
