@@ -9,7 +9,7 @@ use stoss_geometry::{Aabb, BoundingVolumeTree, PairKind, closest};
 const SAME: f64 = 1e-9;
 
 /// Cosine of the angle between two normals, one of them turned around, from which on facets face each other.
-const FACING: f64 = 0.5;
+pub(crate) const OPPOSITE: f64 = 0.5;
 
 /// Cosine of the angle between neighbours up to which a surface goes on.
 const GOES_ON: f64 = 0.94;
@@ -156,7 +156,7 @@ impl<'a> Facing<'a> {
             self.tree.query(&self.tree.item_box(t as usize).inflated(reach), |s| {
                 let s = s as u32;
                 let other = self.body(s);
-                let is_opposite = self.normals[s as usize].dot(&normal) < -FACING && !met.contains(&other);
+                let is_opposite = self.normals[s as usize].dot(&normal) < -OPPOSITE && !met.contains(&other);
                 let may_act = || self.rules.between(class, self.class(s)).is_some();
                 let is_other =
                     || body != other || triangles[t as usize].iter().all(|v| !triangles[s as usize].contains(v));

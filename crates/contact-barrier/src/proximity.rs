@@ -205,11 +205,6 @@ impl Proximity {
         is_complete
     }
 
-    /// Where a point is at the end of its path.
-    pub fn end_of(&self, point: u32) -> Vector3<f64> {
-        self.start[point as usize] + self.motion[point as usize]
-    }
-
     /// Whether a pair is in the layer at the start of the paths or at their end; most of the others are there for the room around them.
     pub fn expects(&self, candidate: &Candidate) -> bool {
         let (x, motion) = (candidate.of(&self.start), candidate.of(&self.motion));

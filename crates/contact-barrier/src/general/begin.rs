@@ -1,7 +1,8 @@
 //! Which contacts begin. It is asked where they have no energy, so the answers may be sharp; theory/barrier#begin.
 
+use super::contacts::nearest;
 use super::history::{Key, Spring};
-use crate::proximity::{Candidate, Proximity};
+use crate::proximity::Candidate;
 use crate::{Interactions, Skin};
 use nalgebra::Vector3;
 use stoss_geometry::{ClosestPair, PairFeature, closest, combine};
@@ -19,11 +20,10 @@ const TURN: f64 = 0.1;
 /// The part of the thickness in which that acts which is not needed as long as other contacts carry: corners that are flush, and edges of the mesh of flat surfaces.
 const LAST: f64 = 0.3;
 
-/// Where the question is asked: at the start of the step, at its predictor, at the end of a way of the iteration.
+/// What the question is asked of: at the start of the step, and at its predictor.
 pub(super) struct Scene<'a> {
     pub skin: &'a Skin,
     pub rules: &'a Interactions,
-    pub proximity: &'a Proximity,
     pub candidates: &'a [Candidate],
     pub x_n: &'a [Vector3<f64>],
     pub predicted: &'a [Vector3<f64>],
@@ -48,24 +48,16 @@ impl Scene<'_> {
         keys.find_map(of).map_or_else(Vector3::zeros, |place| self.springs[place].stretch)
     }
 
-    /// A point in one of the three configurations, of which one suffices: at the start of the step, at its predictor, at the end of the way on which candidates were looked for.
-    fn at(&self, which: usize, point: u32) -> Vector3<f64> {
-        match which {
-            0 => self.x_n[point as usize],
-            1 => self.predicted[point as usize],
-            _ => self.proximity.end_of(point),
-        }
+    /// The two configurations of which one suffices: at the start of the step, and at its predictor.
+    fn configurations(&self) -> [&[Vector3<f64>]; 2] {
+        [self.x_n, self.predicted]
     }
 
     /// Weight and largest thickness of a point against a patch, if it begins to act on it.
     pub fn point_begins(&self, of: &[u32]) -> Option<[f64; 2]> {
-        (0..2).find_map(|which| {
-            let all = of.iter().map(|&k| {
-                let c = &self.candidates[k as usize];
-                (c, closest(c.kind, &c.points.map(|p| self.at(which, p))))
-            });
-            let (c, close) = all.min_by(|a, b| a.1.distance_squared.total_cmp(&b.1.distance_squared))?;
-            let [weight, part] = self.meets(c, &close, &|p| self.at(which, p))?;
+        self.configurations().into_iter().find_map(|x| {
+            let (k, close) = nearest(self.candidates, of, x)?;
+            let [weight, part] = self.meets(&self.candidates[k as usize], &close, &|p| x[p as usize])?;
             Some([weight, part * self.thickness])
         })
     }
@@ -153,9 +145,9 @@ impl Scene<'_> {
 
     /// Weight and largest thickness of two edges that begin to act on each other.
     pub fn edges_begin(&self, c: &Candidate) -> Option<[f64; 2]> {
-        let part = (0..2).find_map(|which| {
-            let close = closest(c.kind, &c.points.map(|p| self.at(which, p)));
-            self.cross(c, &close, &|p| self.at(which, p))
+        let part = self.configurations().into_iter().find_map(|x| {
+            let close = closest(c.kind, &c.of(x));
+            self.cross(c, &close, &|p| x[p as usize])
         })?;
         Some([self.skin.edge_weight(c.of).0, part * self.thickness])
     }

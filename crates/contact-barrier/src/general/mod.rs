@@ -141,7 +141,6 @@ impl GeneralContact {
         Scene {
             skin,
             rules,
-            proximity,
             candidates: &proximity.candidates,
             x_n,
             predicted,

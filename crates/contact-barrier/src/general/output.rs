@@ -4,13 +4,11 @@ use super::GeneralContact;
 use super::act::Act;
 use super::areas::{Areas, Meeting, areas_of_triangles};
 use super::joint::Joint;
+use crate::inset::OPPOSITE;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_contact::{BodyPair, SurfaceForce, SurfaceNode};
 use stoss_geometry::{PairKind, closest};
-
-/// Cosine of the angle between the normals of two facets, one of them turned around, from which on they face each other.
-const FACING: f64 = 0.5;
 
 /// Forces at the places of [`Skin::surface_nodes`], and where surfaces meet.
 struct Surface {
@@ -55,7 +53,7 @@ impl GeneralContact {
         let (point, triangle) = (act.end.points[0], act.end.of[0]);
         let own = self.skin.triangle_of_integration_point(point)?;
         let [a, b] = [own, triangle].map(|t| triangles[t as usize]);
-        let faces = a.dot(&b) < -FACING * a.norm() * b.norm();
+        let faces = a.dot(&b) < -OPPOSITE * a.norm() * b.norm();
         let is_near = act.close.distance_squared < act.thickness * act.thickness;
         let weights = std::array::from_fn(|i| -act.close.weights[i + 1]);
         (faces && is_near).then_some(Meeting { point, own, triangle, weights, weight: act.weight })
