@@ -6,7 +6,7 @@
 
 use crate::{Interactions, Skin};
 use nalgebra::Vector3;
-use stoss_geometry::{BoundingVolume, BoundingVolumeTree, MovingBox, PairKind, closest, safe_fraction};
+use stoss_geometry::{BoundingVolume, BoundingVolumeTree, ClosestPair, MovingBox, PairKind, closest, safe_fraction};
 
 /// Part of the distance of a pair that an iteration leaves of it at least.
 const KEEP: f64 = 0.1;
@@ -318,6 +318,15 @@ impl Paths<'_> {
             }
         }
     }
+}
+
+/// The nearest one of some candidates at `x`, and how.
+pub(crate) fn nearest(candidates: &[Candidate], of: &[u32], x: &[Vector3<f64>]) -> Option<(u32, ClosestPair)> {
+    let all = of.iter().map(|&k| {
+        let c = &candidates[k as usize];
+        (k, closest(c.kind, &c.of(x)))
+    });
+    all.min_by(|a, b| a.1.distance_squared.total_cmp(&b.1.distance_squared))
 }
 
 #[cfg(test)]

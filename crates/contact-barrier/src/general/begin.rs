@@ -1,8 +1,7 @@
 //! Which contacts begin. It is asked where they have no energy, so the answers may be sharp; theory/barrier#begin.
 
-use super::contacts::nearest;
 use super::history::{Key, Spring};
-use crate::proximity::Candidate;
+use crate::proximity::{Candidate, nearest};
 use crate::{Interactions, Skin};
 use nalgebra::Vector3;
 use stoss_geometry::{ClosestPair, PairFeature, closest, combine};

@@ -4,7 +4,7 @@ use super::GeneralContact;
 use super::begin::Scene;
 use super::history::{Held, Key};
 use super::pieces::{Patch, PieceList};
-use crate::proximity::Candidate;
+use crate::proximity::{Candidate, nearest};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -253,15 +253,6 @@ impl Contacts {
             stretch,
         });
     }
-}
-
-/// The nearest one of some candidates at `x`, and how.
-pub(super) fn nearest(candidates: &[Candidate], of: &[u32], x: &[Vector3<f64>]) -> Option<(u32, ClosestPair)> {
-    let all = of.iter().map(|&k| {
-        let c = &candidates[k as usize];
-        (k, closest(c.kind, &c.of(x)))
-    });
-    all.min_by(|a, b| a.1.distance_squared.total_cmp(&b.1.distance_squared))
 }
 
 impl GeneralContact {
