@@ -56,6 +56,7 @@ mod options;
 mod points;
 mod positions;
 mod rows;
+mod secant;
 mod sharp_edges;
 mod slot;
 mod state;

@@ -4,6 +4,7 @@ use super::integrate::MARGIN;
 use super::{CARRIED, MortarContact, NO_PENETRATION};
 use crate::friction::Scratch;
 use crate::positions::Positions;
+use crate::secant::Secant;
 use crate::state::{Integrated, Need, StepState};
 use stoss_contact::{
     Auxiliary, Constraint, ContactError, ContactRule, Hold, LocalContribution, Step, StepConfiguration, multipliers_of,
@@ -33,6 +34,7 @@ impl Constraint for MortarContact {
 
     fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
         self.take(step);
+        self.secants.iter_mut().for_each(Secant::begin);
         let Step { q_n, v_n: velocity, reach, .. } = *step;
         self.tree.update(&self.surfaces.master, q_n);
         let surfaces = &self.surfaces;
@@ -115,6 +117,9 @@ impl Constraint for MortarContact {
         }
         if self.rule != ContactRule::EndPoint {
             self.follow_start(&carrying)?;
+        }
+        if want_tangent && self.learns() {
+            self.learn(q_np1, &carrying)?;
         }
         let changed =
             before.iter().zip(nodes(self)).zip(active).any(|((before, now), active)| *active && *before != now);

@@ -1,6 +1,7 @@
 //! What goes from one accepted step to the next: tractions of friction.
 
 use super::MortarContact;
+use crate::secant::Secant;
 use stoss_contact::{Constraint, ContactError, ContactWork, History};
 
 impl History for MortarContact {
@@ -20,18 +21,42 @@ impl History for MortarContact {
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
+        let opened = self.secants.iter_mut().zip(active).filter(|(_, active)| !**active);
+        opened.for_each(|(secant, _)| *secant = Secant::default());
     }
 
     fn save_history(&self) -> Vec<u8> {
-        self.save_friction()
+        let mut out = self.save_friction();
+        let learnt: Vec<_> = self.secants.iter().enumerate().filter(|(_, secant)| !secant.is_empty()).collect();
+        out.extend((learnt.len() as u32).to_le_bytes());
+        for (k, secant) in learnt {
+            out.extend((k as u32).to_le_bytes());
+            secant.save(&mut out);
+        }
+        out
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        if bytes.len() != self.friction_history() {
-            let reason = format!("{} bytes for {} slots", bytes.len(), self.slot_count());
-            return Err(ContactError::History { reason });
-        }
-        self.load_friction(bytes);
+        let error = ContactError::History { reason: format!("{} bytes for {} slots", bytes.len(), self.slot_count()) };
+        let Some((friction, rest)) = bytes.split_at_checked(self.friction_history()) else { return Err(error) };
+        let Some(secants) = load_secants(rest, self.slot_count()) else { return Err(error) };
+        self.load_friction(friction);
+        self.secants = secants;
         Ok(())
     }
+}
+
+/// What rows have learnt; `None` if the bytes are others.
+fn load_secants(mut bytes: &[u8], rows: usize) -> Option<Vec<Secant>> {
+    let word = |bytes: &mut &[u8]| -> Option<u32> {
+        let (word, rest) = bytes.split_first_chunk()?;
+        *bytes = rest;
+        Some(u32::from_le_bytes(*word))
+    };
+    let mut out = vec![Secant::default(); rows];
+    for _ in 0..word(&mut bytes)? {
+        let row = word(&mut bytes)? as usize;
+        *out.get_mut(row)? = Secant::load(&mut bytes)?;
+    }
+    bytes.is_empty().then_some(out)
 }

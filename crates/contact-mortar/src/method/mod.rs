@@ -16,6 +16,7 @@ use crate::factors::Factors;
 use crate::friction::SurfaceFriction;
 use crate::options::{Integrals, MortarOptions, NEARNESS};
 use crate::rows::rows;
+use crate::secant::Secant;
 use crate::sharp_edges::{has_sharp_edges, smooth_parts, unit_normals};
 use crate::slot::Slot;
 use crate::state::{Integrated, StepState, Surfaces};
@@ -75,6 +76,8 @@ pub struct MortarContact {
     pub(crate) end: Integrated,
     pub(crate) middle: Integrated,
     pub(crate) friction: Option<SurfaceFriction>,
+    /// What second derivatives of the weights add to the tangent, one a row.
+    secants: Vec<Secant>,
 }
 
 impl MortarContact {
@@ -106,6 +109,7 @@ impl MortarContact {
         let (smooth_parts, smooth_part_count) = smooth_parts(&master, &master_normals);
         let rows = rows(&slave, &normals, smooth_part_count);
         let without = vec![false; slave.nodes().len()];
+        let secants = vec![Secant::default(); rows.len()];
         Ok(Self {
             name: name.to_owned(),
             tree: SurfaceTree::new(&master, reference)?,
@@ -129,6 +133,7 @@ impl MortarContact {
             end: Integrated::default(),
             middle: Integrated::default(),
             friction: None,
+            secants,
             options,
         })
     }
@@ -251,6 +256,11 @@ impl MortarContact {
             ContactRule::StartPoint | ContactRule::EndPoint | ContactRule::EndPointMean => false,
             ContactRule::Midpoint | ContactRule::EnergyMomentum => true,
         }
+    }
+
+    /// Whether the tangent lacks second derivatives of the weights, as where forces are gradients of the weighted gap and integrals move.
+    pub(crate) fn learns(&self) -> bool {
+        !self.is_frozen() && (self.has_middle() || (self.rule == ContactRule::EndPoint && self.has_rates))
     }
 
     /// Slots whose weights friction has: those of the middle of the step, or of the end if the rule takes forces there.

@@ -26,6 +26,21 @@ impl MortarContact {
         if self.is_vanishing(k) { of_law + COMPLIANCE * self.surfaces.rows[k].area / self.stiffness } else { of_law }
     }
 
+    /// Learns what the second derivatives lack from the gradients at this iterate, of the rows that carry.
+    pub(super) fn learn(&mut self, q_np1: &[f64], carrying: &[bool]) -> Result<(), ContactError> {
+        let edge = self.length();
+        let at = if self.has_middle() { Positions::Mean(&self.step.q_n, q_np1) } else { q_np1.into() };
+        let slots = if self.has_middle() { &self.middle.slots } else { &self.end.slots };
+        for (k, slot) in slots.iter().enumerate().filter(|(k, _)| carrying[*k]) {
+            let nodes = &self.end.slots[k].nodes;
+            let here = slot.evaluate(at, nodes.len(), Want::Hessian);
+            let here = here.ok_or(ContactError::NoNormal { node: nodes[0] })?;
+            let x = nodes.iter().flat_map(|&node| <[f64; 3]>::from(at.of(node))).collect();
+            self.secants[k].learn(nodes, x, here.gradient, &here.hessian, edge);
+        }
+        Ok(())
+    }
+
     /// Adds force and row of a slot with their derivatives to `out`.
     pub(crate) fn contribute(
         &self,
@@ -56,15 +71,21 @@ impl MortarContact {
         if end_point {
             force.copy_from_slice(if has_fixed_weights { &at_end.at_fixed_weights } else { &at_end.gradient });
             hessian.clone_from(&at_end.hessian);
+            if self.learns() {
+                self.secants[k].add_to(&slot.nodes, &mut hessian);
+            }
         } else if mean_of_ends {
             (0..n).for_each(|c| force[c] = 0.5 * (at_end.gradient[c] + start_of(c)));
             hessian.extend(at_end.hessian.iter().map(|h| 0.5 * h));
         } else if self.has_middle() {
             let q_m = Positions::Mean(step.q_n, step.q_np1);
             let middle = if self.is_frozen() { slot } else { &self.middle.slots[k] };
-            let at_middle = middle
+            let mut at_middle = middle
                 .evaluate(q_m, nodes, if want_tangent { Want::Hessian } else { Want::Gradient })
                 .ok_or_else(no_normal)?;
+            if self.learns() {
+                self.secants[k].add_to(&slot.nodes, &mut at_middle.hessian);
+            }
             self.discrete_gradient(k, middle, step, &at_middle, &at_end, &mut force, &mut hessian);
         } else {
             (0..n).for_each(|c| force[c] = start_of(c));
