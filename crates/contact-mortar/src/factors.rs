@@ -59,7 +59,7 @@ fn nearness(u: f64) -> [f64; 2] {
 #[derive(Clone, Debug)]
 pub(crate) struct Facing {
     pub value: f64,
-    derivative: [f64; LOCAL],
+    pub derivative: [f64; LOCAL],
 }
 
 impl Factors {

@@ -41,6 +41,7 @@
 #![doc = include_str!("../README.md")]
 
 mod candidates;
+mod centres;
 mod derivatives;
 mod discrete;
 mod error;

@@ -1,10 +1,12 @@
 //! Multiplier spaces on a slave facet.
 
+use crate::centres::{Centres, Moments, image, polygon_moments};
 use crate::faces::FaceBlock;
 use crate::local::{FacetMatrix, NodeMatrix, NodeVector, matrix};
-use crate::{FacetIntegrals, PairIntegrals};
-use nalgebra::SymmetricEigen;
-use stoss_reference_element::MAX_NODES;
+use crate::{FacetIntegrals, Factors, PairIntegrals};
+use nalgebra::{SymmetricEigen, Vector2, Vector3};
+use stoss_reference_element::{MAX_NODES, Nodal};
+use stoss_segmentation::FacetSegmentation;
 
 /// Which functions the multipliers are made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,7 +14,7 @@ pub enum MultiplierSpace {
     /// The slave's shape functions: `D` couples the nodes of a facet.
     #[default]
     Standard,
-    /// Functions biorthogonal to the slave's shape functions on the covered part: `D` is diagonal.
+    /// Functions of which each has its resultant in one point, its node where the facet is wholly covered: biorthogonal to the slave's shape functions there, and `D` is diagonal.
     Dual,
 }
 
@@ -29,20 +31,51 @@ pub struct MultiplierBasis {
     pub lumped: bool,
     diagonal: bool,
     inverse_mass: NodeMatrix,
+    /// The shape functions at the centres of the functions: row the centre.
+    at_centres: NodeMatrix,
+    /// The inverse of its transpose.
+    shares: NodeMatrix,
+    /// `int phi_A dA`.
+    areas: NodeVector,
 }
+
+/// Parts of a covered area below which that of a function is not taken: points of a part of an odd shape may come near a line on which the functions do not tell them apart.
+const SMALLEST_SHARE: f64 = 1e-2;
+/// A facet that is covered up to this is wholly covered.
+const WHOLE: f64 = 1e-12;
 
 fn rows(m: &NodeMatrix) -> FacetMatrix {
     std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
 }
 
 impl MultiplierBasis {
-    /// The functions of a facet with these integrals.
+    /// The functions of a facet with these integrals, biorthogonal also where it is partly covered: centres are the nodes, as ties have them.
     pub fn new(space: MultiplierSpace, integrals: &FacetIntegrals) -> Self {
+        Self::with_centres(space, integrals, None)
+    }
+
+    /// The functions that contact has on a facet with these segments and integrals: where it is partly covered, centres of dual functions lie in the covered part
+    /// (theory/mortar#centres), so that no pressure acts beside the master. `corners` gives the positions of a master facet.
+    pub fn of_contact(
+        space: MultiplierSpace,
+        integrals: &FacetIntegrals,
+        found: &FacetSegmentation,
+        corners: impl Fn(u32) -> Nodal<Vector3<f64>>,
+        factors: &Factors,
+    ) -> Self {
+        let centres = centres(space, found, corners, factors);
+        Self::with_centres(space, integrals, centres.as_ref())
+    }
+
+    pub(crate) fn with_centres(space: MultiplierSpace, integrals: &FacetIntegrals, centres: Option<&Centres>) -> Self {
         let standard = |diagonal| Self {
             coefficients: rows(&NodeMatrix::identity()),
             lumped: diagonal,
             diagonal,
             inverse_mass: NodeMatrix::zeros(),
+            at_centres: NodeMatrix::identity(),
+            shares: NodeMatrix::identity(),
+            areas: NodeVector::from(integrals.shape),
         };
         if space == MultiplierSpace::Standard {
             return standard(false);
@@ -62,11 +95,29 @@ impl MultiplierBasis {
         let inverse = (smallest > SMALLEST_EIGENVALUE).then(|| scaled.try_inverse()).flatten();
         let Some(inverse) = inverse else { return standard(true) };
         let inverse_mass = NodeMatrix::from_fn(|i, j| scale[i] * inverse[(i, j)] * scale[j]);
-        let c = NodeMatrix::from_fn(|i, j| integrals.shape[i] * inverse_mass[(i, j)]);
-        Self { coefficients: rows(&c), lumped: false, diagonal: true, inverse_mass }
+        let at_centres = centres.map_or(NodeMatrix::identity(), |centres| centres.functions);
+        let Some(shares) = at_centres.transpose().try_inverse() else { return standard(true) };
+        let areas = shares * NodeVector::from(integrals.shape);
+        let least = SMALLEST_SHARE * integrals.shape.iter().sum::<f64>();
+        if centres.is_some() && areas.iter().take(nodes).any(|a| a.is_nan() || *a <= least) {
+            return standard(true);
+        }
+        let c = NodeMatrix::from_diagonal(&areas) * at_centres * inverse_mass;
+        Self { coefficients: rows(&c), lumped: false, diagonal: true, inverse_mass, at_centres, shares, areas }
     }
 
-    /// Whether `D` is diagonal: dual or lumped.
+    /// Integrals over all functions of what has these integrals with the shape functions.
+    pub(crate) fn shares(&self, of_shape: &[f64; MAX_NODES]) -> NodeVector {
+        self.shares * NodeVector::from(*of_shape)
+    }
+
+    /// `d D` of a linear facet from the variations of `int phi_A` and of the functions at the centres.
+    pub(crate) fn slave_variation(&self, areas: &NodeVector, at_centres: Option<&NodeMatrix>) -> NodeMatrix {
+        let fixed = NodeMatrix::from_diagonal(areas) * self.at_centres;
+        at_centres.map_or(fixed, |moved| fixed + NodeMatrix::from_diagonal(&self.areas) * moved)
+    }
+
+    /// Whether `D` follows from the areas and centres of the functions: dual (diagonal where the facet is wholly covered) or lumped.
     pub fn is_diagonal(&self) -> bool {
         self.diagonal
     }
@@ -76,7 +127,7 @@ impl MultiplierBasis {
         self.coefficients.map(|c| (0..MAX_NODES).map(|i| c[i] * shape[i]).sum())
     }
 
-    /// `D_AJ = int phi_A N_J dA`. On a linear facet with dual and lumped functions diagonal, `int phi_A dA` as the row sums of
+    /// `D_AJ = int phi_A N_J dA`. On a linear facet with dual and lumped functions the shape functions at their centres times `int phi_A dA`, which is taken from the row sums of
     /// [`MultiplierBasis::master_block`], with which they have to agree even where dual functions are large.
     pub fn slave_block(&self, integrals: &FacetIntegrals) -> FaceBlock {
         let c = matrix(&self.coefficients);
@@ -89,7 +140,7 @@ impl MultiplierBasis {
             sums.iter_mut().enumerate().for_each(|(a, sum)| *sum += block.sum_of_row(a));
         }
         match &integrals.face {
-            None => FaceBlock::Linear(NodeMatrix::from_diagonal(&NodeVector::from(sums))),
+            None => FaceBlock::Linear(NodeMatrix::from_diagonal(&NodeVector::from(sums)) * self.at_centres),
             Some(face) => FaceBlock::of(&integrals.mass, Some(face)).after(&c).with_row_sums(&sums),
         }
     }
@@ -100,9 +151,51 @@ impl MultiplierBasis {
     }
 
     /// `d C` for variations of `int N_i` and `int N_i N_j` over the whole covered part: `dC = (diag(d shape) - C d
-    /// mass) mass^-1`. Zero for standard and lumped functions.
+    /// mass) mass^-1`, centres held. Zero for standard and lumped functions.
     pub fn coefficient_variation(&self, shape: &[f64; MAX_NODES], mass: &FacetMatrix) -> FacetMatrix {
-        let diagonal = NodeMatrix::from_diagonal(&NodeVector::from(*shape));
-        rows(&((diagonal - matrix(&self.coefficients) * matrix(mass)) * self.inverse_mass))
+        rows(&self.variation(shape, mass, None))
     }
+
+    /// The same with a variation of the functions at the centres.
+    pub(crate) fn variation(
+        &self,
+        shape: &[f64; MAX_NODES],
+        mass: &FacetMatrix,
+        at_centres: Option<&NodeMatrix>,
+    ) -> NodeMatrix {
+        let mut moments = NodeVector::from(*shape);
+        let mut sum = -matrix(&self.coefficients) * matrix(mass);
+        if let Some(moved) = at_centres {
+            moments -= moved.transpose() * self.areas;
+            sum += NodeMatrix::from_diagonal(&self.areas) * moved;
+        }
+        sum += NodeMatrix::from_diagonal(&(self.shares * moments)) * self.at_centres;
+        sum * self.inverse_mass
+    }
+}
+
+/// Centres of dual functions; `None` if they are the nodes.
+pub(crate) fn centres(
+    space: MultiplierSpace,
+    found: &FacetSegmentation,
+    corners: impl Fn(u32) -> Nodal<Vector3<f64>>,
+    factors: &Factors,
+) -> Option<Centres> {
+    let kind = found.frame.kind();
+    let covered = found.parametric_area() / kind.area();
+    if space == MultiplierSpace::Standard || found.segments.is_empty() {
+        return None;
+    }
+    let facing = |facet| factors.facing_of(&found.frame, &corners(facet), false).value;
+    let weights: Vec<f64> = found.segments.iter().map(|segment| facing(segment.master_facet)).collect();
+    if covered >= 1.0 - WHOLE && weights.iter().all(|w| *w == 1.0) {
+        return None;
+    }
+    let polygon = |k: usize| -> Vec<Vector2<f64>> {
+        found.segments[k].vertices().iter().map(|vertex| image(kind, vertex.slave)).collect()
+    };
+    let polygons: Vec<Vec<Vector2<f64>>> =
+        (0..weights.len()).map(|k| if weights[k] > 0.0 { polygon(k) } else { Vec::new() }).collect();
+    let moments: Moments = polygons.iter().zip(&weights).map(|(polygon, w)| polygon_moments(polygon) * *w).sum();
+    if moments[0] > 0.0 { Centres::new(kind, &moments, &polygons) } else { None }
 }

@@ -25,6 +25,15 @@ pub(crate) fn has_sharp_edges(surface: &ContactSurface, normals: &[Vector3<f64>]
     (0..normals.len()).any(|f| surface.neighbours(f as u32).any(|e| is_sharp(normals, e as usize, f)))
 }
 
+/// Cosine of the angle between the normals of neighbours up to which a surface is plane there, 5 degrees.
+const PLANE: f64 = 0.9962;
+
+/// Whether a surface is made of planes, but for its sharp edges; reference normals.
+pub(crate) fn is_plane(surface: &ContactSurface, normals: &[Vector3<f64>]) -> bool {
+    let is_bent = |e: usize, f: usize| !is_sharp(normals, e, f) && normals[e].dot(&normals[f]) < PLANE;
+    !(0..normals.len()).any(|f| surface.neighbours(f as u32).any(|e| is_bent(e as usize, f)))
+}
+
 /// More smooth parts than this, as a coarse mesh of a round body has, are taken for one.
 const MOST_PARTS: usize = 12;
 

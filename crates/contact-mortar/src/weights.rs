@@ -1,15 +1,16 @@
 //! Weights of one slave facet in the gap vectors of its nodes, with derivatives.
 
+use crate::centres::{Centres, Moments, edge_variation, image, image_of_variation, polygon_moments};
 use crate::derivatives::{PairDerivatives, pair_derivatives};
 use crate::faces::FaceBlock;
-use crate::factors::Factors;
+use crate::factors::{Facing, Factors};
 use crate::integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
 use crate::local::{NodeMatrix, NodeVector, matrix};
-use crate::multiplier::{MultiplierBasis, MultiplierSpace};
+use crate::multiplier::{MultiplierBasis, MultiplierSpace, centres};
 use crate::{Faces, TriangleRule};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use stoss_reference_element::{FacePiece, MAX_FACE_NODES, MAX_NODES, Nodal};
-use stoss_segmentation::{FacetSegmentation, MASTER};
+use stoss_segmentation::{FacetSegmentation, LOCAL, MASTER, Segment, SlaveFrame};
 
 /// `g_A = sum_J D_AJ x1_J - sum_K M_AK x2_K` over one facet. Nodes are those of the slave's face, then those of the face of each master facet; corners are those of the
 /// facet, then of each master facet. Of linear faces both are the same.
@@ -98,7 +99,8 @@ impl Integration {
     ) -> FacetWeights {
         let give = hand_over(without);
         let integrals = facet_integrals(found, &corners, slave_face, master_faces, self.rule, &self.factors);
-        let basis = MultiplierBasis::new(self.space, &integrals);
+        let centres = centres(self.space, found, &corners, &self.factors);
+        let basis = MultiplierBasis::with_centres(self.space, &integrals, centres.as_ref());
         let own = integrals.kind.node_count();
         let of_pairs = || integrals.pairs.iter();
         let node_count = |pair: &PairIntegrals| {
@@ -137,11 +139,12 @@ impl Integration {
             derivative: Vec::new(),
             standard,
             support: (give * slave.row_sums()).into(),
-            opposite: (give * NodeVector::from(integrals.opposite)).into(),
+            opposite: (give * basis.shares(&integrals.opposite)).into(),
         };
         if want_derivative {
             let behind = Behind { slave: slave_face, master: master_faces };
-            self.derivatives(found, corners, &behind, &integrals, &basis, &give, &mut out);
+            let centres = centres.filter(|_| !basis.lumped);
+            self.derivatives(found, corners, &behind, &integrals, (&basis, centres.as_ref()), &give, &mut out);
         }
         out
     }
@@ -152,7 +155,7 @@ impl Integration {
         corners: impl Fn(u32) -> Nodal<Vector3<f64>>,
         behind: &Behind<'_>,
         integrals: &FacetIntegrals,
-        basis: &MultiplierBasis,
+        (basis, centres): (&MultiplierBasis, Option<&Centres>),
         give: &NodeMatrix,
         out: &mut FacetWeights,
     ) {
@@ -160,8 +163,12 @@ impl Integration {
         let columns = 3 * out.corner_count();
         out.derivative = vec![0.0; own * count * columns];
         let mut pairs = vec![PairDerivatives::ZERO; integrals.pairs.len()];
+        let mut moving: Vec<[CentreVariation; LOCAL]> = match centres {
+            Some(_) => vec![[CentreVariation::ZERO; LOCAL]; integrals.pairs.len()],
+            None => Vec::new(),
+        };
         let mut at = 0;
-        for segment in &found.segments {
+        for (s, segment) in found.segments.iter().enumerate() {
             // Segments of a pair are next to each other, as in `facet_integrals`.
             while out.masters[at] != segment.master_facet {
                 at += 1;
@@ -169,6 +176,10 @@ impl Integration {
             let master = corners(segment.master_facet);
             let faces = [behind.slave, behind.master.of(segment.master_facet)];
             pair_derivatives(segment, &found.frame, &master, faces, self.rule, &self.factors, &mut pairs[at]);
+            if let Some(centres) = centres {
+                let facing = self.factors.facing_of(&found.frame, &master, true);
+                CentreVariation::add(centres, (s, segment), &found.frame, &master, &facing, &mut moving[at]);
+            }
         }
         let c = matrix(&basis.coefficients);
         let couplings: Vec<FaceBlock> = integrals.pairs.iter().map(PairIntegrals::block).collect();
@@ -192,12 +203,17 @@ impl Integration {
                     }
                 }
             }
-            let dc = matrix(&basis.coefficient_variation(&shape, &mass));
+            let at_centres = centres.map(|centres| {
+                let sum =
+                    moving[range.clone()].iter().map(|of| of[local]).fold(CentreVariation::ZERO, |a, b| a.plus(&b));
+                centres.variation(&sum.moments, &sum.exits)
+            });
+            let dc = basis.variation(&shape, &mass, at_centres.as_ref());
             let slave = if let Some(on_face) = &on_face {
                 on_face.after(&dc).plus(&FaceBlock::of(&mass, Some(&face_mass)).after(&c))
             } else if basis.is_diagonal() {
                 let total = dc * NodeVector::from(integrals.shape) + c * NodeVector::from(shape);
-                FaceBlock::Linear(NodeMatrix::from_diagonal(&total))
+                FaceBlock::Linear(basis.slave_variation(&total, at_centres.as_ref()))
             } else {
                 FaceBlock::Linear(matrix(&mass))
             };
@@ -228,6 +244,52 @@ impl PairDerivatives {
         match &self.faces[1] {
             Some(face) => FaceBlock::quadratic(|i, j| face[i][j][k]),
             None => FaceBlock::Linear(NodeMatrix::from_fn(|i, j| self.coupling[i][j][k])),
+        }
+    }
+}
+
+/// How what the centres of a facet are made of varies with one component of a pair.
+#[derive(Clone, Copy)]
+struct CentreVariation {
+    moments: Moments,
+    /// How far points at which rays leave move along them, in parts of the ray.
+    exits: [f64; MAX_NODES],
+}
+
+impl CentreVariation {
+    const ZERO: Self = Self { moments: Moments::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), exits: [0.0; MAX_NODES] };
+
+    fn plus(&self, other: &Self) -> Self {
+        Self { moments: self.moments + other.moments, exits: std::array::from_fn(|k| self.exits[k] + other.exits[k]) }
+    }
+
+    /// Adds the part of a segment, by the components of its pair.
+    fn add(
+        centres: &Centres,
+        (number, segment): (usize, &Segment),
+        frame: &SlaveFrame,
+        master: &Nodal<Vector3<f64>>,
+        facing: &Facing,
+        out: &mut [Self; LOCAL],
+    ) {
+        let vertices = segment.vertices();
+        let points: Vec<Vector2<f64>> = vertices.iter().map(|v| image(frame.kind(), v.slave)).collect();
+        let moments = polygon_moments(&points);
+        let moved = segment.vertex_derivatives(frame, master);
+        for (column, out) in out.iter_mut().enumerate() {
+            let of =
+                |k: usize| image_of_variation(frame.kind(), [moved[k].slave[0][column], moved[k].slave[1][column]]);
+            out.moments += moments * facing.derivative[column];
+            for (k, &p) in points.iter().enumerate() {
+                let next = (k + 1) % points.len();
+                let (dp, dq) = (of(k), of(next));
+                out.moments += edge_variation(p, points[next], dp, dq) * facing.value;
+                for (exit, a) in centres.exits.iter().zip(&mut out.exits) {
+                    if let Some(exit) = exit.filter(|exit| (exit.segment, exit.vertex) == (number, k)) {
+                        *a += exit.normal.dot(&(dp * (1.0 - exit.part) + dq * exit.part));
+                    }
+                }
+            }
         }
     }
 }

@@ -126,7 +126,7 @@ fn weighted_gap(
         let found = &found.facets[facet as usize];
         let rule = TriangleRule::default();
         let integrals = facet_integrals(found, corners, faces[0].of(facet), &faces[1], rule, &method.factors());
-        let basis = MultiplierBasis::new(space, &integrals);
+        let basis = MultiplierBasis::of_contact(space, &integrals, found, corners, &method.factors());
         let a = slave.local_facets()[facet as usize].iter().position(|&k| k as usize == node).unwrap();
         // Positions of the nodes of a facet's face.
         let nodes = |side: usize, facet: u32| match faces[side].of(facet) {

@@ -29,6 +29,7 @@ mod mortar;
 mod mortar_edges;
 mod mortar_friction;
 mod mortar_sliding;
+mod mortar_tipping;
 mod no_alarm;
 mod own_friction;
 mod own_law;

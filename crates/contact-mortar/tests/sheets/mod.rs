@@ -96,7 +96,7 @@ pub fn method([slave, master]: [Surface; 2], options: MortarOptions) -> MortarCo
 
 pub fn options(dual: bool) -> MortarOptions {
     MortarOptions {
-        space: if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard },
+        space: Some(if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard }),
         ..MortarOptions::default()
     }
 }

@@ -28,10 +28,10 @@ pub(super) fn contact(
     let has_end_point = phases().any(|phase| phase.rule() == GradientRule::EndPoint);
     let within = phases().find_map(|phase| phase.scheme_within_step());
     let options = MortarOptions {
-        space: match item.multipliers {
-            Some(Multipliers::Dual) => MultiplierSpace::Dual,
-            Some(Multipliers::Standard) | None => MultiplierSpace::Standard,
-        },
+        space: item.multipliers.map(|space| match space {
+            Multipliers::Dual => MultiplierSpace::Dual,
+            Multipliers::Standard => MultiplierSpace::Standard,
+        }),
         rule,
         integrals: match item.integrals {
             Some(Chosen::Frozen) => Integrals::Frozen,

@@ -1,0 +1,78 @@
+//! Blocks on mortar contact stand until the vertical through their centre leaves their base, whichever side is the slave and however its facets lie.
+
+use crate::support::simulation;
+
+/// A block of the width 0.2 and the height 1 on an elastic floor of facets of 0.3, whose gravity is turned slowly to `degrees`; friction holds it. `slave`: of the contact.
+fn tilted(degrees: f64, slave: &str, across: usize, turn: f64) -> f64 {
+    let master = if slave == "floor.top" { "block.boundary" } else { "floor.top" };
+    let text = format!(
+        r#"
+[scene]
+title = "tilt"
+kind = "dynamic"
+[parameters]
+degrees = {degrees:?}
+[time]
+end = 9.0
+step = 0.04
+integrator = {{ scheme = "energy-momentum" }}
+[[stage]]
+name = "settle"
+kind = "quasi-static"
+until = 1.0
+step = 0.1
+stabilise = {{ fraction = 1e-3 }}
+[[stage]]
+name = "tilt"
+kind = "dynamic"
+until = 9.0
+[[body]]
+name = "block"
+mesh = {{ generator = "block", size = [0.2, 0.5, 1.0], divisions = [{across}, 2, 4] }}
+position = [0, 0, 0.5]
+material = {{ law = "neo-hooke", young = 1e4, poisson = 0.3 }}
+density = 1.0
+damping = {{ stiffness = 0.01 }}
+[[body]]
+name = "floor"
+mesh = {{ generator = "block", min = [-1.03, -0.9, -0.5], max = [1.07, 0.9, 0], divisions = [7, 6, 1] }}
+rotation = {{ axis = [0, 0, 1], degrees = {turn:?} }}
+material = {{ law = "neo-hooke", young = 1e6, poisson = 0.0 }}
+density = 1.0
+[[prescribe]]
+set = "floor.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[load]]
+body = "block"
+acceleration = [0, 0, -1]
+[[load]]
+body = "block"
+acceleration = {{ table = [[1.0, 0, 0, 0], [5.0, "tan(radians(degrees))", 0, 0]] }}
+[[contact]]
+method = "mortar"
+slave = "{slave}"
+master = "{master}"
+friction = {{ law = "coulomb", mu = 1.0 }}
+"#
+    );
+    let mut simulation = simulation(&text);
+    while !simulation.finished() {
+        simulation.advance().unwrap();
+    }
+    // How far the top has moved.
+    let nodes = simulation.model().bodies[0].nodes.clone();
+    let (q, reference) = (&simulation.state().q, &simulation.model().reference);
+    nodes.map(|n| q[3 * n as usize] - reference[3 * n as usize]).fold(0.0, f64::max)
+}
+
+/// The centre is over the edge at atan(0.2 / 1) = 11.31 degrees.
+#[test]
+fn a_block_stands_at_11_0_degrees_and_falls_at_11_6() {
+    for (slave, across) in [("block.boundary", 1), ("floor.top", 1), ("floor.top", 2)] {
+        let moved = tilted(11.0, slave, across, 0.0);
+        assert!(moved < 0.02, "{slave} {across}: {moved}");
+        let moved = tilted(11.6, slave, across, 0.0);
+        assert!(moved > 0.1, "{slave} {across}: {moved}");
+    }
+}
