@@ -106,11 +106,6 @@ impl MultiplierBasis {
         Self { coefficients: rows(&c), lumped: false, diagonal: true, inverse_mass, at_centres, shares, areas }
     }
 
-    /// Integrals over all functions of what has these integrals with the shape functions.
-    pub(crate) fn shares(&self, of_shape: &[f64; MAX_NODES]) -> NodeVector {
-        self.shares * NodeVector::from(*of_shape)
-    }
-
     /// `d D` of a linear facet from the variations of `int phi_A` and of the functions at the centres.
     pub(crate) fn slave_variation(&self, areas: &NodeVector, at_centres: Option<&NodeMatrix>) -> NodeMatrix {
         let fixed = NodeMatrix::from_diagonal(areas) * self.at_centres;

@@ -28,9 +28,12 @@ pub(crate) fn has_sharp_edges(surface: &ContactSurface, normals: &[Vector3<f64>]
 /// Cosine of the angle between the normals of neighbours up to which a surface is plane there, 5 degrees.
 const PLANE: f64 = 0.9962;
 
-/// Whether a surface is made of planes, but for its sharp edges; reference normals.
+/// Cosine of that from which on two planes do not face the same slave, 85 degrees.
+const APART: f64 = 0.0872;
+
+/// Whether a surface is made of planes of which no two neighbours face the same slave (they meet at 85 degrees or more); reference normals.
 pub(crate) fn is_plane(surface: &ContactSurface, normals: &[Vector3<f64>]) -> bool {
-    let is_bent = |e: usize, f: usize| !is_sharp(normals, e, f) && normals[e].dot(&normals[f]) < PLANE;
+    let is_bent = |e: usize, f: usize| (APART..PLANE).contains(&normals[e].dot(&normals[f]));
     !(0..normals.len()).any(|f| surface.neighbours(f as u32).any(|e| is_bent(e as usize, f)))
 }
 

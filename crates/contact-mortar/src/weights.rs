@@ -139,7 +139,7 @@ impl Integration {
             derivative: Vec::new(),
             standard,
             support: (give * slave.row_sums()).into(),
-            opposite: (give * basis.shares(&integrals.opposite)).into(),
+            opposite: (give * NodeVector::from(integrals.opposite)).into(),
         };
         if want_derivative {
             let behind = Behind { slave: slave_face, master: master_faces };

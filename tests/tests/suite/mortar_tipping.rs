@@ -11,7 +11,7 @@ fn tilted(degrees: f64, slave: &str, across: usize, turn: f64) -> f64 {
 title = "tilt"
 kind = "dynamic"
 [parameters]
-degrees = {degrees:?}
+tilt = {degrees:?}
 [time]
 end = 9.0
 step = 0.04
@@ -48,7 +48,7 @@ body = "block"
 acceleration = [0, 0, -1]
 [[load]]
 body = "block"
-acceleration = {{ table = [[1.0, 0, 0, 0], [5.0, "tan(radians(degrees))", 0, 0]] }}
+acceleration = {{ table = [[1.0, 0, 0, 0], [5.0, "tan(radians(tilt))", 0, 0]] }}
 [[contact]]
 method = "mortar"
 slave = "{slave}"

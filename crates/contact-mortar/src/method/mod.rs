@@ -46,9 +46,9 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 /// [`ContactRule::Midpoint`] and [`ContactRule::EnergyMomentum`] the discrete gradient about the middle of the step: it has neither resultant nor moment about `q_m`, for
 /// any gap, and its work is the change of the weighted gap. So the energy changes by what closing gaps cost, `p Phi_A(q_n)`, and by nothing else.
 ///
-/// Where [`MortarOptions::space`] is not given, multipliers are dual where neighbouring facets of the master are in one plane to 5 degrees, but for its sharp edges: each row has
+/// Where [`MortarOptions::space`] is not given, multipliers are dual where neighbouring facets of the master are in one plane to 5 degrees, or meet at 85 degrees or more: each row has
 /// its pressure where the rim of the contact is, so that a base carries to its rim (theory/mortar#centres). Where the master is curved the second derivatives of dual functions, which Newton's
-/// method does not have, are large in dynamics: standard ones.
+/// method does not have, are large in dynamics, and where two planes beside each other face the slave both have centres on their common edge: standard ones.
 ///
 /// A row of which less than a fiftieth is opposite the master at the start of a step carries no multiplier in it.
 ///
