@@ -5,6 +5,7 @@ use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
+use crate::rows::{COMPLIANCE, Rows};
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};
@@ -45,6 +46,10 @@ pub(crate) struct System {
     pub slot_width: Vec<u32>,
     /// Positions of the diagonal entries of inactive slots, and the weights of the slots, see [`System::fill_inactive`]; infinity for a force row.
     inactive_diagonal: Vec<(u32, f64)>,
+    /// Positions of the diagonal entries of closed slots of unilateral contact, and one over their stiffnesses with the sign of the row: areas times a length over a stress.
+    closed_diagonal: Vec<(u32, f64)>,
+    /// How rows of unilateral contact are scattered.
+    pub rows: Rows,
     /// Largest stiffness on the diagonal when the step was first linearised.
     slot_stiffness: f64,
     /// What the pattern was made from.
@@ -476,6 +481,8 @@ impl System {
                 .collect(),
             slot_equation,
             inactive_diagonal: Vec::new(),
+            closed_diagonal: Vec::new(),
+            rows: Rows { compliance: if dynamic { 0.0 } else { COMPLIANCE }, ..Rows::default() },
             slot_stiffness: 0.0,
             contributions: Contributions::default(),
             solver,
@@ -657,6 +664,7 @@ impl System {
         let stencils = present.stencils(self);
         self.contact_map = ScatterMap::new(&self.pattern, stencils.iter())?;
         self.inactive_diagonal.clear();
+        self.set_closed_diagonal(model, active)?;
         for ((equations, active), pair) in self.slot_equation.iter().zip(active).zip(&model.contacts) {
             let slots = equations.iter().zip(active).enumerate();
             for (slot, (&first, _)) in slots.filter(|&(_, (&first, &active))| first != NONE && !active) {
@@ -674,6 +682,37 @@ impl System {
             }
         }
         Ok(())
+    }
+
+    /// Where the compliance of closed slots goes: of pressures, and of the multipliers of friction, which are the first two auxiliaries.
+    fn set_closed_diagonal(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
+        self.closed_diagonal.clear();
+        for ((equations, active), pair) in self.slot_equation.iter().zip(active).zip(&model.contacts) {
+            // Between rigid bodies in statics there is no stiffness to measure it by.
+            let Some(method) = pair.method.as_contact().filter(|_| pair.complementarity > 0.0) else { continue };
+            let of_friction = if method.has_friction() { 2 } else { 0 };
+            let kinds = method.auxiliaries().iter().take(of_friction);
+            let multipliers = kinds.filter(|kind| matches!(kind, Auxiliary::Constraint)).count() as u32;
+            let slots = equations.iter().zip(active).enumerate();
+            for (slot, (&first, _)) in slots.filter(|&(_, (&first, &active))| first != NONE && active) {
+                let softness = method.slot_weight(slot) / pair.complementarity;
+                for k in 0..=multipliers {
+                    let equation = first + k;
+                    let missing = LinalgError::EntryNotInPattern { stencil: 0, row: equation, column: equation };
+                    let position = self.pattern.position(equation, equation).ok_or(missing)?;
+                    self.closed_diagonal.push((position as u32, if k == 0 { -softness } else { softness }));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives the rows of closed slots their compliance, in the tangent only: rows that depend on each other can be solved then, and the solution is the same.
+    pub fn soften_closed(&mut self) {
+        let compliance = self.rows.compliance;
+        if compliance > 0.0 {
+            self.closed_diagonal.iter().for_each(|&(at, softness)| self.values[at as usize] += compliance * softness);
+        }
     }
 
     /// Writes the rows of inactive slots, which say that a multiplier stays: a compliance on the diagonal that the slot would have if it were closed, so that the row has the units of

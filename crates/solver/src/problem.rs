@@ -401,7 +401,7 @@ impl StepProblem<'_> {
     }
 
     /// Factorises the tangent plus `shift` times the unit matrix; returns whether the energy falls in no direction, as far as the solver can tell.
-    fn factorise_shifted(&mut self, kind: MatrixKind, shift: f64) -> Result<bool, LinalgError> {
+    pub(crate) fn factorise_shifted(&mut self, kind: MatrixKind, shift: f64) -> Result<bool, LinalgError> {
         let s = &mut *self.system;
         let values = if s.slot_equation.is_empty() { &mut s.solid_values } else { &mut s.values };
         let free = s.numbering.free.len() as u32;
@@ -439,7 +439,7 @@ impl StepProblem<'_> {
     }
 
     /// Solves with what was factorised last.
-    fn solve_factorised(&mut self) -> Result<(), LinalgError> {
+    pub(crate) fn solve_factorised(&mut self) -> Result<(), LinalgError> {
         *self.solves += 1;
         let s = &mut *self.system;
         let (solver, rhs, increment) = (&mut s.solver, &s.rhs, &mut s.increment);
@@ -477,7 +477,7 @@ fn solve_linear(
 
 impl StepProblem<'_> {
     /// Remembers the iterate as the base of updates, completes the increment, and returns its norm.
-    fn keep_base(&mut self) -> Result<f64, StepError> {
+    pub(crate) fn keep_base(&mut self) -> Result<f64, StepError> {
         let s = &mut *self.system;
         for own in &s.own {
             s.base_increment[own.clone()].copy_from_slice(&self.iterate.increment[own.clone()]);

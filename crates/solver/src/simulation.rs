@@ -5,6 +5,7 @@ mod departure;
 mod pairs;
 mod restart;
 mod sliding_supports;
+mod smoothed;
 mod stage;
 mod start;
 mod sudden;

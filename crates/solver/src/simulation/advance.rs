@@ -26,7 +26,7 @@ const AT_ANY_SIZE: &str =
 
 /// From where the iterations start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Start {
+pub(super) enum Start {
     /// The scheme's predictor; in statics the last increment once more.
     Extrapolation,
     /// The last positions, and the linear response to the motion of prescribed components.
@@ -35,8 +35,17 @@ enum Start {
     Last,
 }
 
+/// How a step is tried.
+type How = fn(
+    &mut crate::Model,
+    &mut System,
+    StepInput<'_>,
+    &mut crate::Timings,
+    &mut AttemptLog,
+) -> Result<Attempt, StepError>;
+
 /// An attempt that succeeded, with what could still have failed.
-struct Completed {
+pub(super) struct Completed {
     attempt: Attempt,
     next: State,
     rule: StepRule,
@@ -112,8 +121,12 @@ impl Simulation {
             Err(cause) if other.is_some() && self.may_start_elsewhere(start, &cause) => {
                 let reason = format!("from the predictor: {cause}");
                 self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
-                self.try_from(other.unwrap_or(start), dt, rule)
+                match self.try_from(other.unwrap_or(start), dt, rule) {
+                    Err(cause) => self.try_smoothed(other.unwrap_or(start), dt, rule, cause),
+                    result => result,
+                }
             }
+            Err(cause) => self.try_smoothed(start, dt, rule, cause),
             result => result,
         }
     }
@@ -184,8 +197,12 @@ impl Simulation {
     }
 
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
+        self.try_by(attempt, from, dt, rule)
+    }
+
+    pub(super) fn try_by(&mut self, how: How, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         let mut trace = AttemptLog::default();
-        let result = self.traced(from, dt, rule, &mut trace);
+        let result = self.traced(how, from, dt, rule, &mut trace);
         self.solves += u64::from(trace.solves);
         if let Err(cause) = &result {
             // Without inertia and stabilisation the step size is in no term of this matrix; it is in a start that goes on as the last step ended.
@@ -200,7 +217,14 @@ impl Simulation {
         result
     }
 
-    fn traced(&mut self, from: Start, dt: f64, rule: StepRule, trace: &mut AttemptLog) -> Result<Completed, StepError> {
+    fn traced(
+        &mut self,
+        how: How,
+        from: Start,
+        dt: f64,
+        rule: StepRule,
+        trace: &mut AttemptLog,
+    ) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
         self.begin_contact(dt, rule)?;
         let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
@@ -239,7 +263,7 @@ impl Simulation {
             predict,
             newton: self.newton,
         };
-        let mut attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, trace)?;
+        let mut attempt = how(&mut self.model, &mut self.system, input, &mut self.timings, trace)?;
         let solves = trace.solves;
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
