@@ -304,7 +304,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Activates slots whose node touches the master, see [`TOUCHING`].
+    /// Activates slots whose node touches the master or is behind it, see [`TOUCHING`]: nothing else may hold a body in the first iterate.
     fn close_touching(&mut self) -> Result<(), StepError> {
         let (q, dt) = (&self.state.q, self.clock.dt());
         let (embedding, numbering) = (&self.model.embedding, &self.system.numbering);
@@ -315,7 +315,7 @@ impl Simulation {
             let mut gaps = vec![0.0; active.len()];
             method.complementarity_gaps(q, active, &mut gaps)?;
             for (active, gap) in active.iter_mut().zip(gaps) {
-                *active = gap.abs() <= near;
+                *active = gap <= near;
             }
             method.repair(q, active)?;
             // A constraint between nodes that cannot move determines nothing.

@@ -58,6 +58,10 @@ pub struct Friction {
     /// Mass per area of what sticks, and the stiffness that multipliers are weighed with in the present step.
     inertia: f64,
     stiffness: f64,
+    /// The latter in a step without rates, if it is another one than the penalty.
+    static_weight: Option<f64>,
+    /// Stiffness in the present step of a spring in place of a multiplier.
+    spring: f64,
     /// Stiffness of the bodies at the surface, and with the inertia of the present step.
     body_stiffness: f64,
     resistance: f64,
@@ -154,6 +158,8 @@ impl Friction {
             penalty,
             inertia: 0.0,
             stiffness: penalty,
+            static_weight: None,
+            spring: penalty,
             body_stiffness: 0.0,
             resistance: 0.0,
             stick,
@@ -178,6 +184,15 @@ impl Friction {
         self
     }
 
+    /// The same with another stiffness, traction per length, that multipliers are weighed with in a step without rates. No result depends on it, but Newton's method does:
+    /// where it is stiffer than the bodies the slip of an iterate outweighs what the multiplier knew of the direction, and a point goes to and fro between stick and two
+    /// directions of slip.
+    #[must_use]
+    pub fn with_static_weight(mut self, stiffness: f64) -> Self {
+        self.static_weight = (stiffness > 0.0 && stiffness.is_finite()).then_some(stiffness);
+        self
+    }
+
     /// What resists a slip in the present step, traction per length: bodies and inertia.
     pub(super) fn resistance(&self) -> f64 {
         self.resistance
@@ -188,7 +203,9 @@ impl Friction {
         let inertia = if has_rates { self.inertia / (step_size * step_size) } else { 0.0 };
         self.resistance = self.body_stiffness + if inertia.is_finite() { inertia } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();
-        self.stiffness = if weighs { self.penalty + inertia } else { self.penalty };
+        self.spring = if weighs { self.penalty + inertia } else { self.penalty };
+        let weight = self.static_weight.filter(|_| weighs && !has_rates);
+        self.stiffness = weight.unwrap_or(self.spring);
     }
 
     /// What multiplies slips in the present step, traction per length.
@@ -242,9 +259,9 @@ impl Friction {
         self.midpoint
     }
 
-    /// The compliance with which a multiplier is a spring of [`Friction::stiffness`].
+    /// The compliance with which a multiplier is a spring: of the penalty, and of the inertia of the present step.
     pub fn spring_compliance(&self) -> f64 {
-        self.penalty / self.stiffness
+        self.penalty / self.spring
     }
 
     /// Energy in the tangential spring of a multiplier with a compliance (see [`STICK_COMPLIANCE`]), per area.
