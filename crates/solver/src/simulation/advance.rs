@@ -64,6 +64,13 @@ pub(super) struct Completed {
     solves: u32,
 }
 
+impl Completed {
+    /// Whether the energy falls in some direction at the end of the step.
+    pub(super) fn is_unstable(&self) -> bool {
+        self.attempt.unstable > 0
+    }
+}
+
 impl Simulation {
     fn kinetic(&self, v: &[f64]) -> f64 {
         self.system.masses.kinetic_energy(v)

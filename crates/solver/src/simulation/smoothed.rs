@@ -7,6 +7,9 @@ use crate::step::decision;
 use crate::{DecisionKind, StepError};
 use stoss_integrators::StepRule;
 
+/// Trials in a step, whatever its size: where the second one fails a third will.
+const MOST_TRIALS: usize = 2;
+
 impl Simulation {
     /// Tries a step of which plain attempts failed by smoothed complementarity, if contact may be the cause; the error is that of the plain attempt.
     pub(super) fn try_smoothed(
@@ -19,14 +22,19 @@ impl Simulation {
         if !self.may_smooth(&cause) {
             return Err(cause);
         }
-        let decisions = self.decisions.len();
         let reason = format!("contact smoothed: {cause}");
-        self.decisions.push(decision(self.step + 1, self.state.time, dt, DecisionKind::Restart, reason));
-        self.try_by(attempt_smoothed, from, dt, rule).map_err(|_| {
-            self.decisions.truncate(decisions);
-            self.failures.pop();
-            cause
-        })
+        self.decisions.push(decision(self.step + 1, self.state.time, dt, DecisionKind::Smoothed, reason));
+        // A motion that was free at the start and is resisted by nothing but the shape of pressed surfaces, so that any disturbance leads off, is free.
+        let was_free = matches!(cause, StepError::Singular { .. });
+        match self.try_by(attempt_smoothed, from, dt, rule) {
+            Ok(completed) if was_free && completed.is_unstable() => Err(cause),
+            Ok(completed) => Ok(completed),
+            Err(_) => {
+                // The diagnosis looks at plain attempts.
+                self.failures.pop();
+                Err(cause)
+            }
+        }
     }
 
     /// Whether smoothed complementarity may get over a failure.
@@ -40,7 +48,13 @@ impl Simulation {
                 | StepError::Solid(_)
                 | StepError::Contact(_)
         );
+        let of_step = self.decisions.iter().rev().take_while(|decision| decision.step == self.step + 1);
+        let trials = of_step.filter(|decision| decision.kind == DecisionKind::Smoothed).count();
         // Layers that keep surfaces apart have no rows.
-        may_be_contact && self.scheme.is_none() && self.model.has_unilateral_contact() && !self.model.keeps_apart()
+        may_be_contact
+            && trials < MOST_TRIALS
+            && self.scheme.is_none()
+            && self.model.has_unilateral_contact()
+            && !self.model.keeps_apart()
     }
 }

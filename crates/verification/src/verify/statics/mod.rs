@@ -54,7 +54,7 @@ struct Fate {
     stopped: Option<String>,
     steps: u64,
     cuts: usize,
-    /// Steps by smoothed complementarity.
+    /// Trials by smoothed complementarity.
     smoothed: usize,
     iterations: u64,
     seconds: f64,
@@ -114,11 +114,8 @@ fn run(scene: &Scene) -> Outcome<Fate> {
         }
     }
     fate.seconds = start.elapsed().as_secs_f64();
-    let count = |kind, words: &str| {
-        let decisions = simulation.decisions().iter();
-        decisions.filter(|decision| decision.kind == kind && decision.reason.starts_with(words)).count()
-    };
-    (fate.cuts, fate.smoothed) = (count(DecisionKind::Cut, ""), count(DecisionKind::Restart, "contact smoothed"));
+    let count = |kind| simulation.decisions().iter().filter(|decision| decision.kind == kind).count();
+    (fate.cuts, fate.smoothed) = (count(DecisionKind::Cut), count(DecisionKind::Smoothed));
     fate.strain = simulation.balance().strain;
     fate.exactness = exactness(&simulation)?;
     Ok(fate)
