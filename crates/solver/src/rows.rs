@@ -129,4 +129,97 @@ mod tests {
         assert_eq!(smoothed(2.0, 0.75, 4.0, 0.0), Smoothed { value: 2.0, share: 0.0 });
         assert_eq!(smoothed(0.0, 0.0, 4.0, 0.0), Smoothed { value: 0.0, share: 0.5 });
     }
+
+    /// Solution of `matrix x = rhs`, with the largest pivot of each column.
+    fn solved(mut matrix: Vec<Vec<f64>>, mut rhs: Vec<f64>) -> Vec<f64> {
+        let n = rhs.len();
+        for k in 0..n {
+            let pivot = (k..n).max_by(|&a, &b| matrix[a][k].abs().total_cmp(&matrix[b][k].abs())).unwrap();
+            matrix.swap(k, pivot);
+            rhs.swap(k, pivot);
+            for row in k + 1..n {
+                let factor = matrix[row][k] / matrix[k][k];
+                for column in k..n {
+                    matrix[row][column] -= factor * matrix[k][column];
+                }
+                rhs[row] -= factor * rhs[k];
+            }
+        }
+        for k in (0..n).rev() {
+            let rest: f64 = (k + 1..n).map(|j| matrix[k][j] * rhs[j]).sum();
+            rhs[k] = (rhs[k] - rest) / matrix[k][k];
+        }
+        rhs
+    }
+
+    /// The linear complementarity problem `p >= 0`, `gap = matrix p + distance >= 0`, `p gap = 0` along the path of smoothings: the pressures at its end.
+    fn along_the_path(matrix: &[Vec<f64>], distance: &[f64]) -> Vec<f64> {
+        let n = distance.len();
+        let gaps = |p: &[f64]| -> Vec<f64> {
+            (0..n).map(|i| distance[i] + (0..n).map(|j| matrix[i][j] * p[j]).sum::<f64>()).collect()
+        };
+        let mut p = vec![1.0; n];
+        let mut theta = 1.0;
+        while theta > 1e-9 {
+            let merit = |p: &[f64]| {
+                let of = p.iter().zip(gaps(p)).map(|(p, gap)| smoothed(*p, gap, 1.0, theta).value.abs());
+                of.fold(0.0, f64::max)
+            };
+            for _ in 0..60 {
+                let rows: Vec<Smoothed> =
+                    p.iter().zip(gaps(&p)).map(|(p, gap)| smoothed(*p, gap, 1.0, theta)).collect();
+                let tangent = (0..n)
+                    .map(|i| {
+                        let own = |j: usize| if i == j { 1.0 - rows[i].share + COMPLIANCE_SMOOTHED } else { 0.0 };
+                        (0..n).map(|j| rows[i].share * matrix[i][j] + own(j)).collect()
+                    })
+                    .collect();
+                let step = solved(tangent, rows.iter().map(|row| -row.value).collect());
+                let before = merit(&p);
+                if before < 1e-2 * theta {
+                    break;
+                }
+                let at = |length: f64| -> Vec<f64> { p.iter().zip(&step).map(|(p, d)| p + length * d).collect() };
+                let length =
+                    (0..12).map(|k| 0.5_f64.powi(k)).find(|&length| merit(&at(length)) < before).unwrap_or(1.0);
+                p = at(length);
+            }
+            theta *= SLOWER;
+        }
+        p
+    }
+
+    const SLOWER: f64 = 0.4;
+
+    #[test]
+    fn the_path_ends_at_the_solution_of_linear_complementarity() {
+        let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+        let mut random = || {
+            seed ^= seed << 13;
+            seed ^= seed >> 7;
+            seed ^= seed << 17;
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        for trial in 0..60 {
+            let n = 3 + trial % 5;
+            // Every other one has half as many motions as rows, and a condition of about 1e10.
+            let (motions, least) = if trial % 2 == 0 { (n, 1e-2) } else { (n / 2 + 1, 1e-10) };
+            let rows: Vec<Vec<f64>> = (0..n).map(|_| (0..motions).map(|_| random()).collect()).collect();
+            let product = |i: usize, j: usize| (0..motions).map(|k| rows[i][k] * rows[j][k]).sum::<f64>();
+            let matrix: Vec<Vec<f64>> =
+                (0..n).map(|i| (0..n).map(|j| product(i, j) + if i == j { least } else { 0.0 }).collect()).collect();
+            // Distances that some motion makes non-negative, so that pressures stay of order one.
+            let motion: Vec<f64> = (0..motions).map(|_| 4.0 * random()).collect();
+            let distance: Vec<f64> = (0..n)
+                .map(|i| (0..motions).map(|k| rows[i][k] * motion[k]).sum::<f64>() + 0.1 * (random() + 0.5))
+                .collect();
+            let p = along_the_path(&matrix, &distance);
+            let gap: Vec<f64> =
+                (0..n).map(|i| distance[i] + (0..n).map(|j| matrix[i][j] * p[j]).sum::<f64>()).collect();
+            // A solution of a convex problem is one if and only if these hold.
+            for (p, gap) in p.iter().zip(&gap) {
+                assert!(*p >= -1e-6 && *gap >= -1e-6 && p.min(*gap).abs() < 1e-6, "trial {trial}: {p} {gap}");
+            }
+        }
+    }
 }
