@@ -345,7 +345,7 @@ fn undetermined(all: &mut Vec<Scene>) {
             .contact(method, "upper.bottom", "lower.top", mu)
             .fixed("lower.bottom", "xyz")
             .moved("upper.all", "xyz", &[[0.0; 4], [3.0, 0.0, 0.0, -0.1], [8.0, 0.3, 0.0, -0.1]]);
-        all.push(scene.quick());
+        all.push(if method == "mortar" { scene.quick() } else { scene });
     }
 }
 
