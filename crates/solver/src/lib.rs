@@ -20,6 +20,7 @@ mod assembly;
 mod balance;
 mod centrifugal;
 mod checkpoint;
+mod closed;
 mod control;
 mod curvature;
 mod damping;
