@@ -5,7 +5,7 @@ use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
-use crate::rows::{COMPLIANCE, Rows};
+use crate::rows::Rows;
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};
@@ -482,7 +482,7 @@ impl System {
             slot_equation,
             inactive_diagonal: Vec::new(),
             closed_diagonal: Vec::new(),
-            rows: Rows { compliance: if dynamic { 0.0 } else { COMPLIANCE }, ..Rows::default() },
+            rows: Rows::default(),
             slot_stiffness: 0.0,
             contributions: Contributions::default(),
             solver,

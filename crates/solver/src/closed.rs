@@ -1,6 +1,7 @@
 //! Entries on the diagonals of rows of slots: the compliance of closed ones (theory/constraints#compliance), and what stands in the rows of others.
 
 use crate::assembly::System;
+use crate::rows::COMPLIANCE;
 use crate::{Model, StepError};
 use stoss_contact::Auxiliary;
 use stoss_linalg::{LinalgError, NONE};
@@ -27,6 +28,16 @@ impl System {
             }
         }
         Ok(())
+    }
+
+    /// After a matrix of statics that is singular: gives rows of closed slots a compliance from now on, and in the present matrix. False if they have one, or if there are none.
+    pub fn soften_singular(&mut self) -> bool {
+        if self.has_rates || self.rows.compliance > 0.0 || self.closed_diagonal.is_empty() {
+            return false;
+        }
+        self.rows.compliance = COMPLIANCE;
+        self.soften_closed();
+        true
     }
 
     /// Gives the rows of closed slots their compliance, in the tangent only: rows that depend on each other can be solved then, and the solution is the same.

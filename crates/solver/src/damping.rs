@@ -1,7 +1,6 @@
 //! Forces of the damping of bodies in a step, and of the stabilisation of statics.
 
 use crate::assembly::System;
-use crate::rows::COMPLIANCE;
 use crate::system::FeSystem;
 use crate::{Damping, Model, StepError};
 use stoss_fe_solid::{TangentTarget, ViscousRate};
@@ -12,8 +11,6 @@ impl System {
     /// Whether the present stage has inertia; without, nothing has a rate and bodies are not damped.
     pub fn set_has_rates(&mut self, has_rates: bool, model: &Model) {
         self.has_rates = has_rates;
-        // In dynamics inertia resists what surfaces do not, and rows are measured by it.
-        self.rows.compliance = if has_rates { 0.0 } else { COMPLIANCE };
         self.has_damping = has_rates && model.bodies.iter().any(|body| body.damping.acts());
     }
 

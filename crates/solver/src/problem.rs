@@ -523,7 +523,16 @@ impl NewtonProblem for StepProblem<'_> {
         let (solver, pattern) = (&mut s.solver, &s.pattern);
         let (rhs, increment) = (&s.rhs, &mut s.increment);
         let timings = &mut *self.timings;
-        let solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, timings);
+        let mut solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, timings);
+        if let Err(LinalgError::Singular { row }) = solved
+            && s.soften_singular()
+        {
+            let error = LinalgError::Singular { row };
+            s.rows.dependent = Some(linear_error(self.model, s, self.iterate, false, error).to_string());
+            let System { solver, pattern, values, rhs, increment, .. } = &mut *s;
+            solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, self.timings);
+            *self.solves += 1;
+        }
         *self.solves += 1;
         self.solved_shifted = s.shifts_rows;
         if let Err(error) = solved {

@@ -16,8 +16,17 @@ pub(crate) const COMPLIANCE_SMOOTHED: f64 = 1.0e-9;
 pub(crate) struct Rows {
     /// Parts of one over the factor of the complementarity function; zero: none.
     pub compliance: f64,
+    /// What was found to be undetermined, if the compliance was needed.
+    pub dependent: Option<String>,
     /// Smoothing of each pair, a stress; empty: rows as the methods write them, of closed slots.
     pub smoothing: Vec<f64>,
+}
+
+impl Rows {
+    /// Rows as the methods write them, with their compliance.
+    pub fn compliant() -> Self {
+        Self { compliance: COMPLIANCE, ..Self::default() }
+    }
 }
 
 /// Value and derivative of the smoothed complementarity function.

@@ -63,7 +63,7 @@ const MOST_GROWTH: f64 = 3.0;
 const PATIENCE: u32 = 5;
 const BETTER: f64 = 0.9;
 
-/// Tries the step as [`attempt`] does, along smoothed complementarity. Rows are left as the methods write them, also after a failure.
+/// Tries the step as [`attempt`] does, along smoothed complementarity. Rows of closed slots keep a compliance in the tangent.
 pub(crate) fn attempt_smoothed(
     model: &mut Model,
     system: &mut System,
@@ -72,10 +72,9 @@ pub(crate) fn attempt_smoothed(
     trace: &mut AttemptLog,
 ) -> Result<Attempt, StepError> {
     let StepInput { step, start, prescribed, predict, newton } = input;
-    let usual = system.rows.clone();
     let path = Path::new(model, system, step, start, timings, trace);
     let found = path.follow(predict.then_some(&prescribed));
-    system.rows = usual;
+    system.rows = Rows::compliant();
     let start = found?;
     let mut rows = std::mem::take(&mut trace.newton);
     let input = StepInput { step, start, prescribed, predict: false, newton };
@@ -198,7 +197,7 @@ impl<'a> Path<'a> {
 
     fn smooth_rows(&mut self) {
         let smoothing = (0..self.model.contacts.len()).map(|c| self.smoothing(c)).collect();
-        self.system.rows = Rows { compliance: COMPLIANCE_SMOOTHED, smoothing };
+        self.system.rows = Rows { compliance: COMPLIANCE_SMOOTHED, smoothing, ..Rows::default() };
     }
 
     /// Goes along the path; `prescribed`: components that have to be brought to where they are at the end of the step first.

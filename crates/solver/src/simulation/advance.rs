@@ -3,6 +3,8 @@
 use super::{InsideOutRule, Simulation};
 use crate::assembly::{Iterate, System, no_auxiliaries};
 use crate::failure::{AttemptLog, FailedAttempt};
+use crate::rows::Rows;
+use crate::smooth::attempt_smoothed;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
@@ -36,13 +38,15 @@ pub(super) enum Start {
 }
 
 /// How a step is tried.
-type How = fn(
-    &mut crate::Model,
-    &mut System,
-    StepInput<'_>,
-    &mut crate::Timings,
-    &mut AttemptLog,
-) -> Result<Attempt, StepError>;
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Way {
+    /// By Newton's method with a set of closed slots.
+    Plain,
+    /// The same with compliant rows and slips of little weight.
+    Careful,
+    /// Along smoothed complementarity.
+    Smoothed,
+}
 
 /// An attempt that succeeded, with what could still have failed.
 pub(super) struct Completed {
@@ -129,11 +133,11 @@ impl Simulation {
                 let reason = format!("from the predictor: {cause}");
                 self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
                 match self.try_from(other.unwrap_or(start), dt, rule) {
-                    Err(cause) => self.try_smoothed(other.unwrap_or(start), dt, rule, cause),
+                    Err(cause) => self.try_carefully(other.unwrap_or(start), dt, rule, cause),
                     result => result,
                 }
             }
-            Err(cause) => self.try_smoothed(start, dt, rule, cause),
+            Err(cause) => self.try_carefully(start, dt, rule, cause),
             result => result,
         }
     }
@@ -152,7 +156,7 @@ impl Simulation {
     }
 
     /// Search and projection at the last positions.
-    pub(super) fn begin_contact(&mut self, dt: f64, rule: StepRule) -> Result<(), StepError> {
+    fn begin_contact(&mut self, dt: f64, rule: StepRule, careful: bool) -> Result<(), StepError> {
         if self.model.contacts.is_empty() {
             return Ok(());
         }
@@ -170,6 +174,7 @@ impl Simulation {
                 dt,
                 rule: contact_rule(rule.constraint.rule),
                 rates: rule.has_inertia(),
+                careful,
                 reach,
                 support,
             };
@@ -204,12 +209,12 @@ impl Simulation {
     }
 
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
-        self.try_by(attempt, from, dt, rule)
+        self.try_by(Way::Plain, from, dt, rule)
     }
 
-    pub(super) fn try_by(&mut self, how: How, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
+    pub(super) fn try_by(&mut self, way: Way, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         let mut trace = AttemptLog::default();
-        let result = self.traced(how, from, dt, rule, &mut trace);
+        let result = self.traced(way, from, dt, rule, &mut trace);
         self.solves += u64::from(trace.solves);
         if let Err(cause) = &result {
             // Without inertia and stabilisation the step size is in no term of this matrix; it is in a start that goes on as the last step ended.
@@ -226,14 +231,15 @@ impl Simulation {
 
     fn traced(
         &mut self,
-        how: How,
+        way: Way,
         from: Start,
         dt: f64,
         rule: StepRule,
         trace: &mut AttemptLog,
     ) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
-        self.begin_contact(dt, rule)?;
+        self.begin_contact(dt, rule, way != Way::Plain)?;
+        self.system.rows = if way == Way::Plain { Rows::default() } else { Rows::compliant() };
         let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
         let embedding = &self.model.embedding;
         let mut start = Iterate {
@@ -270,7 +276,11 @@ impl Simulation {
             predict,
             newton: self.newton,
         };
-        let mut attempt = how(&mut self.model, &mut self.system, input, &mut self.timings, trace)?;
+        let (model, system, timings) = (&mut self.model, &mut self.system, &mut self.timings);
+        let mut attempt = match way {
+            Way::Plain | Way::Careful => attempt(model, system, input, timings, trace)?,
+            Way::Smoothed => attempt_smoothed(model, system, input, timings, trace)?,
+        };
         let solves = trace.solves;
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
@@ -385,6 +395,7 @@ impl Simulation {
 
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
         self.warn_inside_out(&completed.inside_out);
+        self.warn_dependent();
         let Completed {
             attempt, next, rule, strain, mut contact, stored, closing, restored, inside_out, solves, ..
         } = completed;

@@ -1,8 +1,7 @@
 //! The last resort before a step is cut: smoothed complementarity.
 
 use super::Simulation;
-use super::advance::{Completed, Start};
-use crate::smooth::attempt_smoothed;
+use super::advance::{Completed, Start, Way};
 use crate::step::decision;
 use crate::{DecisionKind, StepError};
 use stoss_integrators::StepRule;
@@ -11,8 +10,9 @@ use stoss_integrators::StepRule;
 const MOST_TRIALS: usize = 2;
 
 impl Simulation {
-    /// Tries a step of which plain attempts failed by smoothed complementarity, if contact may be the cause; the error is that of the plain attempt.
-    pub(super) fn try_smoothed(
+    /// Tries a step of which plain attempts failed with more care, if contact may be the cause: once more with a set of closed slots if there is friction, then by smoothed
+    /// complementarity. The error is that of the plain attempt.
+    pub(super) fn try_carefully(
         &mut self,
         from: Start,
         dt: f64,
@@ -22,19 +22,23 @@ impl Simulation {
         if !self.may_smooth(&cause) {
             return Err(cause);
         }
-        let reason = format!("contact smoothed: {cause}");
-        self.decisions.push(decision(self.step + 1, self.state.time, dt, DecisionKind::Smoothed, reason));
-        // A motion that was free at the start and is resisted by nothing but the shape of pressed surfaces, so that any disturbance leads off, is free.
-        let was_free = matches!(cause, StepError::Singular { .. });
-        match self.try_by(attempt_smoothed, from, dt, rule) {
-            Ok(completed) if was_free && completed.is_unstable() => Err(cause),
-            Ok(completed) => Ok(completed),
-            Err(_) => {
+        let has_friction = self.model.contacts.iter().any(|c| c.method.as_contact().is_some_and(|m| m.has_friction()));
+        let ways = [
+            (Way::Careful, DecisionKind::Restart, "with compliant rows and slips of little weight"),
+            (Way::Smoothed, DecisionKind::Smoothed, "contact smoothed"),
+        ];
+        for (way, kind, words) in ways.into_iter().filter(|(way, ..)| *way == Way::Smoothed || has_friction) {
+            let reason = format!("{words}: {cause}");
+            self.decisions.push(decision(self.step + 1, self.state.time, dt, kind, reason));
+            match self.try_by(way, from, dt, rule) {
+                // A motion that was free at the start and is resisted by nothing but the shape of pressed surfaces, so that any disturbance leads off, is free.
+                Ok(completed) if matches!(cause, StepError::Singular { .. }) && completed.is_unstable() => break,
+                Ok(completed) => return Ok(completed),
                 // The diagnosis looks at plain attempts.
-                self.failures.pop();
-                Err(cause)
+                Err(_) => drop(self.failures.pop()),
             }
         }
+        Err(cause)
     }
 
     /// Whether smoothed complementarity may get over a failure.
