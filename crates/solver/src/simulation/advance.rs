@@ -133,11 +133,11 @@ impl Simulation {
                 let reason = format!("from the predictor: {cause}");
                 self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
                 match self.try_from(other.unwrap_or(start), dt, rule) {
-                    Err(cause) => self.try_carefully(other.unwrap_or(start), dt, rule, cause),
+                    Err(cause) => self.try_carefully([start, other.unwrap_or(start)], dt, rule, cause),
                     result => result,
                 }
             }
-            Err(cause) => self.try_carefully(start, dt, rule, cause),
+            Err(cause) => self.try_carefully([start, start], dt, rule, cause),
             result => result,
         }
     }

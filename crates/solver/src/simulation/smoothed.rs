@@ -14,7 +14,7 @@ impl Simulation {
     /// complementarity. The error is that of the plain attempt.
     pub(super) fn try_carefully(
         &mut self,
-        from: Start,
+        [first, last]: [Start; 2],
         dt: f64,
         rule: StepRule,
         cause: StepError,
@@ -23,11 +23,17 @@ impl Simulation {
             return Err(cause);
         }
         let has_friction = self.model.contacts.iter().any(|c| c.method.as_contact().is_some_and(|m| m.has_friction()));
-        let ways = [
-            (Way::Careful, DecisionKind::Restart, "with compliant rows and slips of little weight"),
-            (Way::Smoothed, DecisionKind::Smoothed, "contact smoothed"),
-        ];
-        for (way, kind, words) in ways.into_iter().filter(|(way, ..)| *way == Way::Smoothed || has_friction) {
+        let with_care =
+            |from: Start| (Way::Careful, from, DecisionKind::Restart, "with compliant rows and slips of little weight");
+        let mut ways = Vec::new();
+        if has_friction {
+            ways.push(with_care(first));
+            if last != first {
+                ways.push(with_care(last));
+            }
+        }
+        ways.push((Way::Smoothed, last, DecisionKind::Smoothed, "contact smoothed"));
+        for (way, from, kind, words) in ways {
             let reason = format!("{words}: {cause}");
             self.decisions.push(decision(self.step + 1, self.state.time, dt, kind, reason));
             match self.try_by(way, from, dt, rule) {

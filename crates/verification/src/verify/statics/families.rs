@@ -345,7 +345,8 @@ fn undetermined(all: &mut Vec<Scene>) {
             .contact(method, "upper.bottom", "lower.top", mu)
             .fixed("lower.bottom", "xyz")
             .moved("upper.all", "xyz", &[[0.0; 4], [3.0, 0.0, 0.0, -0.1], [8.0, 0.3, 0.0, -0.1]]);
-        all.push(if method == "mortar" { scene.quick() } else { scene });
+        // With friction the tractions of nodes that are all prescribed along the surface are not determined, and how a run goes on is a matter of round-off.
+        all.push(if (method, mu) == ("mortar", 0.0) { scene.quick() } else { scene });
     }
 }
 
