@@ -1,6 +1,7 @@
 //! Storage of the global system: equations, patterns, scatter maps, mass, vectors. What is computed with it is in
 //! [`crate::system`] and [`crate::problem`].
 
+use crate::anchor::Anchor;
 use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
@@ -68,6 +69,8 @@ pub(crate) struct System {
     pub has_dead_loads: bool,
     /// Of a static stage.
     pub stabilisation: Option<Stabilisation>,
+    /// Springs that hold what nothing holds yet.
+    pub anchor: Option<Anchor>,
     /// Whether forces of dampers act on bodies at present.
     pub has_damping: bool,
     /// What of the model acts.
@@ -489,6 +492,7 @@ impl System {
             has_followers,
             has_dead_loads,
             stabilisation: None,
+            anchor: None,
             has_damping: false,
             has_mass: dynamic,
             tangents: 0,

@@ -16,6 +16,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod anchor;
 mod assembly;
 mod balance;
 mod centrifugal;

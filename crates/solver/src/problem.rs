@@ -107,6 +107,8 @@ impl StepProblem<'_> {
         {
             scale = scale.max(history.weight * vector::norm2_of(&step.state_n.history, &s.own));
         }
+        self.add_anchor(want_tangent);
+        let s = &mut *self.system;
         let mut sum = s.auxiliary_square;
         for (rhs, &component) in s.rhs.iter_mut().zip(&s.numbering.free) {
             let r = s.buffers.residual[component as usize];
@@ -579,10 +581,11 @@ impl NewtonProblem for StepProblem<'_> {
         let mut timings = std::mem::take(self.timings);
         let value = timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step.dt));
         *self.timings = timings;
+        let anchored = system.anchor.as_ref().map_or(0.0, |anchor| anchor.energy(&iterate.q, &system.numbering.free));
         let friction: f64 = model.contacts.iter().map(|pair| pair.method.friction_along(*part)).sum();
         let friction = if is_fixed { 0.0 } else { friction };
         let round_off = ENERGY_ROUND_OFF * system.strain_energy_scale;
-        Ok(Some(Potential { value: value? + friction, round_off, is_fixed }))
+        Ok(Some(Potential { value: value? + anchored + friction, round_off, is_fixed }))
     }
 
     fn slope(&self) -> f64 {

@@ -75,22 +75,8 @@ pub(crate) fn attempt_smoothed(
     let path = Path::new(model, system, step, start, timings, trace);
     let found = path.follow(predict.then_some(&prescribed));
     system.rows = Rows::compliant();
-    let start = found?;
-    let mut rows = std::mem::take(&mut trace.newton);
-    let input = StepInput { step, start, prescribed, predict: false, newton };
-    let result = attempt(model, system, input, timings, trace);
-    let mut number = |last: &mut Vec<NewtonRow>| {
-        let before = rows.len() as u32;
-        rows.extend(last.drain(..).map(|row| NewtonRow { iteration: before + row.iteration, ..row }));
-        std::mem::take(&mut rows)
-    };
-    match result {
-        Ok(mut done) => Ok(Attempt { newton: number(&mut done.newton), ..done }),
-        Err(cause) => {
-            trace.newton = number(&mut trace.newton);
-            Err(cause)
-        }
-    }
+    let input = StepInput { step, start: found?, prescribed, predict: false, newton };
+    attempt(model, system, input, timings, trace)
 }
 
 /// What is left of the equations, a part of the forces or of an edge.

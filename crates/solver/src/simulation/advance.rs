@@ -1,6 +1,7 @@
 //! One step of a simulation: attempts, acceptance, work.
 
 use super::{InsideOutRule, Simulation};
+use crate::anchor::attempt_anchored;
 use crate::assembly::{Iterate, System, no_auxiliaries};
 use crate::failure::{AttemptLog, FailedAttempt};
 use crate::rows::Rows;
@@ -42,6 +43,8 @@ pub(super) enum Start {
 pub(super) enum Way {
     /// By Newton's method with a set of closed slots.
     Plain,
+    /// The same from where springs have led it.
+    Anchored,
     /// The same with compliant rows and slips of little weight.
     Careful,
     /// Along smoothed complementarity.
@@ -238,8 +241,10 @@ impl Simulation {
         trace: &mut AttemptLog,
     ) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
-        self.begin_contact(dt, rule, way != Way::Plain)?;
-        self.system.rows = if way == Way::Plain { Rows::default() } else { Rows::compliant() };
+        let is_careful = matches!(way, Way::Careful | Way::Smoothed);
+        self.begin_contact(dt, rule, is_careful)?;
+        self.system.rows = if is_careful { Rows::compliant() } else { Rows::default() };
+        self.system.anchor = None;
         let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
         let embedding = &self.model.embedding;
         let mut start = Iterate {
@@ -279,6 +284,7 @@ impl Simulation {
         let (model, system, timings) = (&mut self.model, &mut self.system, &mut self.timings);
         let mut attempt = match way {
             Way::Plain | Way::Careful => attempt(model, system, input, timings, trace)?,
+            Way::Anchored => attempt_anchored(model, system, input, timings, trace)?,
             Way::Smoothed => attempt_smoothed(model, system, input, timings, trace)?,
         };
         let solves = trace.solves;

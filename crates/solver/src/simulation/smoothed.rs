@@ -23,16 +23,23 @@ impl Simulation {
             return Err(cause);
         }
         let has_friction = self.model.contacts.iter().any(|c| c.method.as_contact().is_some_and(|m| m.has_friction()));
+        // Layers that keep surfaces apart have no rows.
+        let has_rows = self.model.has_unilateral_contact() && !self.model.keeps_apart();
         let with_care =
             |from: Start| (Way::Careful, from, DecisionKind::Restart, "with compliant rows and slips of little weight");
         let mut ways = Vec::new();
-        if has_friction {
+        if matches!(cause, StepError::Singular { .. }) {
+            ways.push((Way::Anchored, last, DecisionKind::Restart, "held by springs that vanish"));
+        }
+        if has_friction && has_rows {
             ways.push(with_care(first));
             if last != first {
                 ways.push(with_care(last));
             }
         }
-        ways.push((Way::Smoothed, last, DecisionKind::Smoothed, "contact smoothed"));
+        if has_rows {
+            ways.push((Way::Smoothed, last, DecisionKind::Smoothed, "contact smoothed"));
+        }
         for (way, from, kind, words) in ways {
             let reason = format!("{words}: {cause}");
             self.decisions.push(decision(self.step + 1, self.state.time, dt, kind, reason));
@@ -60,11 +67,7 @@ impl Simulation {
         );
         let of_step = self.decisions.iter().rev().take_while(|decision| decision.step == self.step + 1);
         let trials = of_step.filter(|decision| decision.kind == DecisionKind::Smoothed).count();
-        // Layers that keep surfaces apart have no rows.
-        may_be_contact
-            && trials < MOST_TRIALS
-            && self.scheme.is_none()
-            && self.model.has_unilateral_contact()
-            && !self.model.keeps_apart()
+        let has_contact = self.model.has_unilateral_contact() || self.model.keeps_apart();
+        may_be_contact && trials < MOST_TRIALS && self.scheme.is_none() && has_contact
     }
 }
