@@ -64,6 +64,59 @@ fn a_run_resumed_after_a_smoothed_step_has_the_same_bits() {
     assert!(pairs.flat_map(|(p, closed)| p.iter().zip(closed)).all(|(p, closed)| *p >= 0.0 && (*closed || *p == 0.0)));
 }
 
+/// One block on another, which a traction presses down: general contact alone holds it, and has no stiffness before.
+const LOADED: &str = r#"
+[scene]
+title = "A block that contact alone holds"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.5
+[[body]]
+name = "low"
+mesh = { generator = "block", min = [-1, -1, 0], max = [1, 1, 1], divisions = [3, 4, 2] }
+material = { law = "saint-venant-kirchhoff", young = 1200.0, poisson = 0.0 }
+[[body]]
+name = "up"
+mesh = { generator = "block", min = [-1, -1, 1], max = [1, 1, 2], divisions = [3, 4, 2] }
+material = { law = "saint-venant-kirchhoff", young = 1200.0, poisson = 0.0 }
+[[prescribe]]
+set = "low.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "up.left"
+components = ["x"]
+fixed = true
+[[prescribe]]
+set = "up.front"
+components = ["y"]
+fixed = true
+[[load]]
+set = "up.top"
+traction = { table = [[0, 0, 0, 0], [1, 0, 0, -12.0]] }
+[general_contact]
+"#;
+
+#[test]
+fn a_block_that_general_contact_alone_holds_is_loaded_by_a_force() {
+    let mut run = simulation(LOADED);
+    to_end(&mut run);
+    assert_eq!(count(&run, DecisionKind::Cut), 0);
+    // A bar of length 2 under the dead traction, E (L^3 - L) / 2 = -12 with the stretch L; the layer takes its part.
+    let stretch = (0..60).fold(1.0_f64, |l, _| l - (600.0 * (l * l * l - l) + 12.0) / (600.0 * (3.0 * l * l - 1.0)));
+    let top = run.model().bodies[1].nodes.clone().map(|node| 3 * node as usize + 2);
+    let reference = &run.model().reference;
+    let moved: Vec<f64> = top.filter(|&c| reference[c] > 2.0 - 1e-9).map(|c| run.state().q[c] - reference[c]).collect();
+    let mean = moved.iter().sum::<f64>() / moved.len() as f64;
+    assert!((mean / (2.0 * (stretch - 1.0)) - 1.0).abs() < 0.06, "{mean} {stretch}");
+    // Without the support along y the block is free, contact or not.
+    let front = "[[prescribe]]\nset = \"up.front\"\ncomponents = [\"y\"]\nfixed = true\n";
+    assert!(LOADED.contains(front));
+    let error = simulation(&LOADED.replace(front, "")).advance().unwrap_err().to_string();
+    assert!(error.contains("singular"), "{error}");
+}
+
 #[test]
 fn a_trial_that_fails_leaves_no_trace() {
     let mut run = simulation(&text_of("contact-cycles"));

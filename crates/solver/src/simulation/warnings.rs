@@ -79,8 +79,7 @@ impl Simulation {
         let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(DEPENDENT);
         if !self.decisions.iter().any(reported) {
             self.warn(format!(
-                "{DEPENDENT}: {cause}. The step was solved with the pressures that are nearest to the last ones: motion and resultants are right, single pressures there are \
-                 one choice of many"
+                "{DEPENDENT}; without compliance {cause}. Of the pressures that fit those nearest to the last ones are taken: single ones mean little there"
             ));
         }
     }
