@@ -28,6 +28,7 @@ fn words(kind: DecisionKind) -> &'static str {
         DecisionKind::Grow => "step size grows",
         DecisionKind::Shrink => "next step size halved",
         DecisionKind::Restart => "step started again",
+        DecisionKind::Smoothed => "contact smoothed",
         DecisionKind::Warning => "warning",
         DecisionKind::Stage => "stage",
         DecisionKind::Release => "release",

@@ -54,7 +54,7 @@ impl SurfaceFriction {
     /// Begins a step of the points of these nodes.
     pub fn begin(&mut self, nodes: &[u32], step: &Step<'_>) {
         (self.rule, self.step_size) = (step.rule, step.dt);
-        self.friction.begin(step.dt, step.rates);
+        self.friction.begin(step);
         for (compliance, &node) in self.compliance.iter_mut().zip(nodes) {
             *compliance = stick_compliance(self.is_compliant || step.support.may_hold(node));
         }

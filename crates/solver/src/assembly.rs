@@ -1,10 +1,12 @@
 //! Storage of the global system: equations, patterns, scatter maps, mass, vectors. What is computed with it is in
 //! [`crate::system`] and [`crate::problem`].
 
+use crate::anchor::Anchor;
 use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
+use crate::rows::Rows;
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};
@@ -24,7 +26,7 @@ pub(crate) struct System {
     pub numbering: Numbering,
     pub masses: Masses,
     /// Pattern of the solids alone, its scatter map (bodies' elements in order, then what loads follow, then parts).
-    solid_pattern: Arc<SparsityPattern>,
+    pub solid_pattern: Arc<SparsityPattern>,
     pub solid_map: ScatterMap,
     /// First stencil of each body in `solid_map`; last entry: first of the loads that follow.
     pub first_stencil: Vec<usize>,
@@ -44,9 +46,13 @@ pub(crate) struct System {
     /// Equations of a slot of each contact pair: one and those of its auxiliaries.
     pub slot_width: Vec<u32>,
     /// Positions of the diagonal entries of inactive slots, and the weights of the slots, see [`System::fill_inactive`]; infinity for a force row.
-    inactive_diagonal: Vec<(u32, f64)>,
+    pub inactive_diagonal: Vec<(u32, f64)>,
+    /// Positions of the diagonal entries of closed slots of unilateral contact, and one over their stiffnesses with the sign of the row: areas times a length over a stress.
+    pub closed_diagonal: Vec<(u32, f64)>,
+    /// How rows of unilateral contact are scattered.
+    pub rows: Rows,
     /// Largest stiffness on the diagonal when the step was first linearised.
-    slot_stiffness: f64,
+    pub slot_stiffness: f64,
     /// What the pattern was made from.
     contributions: Contributions,
     /// With the active constraints; empty without contact: then the matrix is `solid_values`.
@@ -63,6 +69,8 @@ pub(crate) struct System {
     pub has_dead_loads: bool,
     /// Of a static stage.
     pub stabilisation: Option<Stabilisation>,
+    /// Springs that hold what nothing holds yet.
+    pub anchor: Option<Anchor>,
     /// Whether forces of dampers act on bodies at present.
     pub has_damping: bool,
     /// What of the model acts.
@@ -476,12 +484,15 @@ impl System {
                 .collect(),
             slot_equation,
             inactive_diagonal: Vec::new(),
+            closed_diagonal: Vec::new(),
+            rows: Rows::default(),
             slot_stiffness: 0.0,
             contributions: Contributions::default(),
             solver,
             has_followers,
             has_dead_loads,
             stabilisation: None,
+            anchor: None,
             has_damping: false,
             has_mass: dynamic,
             tangents: 0,
@@ -657,6 +668,7 @@ impl System {
         let stencils = present.stencils(self);
         self.contact_map = ScatterMap::new(&self.pattern, stencils.iter())?;
         self.inactive_diagonal.clear();
+        self.set_closed_diagonal(model, active)?;
         for ((equations, active), pair) in self.slot_equation.iter().zip(active).zip(&model.contacts) {
             let slots = equations.iter().zip(active).enumerate();
             for (slot, (&first, _)) in slots.filter(|&(_, (&first, &active))| first != NONE && !active) {
@@ -674,21 +686,6 @@ impl System {
             }
         }
         Ok(())
-    }
-
-    /// Writes the rows of inactive slots, which say that a multiplier stays: a compliance on the diagonal that the slot would have if it were closed, so that the row has the units of
-    /// a row that is. The factors of such a matrix may serve when the slot has closed ([`LinearSolver::solve_nearby`]), and the row counts then as others do.
-    pub fn fill_inactive(&mut self) {
-        if self.tangents == 0 {
-            let diagonal = (0..self.numbering.free.len() as u32).filter_map(|i| self.solid_pattern.position(i, i));
-            let largest = diagonal.map(|at| self.solid_values[at].abs()).fold(0.0, f64::max);
-            self.slot_stiffness = if largest > 0.0 { largest } else { 1.0 };
-        }
-        for &(at, weight) in &self.inactive_diagonal {
-            let stiffness = self.slot_stiffness;
-            self.values[at as usize] =
-                if weight > 0.0 && weight.is_finite() { weight * weight / stiffness } else { stiffness };
-        }
     }
 }
 

@@ -16,10 +16,12 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod anchor;
 mod assembly;
 mod balance;
 mod centrifugal;
 mod checkpoint;
+mod closed;
 mod control;
 mod curvature;
 mod damping;
@@ -39,8 +41,10 @@ mod place;
 mod problem;
 mod record;
 mod rotation;
+mod rows;
 mod simulation;
 mod sliding_support;
+mod smooth;
 mod stabilise;
 mod step;
 mod switches;

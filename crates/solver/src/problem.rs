@@ -107,6 +107,8 @@ impl StepProblem<'_> {
         {
             scale = scale.max(history.weight * vector::norm2_of(&step.state_n.history, &s.own));
         }
+        self.add_anchor(want_tangent);
+        let s = &mut *self.system;
         let mut sum = s.auxiliary_square;
         for (rhs, &component) in s.rhs.iter_mut().zip(&s.numbering.free) {
             let r = s.buffers.residual[component as usize];
@@ -401,7 +403,7 @@ impl StepProblem<'_> {
     }
 
     /// Factorises the tangent plus `shift` times the unit matrix; returns whether the energy falls in no direction, as far as the solver can tell.
-    fn factorise_shifted(&mut self, kind: MatrixKind, shift: f64) -> Result<bool, LinalgError> {
+    pub(crate) fn factorise_shifted(&mut self, kind: MatrixKind, shift: f64) -> Result<bool, LinalgError> {
         let s = &mut *self.system;
         let values = if s.slot_equation.is_empty() { &mut s.solid_values } else { &mut s.values };
         let free = s.numbering.free.len() as u32;
@@ -439,7 +441,7 @@ impl StepProblem<'_> {
     }
 
     /// Solves with what was factorised last.
-    fn solve_factorised(&mut self) -> Result<(), LinalgError> {
+    pub(crate) fn solve_factorised(&mut self) -> Result<(), LinalgError> {
         *self.solves += 1;
         let s = &mut *self.system;
         let (solver, rhs, increment) = (&mut s.solver, &s.rhs, &mut s.increment);
@@ -477,7 +479,7 @@ fn solve_linear(
 
 impl StepProblem<'_> {
     /// Remembers the iterate as the base of updates, completes the increment, and returns its norm.
-    fn keep_base(&mut self) -> Result<f64, StepError> {
+    pub(crate) fn keep_base(&mut self) -> Result<f64, StepError> {
         let s = &mut *self.system;
         for own in &s.own {
             s.base_increment[own.clone()].copy_from_slice(&self.iterate.increment[own.clone()]);
@@ -523,7 +525,16 @@ impl NewtonProblem for StepProblem<'_> {
         let (solver, pattern) = (&mut s.solver, &s.pattern);
         let (rhs, increment) = (&s.rhs, &mut s.increment);
         let timings = &mut *self.timings;
-        let solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, timings);
+        let mut solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, timings);
+        if let Err(LinalgError::Singular { row }) = solved
+            && s.soften_singular()
+        {
+            let error = LinalgError::Singular { row };
+            s.rows.dependent = Some(linear_error(self.model, s, self.iterate, false, error).to_string());
+            let System { solver, pattern, values, rhs, increment, .. } = &mut *s;
+            solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, self.timings);
+            *self.solves += 1;
+        }
         *self.solves += 1;
         self.solved_shifted = s.shifts_rows;
         if let Err(error) = solved {
@@ -570,10 +581,11 @@ impl NewtonProblem for StepProblem<'_> {
         let mut timings = std::mem::take(self.timings);
         let value = timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step.dt));
         *self.timings = timings;
+        let anchored = system.anchor.as_ref().map_or(0.0, |anchor| anchor.energy(&iterate.q, &system.numbering.free));
         let friction: f64 = model.contacts.iter().map(|pair| pair.method.friction_along(*part)).sum();
         let friction = if is_fixed { 0.0 } else { friction };
         let round_off = ENERGY_ROUND_OFF * system.strain_energy_scale;
-        Ok(Some(Potential { value: value? + friction, round_off, is_fixed }))
+        Ok(Some(Potential { value: value? + anchored + friction, round_off, is_fixed }))
     }
 
     fn slope(&self) -> f64 {

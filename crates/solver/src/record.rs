@@ -46,6 +46,8 @@ pub enum DecisionKind {
     Shrink,
     /// The predictor was dropped and the step was started in another way.
     Restart,
+    /// The step failed from all its starts and was tried by smoothed complementarity (theory/constraints#smoothed).
+    Smoothed,
     /// The step was accepted, but its result is doubtful.
     Warning,
     /// A stage began.

@@ -5,6 +5,7 @@ mod departure;
 mod pairs;
 mod restart;
 mod sliding_supports;
+mod smoothed;
 mod stage;
 mod start;
 mod sudden;
@@ -303,9 +304,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Activates slots whose node touches the master, see [`TOUCHING`].
+    /// Activates slots whose node touches the master, see [`TOUCHING`], in statics also what is behind it: nothing else may hold a body in the first iterate.
     fn close_touching(&mut self) -> Result<(), StepError> {
-        let (q, dt) = (&self.state.q, self.clock.dt());
+        let (q, dt, is_static) = (&self.state.q, self.clock.dt(), self.scheme.is_none());
         let (embedding, numbering) = (&self.model.embedding, &self.system.numbering);
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
             let Some(method) = pair.method.as_contact_mut() else { continue };
@@ -314,7 +315,7 @@ impl Simulation {
             let mut gaps = vec![0.0; active.len()];
             method.complementarity_gaps(q, active, &mut gaps)?;
             for (active, gap) in active.iter_mut().zip(gaps) {
-                *active = gap.abs() <= near;
+                *active = gap <= near && (is_static || gap >= -near);
             }
             method.repair(q, active)?;
             // A constraint between nodes that cannot move determines nothing.

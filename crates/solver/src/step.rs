@@ -174,7 +174,7 @@ fn augment(model: &mut Model, iterate: &Iterate) -> Result<usize, StepError> {
     Ok(unsettled)
 }
 
-/// Tries the step. The pairings of `model.contacts` and the pattern of `system` are left in the state of the last iteration. `trace` has
+/// Tries the step; its rows follow those that `trace` has. The pairings of `model.contacts` and the pattern of `system` are left in the state of the last iteration. `trace` has
 /// what was done, also of an attempt that fails.
 pub(crate) fn attempt(
     model: &mut Model,
@@ -187,6 +187,7 @@ pub(crate) fn attempt(
     let mut sets = ActiveSets::new(model, &iterate);
     let mut update = SetUpdate::default();
     let has_contact = model.has_unilateral_contact();
+    let rows_before = trace.newton.len();
     // What earlier steps factorised would show in the last bits, and a run that is resumed knows nothing of it.
     system.solver.forget();
     system.excess = 0;
@@ -233,7 +234,7 @@ pub(crate) fn attempt(
                 // In statics only a solution tells what a set leads to: at the start of a step, as after a change of the set, a load that is light
                 // against the stiffness leaves a residual within the loose tolerance and pressures that say nothing yet.
                 min_iterations: u32::from(
-                    (update.changes > 0 || trace.newton.is_empty()) && !input.step.rule.has_inertia(),
+                    (update.changes > 0 || trace.newton.len() == rows_before) && !input.step.rule.has_inertia(),
                 ),
                 max_iterations: if early > 0 { 1 } else { input.newton.max_iterations },
                 ..input.newton
@@ -263,7 +264,7 @@ pub(crate) fn attempt(
         for (k, record) in report.iterations.iter().enumerate() {
             // A further Newton call starts where the last one stopped: its first residual is a new row only if the
             // constraints changed.
-            if k == 0 && update.changes == 0 && !trace.newton.is_empty() {
+            if k == 0 && update.changes == 0 && trace.newton.len() > rows_before {
                 continue;
             }
             trace.newton.push(NewtonRow {

@@ -3,6 +3,7 @@
 use crate::assembly::System;
 use crate::mass_solve::MassSolver;
 use crate::moment::moment_forces;
+use crate::rows::SmoothedPair;
 use crate::{Load, LoadKind, Model, StepError};
 use std::ops::Range;
 use stoss_contact::{Auxiliary, ContactRule, StepConfiguration as ContactStep};
@@ -242,6 +243,7 @@ impl SecondOrderSystem for FeSystem<'_> {
                 s.values[at as usize] = *value;
             }
             s.fill_inactive();
+            s.soften_closed();
         }
         let free = s.numbering.free.len();
         s.rhs[free..].fill(0.0);
@@ -330,8 +332,15 @@ impl FeSystem<'_> {
                 transform,
                 expanded,
                 shifts_rows,
+                rows,
                 ..
             } = s;
+            let smoothed = match (method.as_contact(), rows.smoothing.get(c)) {
+                (Some(_), Some(&theta)) => {
+                    Some(SmoothedPair { theta, factor: pair.complementarity, pressures: &self.pressures[c] })
+                }
+                _ => None,
+            };
             let equations = &slot_equation[c];
             let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
             method.assemble_with(configuration, pressures, auxiliaries, active, tangent, &mut |local| {
@@ -353,9 +362,11 @@ impl FeSystem<'_> {
                     }
                 }
                 *shifts_rows |= local.shift.iter().skip(coordinates).take(local.slots.len()).any(|&shift| shift != 0.0);
-                for (k, (&slot, row)) in local.slots.iter().zip(&local.residual[coordinates..]).enumerate() {
+                for (k, (&slot, &row)) in local.slots.iter().zip(&local.residual[coordinates..]).enumerate() {
+                    let weight = method.slot_weight(slot as usize);
+                    let row = smoothed.map_or(row, |smoothed| smoothed.row(slot, row, weight));
                     rhs[equations[slot as usize] as usize] -= row + local.shift.get(coordinates + k).unwrap_or(&0.0);
-                    *gap_measure = gap_measure.max(row.abs() / (method.slot_weight(slot as usize) * length));
+                    *gap_measure = gap_measure.max(row.abs() / (weight * length));
                 }
                 *gap_measure = gap_measure.max(local.violation);
                 if local.auxiliaries > 0 {
@@ -394,7 +405,7 @@ impl FeSystem<'_> {
                     } else {
                         (&local.tangent, coordinates)
                     };
-                    if weight == 1.0 {
+                    if weight == 1.0 && smoothed.is_none() {
                         contact_map.add(k, tangent, values);
                     } else {
                         // Forces are weighted, constraint rows are not.
@@ -403,6 +414,10 @@ impl FeSystem<'_> {
                         weighted.extend_from_slice(tangent);
                         for entry in &mut weighted[..coordinates * dim] {
                             *entry *= weight;
+                        }
+                        if let Some(smoothed) = smoothed {
+                            let of_slot = |slot: u32| method.slot_weight(slot as usize);
+                            smoothed.change_tangent(local, weighted, coordinates, of_slot);
                         }
                         contact_map.add(k, weighted, values);
                     }

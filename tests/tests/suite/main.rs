@@ -44,6 +44,7 @@ mod schemes;
 mod second_coordinates;
 mod sets;
 mod slow_contact;
+mod smoothed;
 mod solid_probes;
 mod statics;
 mod support;

@@ -62,7 +62,7 @@ impl MortarContact {
     pub(crate) fn begin_friction_step(&mut self, step: &Step<'_>) {
         let Some(surface) = &mut self.friction else { return };
         surface.step_size = step.dt;
-        surface.friction.begin(step.dt, step.rates);
+        surface.friction.begin(step);
         let Surfaces { slave, rows, .. } = &self.surfaces;
         for (compliance, row) in surface.compliance.iter_mut().zip(rows) {
             // Where a node has several rows, what one says along its face another may say across its own.

@@ -2,7 +2,7 @@
 
 use super::check;
 use super::law::{FrictionInput, FrictionLaw, FrictionOutput, Plane};
-use crate::{ContactError, SlotFriction};
+use crate::{ContactError, SlotFriction, Step};
 use std::sync::Arc;
 
 /// Which traction of the step is in the equations of a midpoint scheme (theory/friction#midpoint). Backward Euler and statics take the one at the end.
@@ -58,6 +58,10 @@ pub struct Friction {
     /// Mass per area of what sticks, and the stiffness that multipliers are weighed with in the present step.
     inertia: f64,
     stiffness: f64,
+    /// The latter in a careful step, if it is another one than the penalty.
+    careful_weight: Option<f64>,
+    /// Stiffness in the present step of a spring in place of a multiplier.
+    spring: f64,
     /// Stiffness of the bodies at the surface, and with the inertia of the present step.
     body_stiffness: f64,
     resistance: f64,
@@ -154,6 +158,8 @@ impl Friction {
             penalty,
             inertia: 0.0,
             stiffness: penalty,
+            careful_weight: None,
+            spring: penalty,
             body_stiffness: 0.0,
             resistance: 0.0,
             stick,
@@ -178,17 +184,27 @@ impl Friction {
         self
     }
 
+    /// The same with another stiffness, traction per length, that multipliers are weighed with in a careful step ([`Step::careful`]). No result depends on it, but Newton's method
+    /// does: where it is stiffer than the bodies the slip of an iterate outweighs what the multiplier knew of the direction, and a point goes to and fro between stick and
+    /// two directions of slip; where it is softer, more iterates are needed.
+    #[must_use]
+    pub fn with_careful_weight(mut self, stiffness: f64) -> Self {
+        self.careful_weight = (stiffness > 0.0 && stiffness.is_finite()).then_some(stiffness);
+        self
+    }
+
     /// What resists a slip in the present step, traction per length: bodies and inertia.
     pub(super) fn resistance(&self) -> f64 {
         self.resistance
     }
 
-    /// Begins a step of a size; without rates inertia resists nothing.
-    pub fn begin(&mut self, step_size: f64, has_rates: bool) {
-        let inertia = if has_rates { self.inertia / (step_size * step_size) } else { 0.0 };
+    /// Begins a step; without rates inertia resists nothing.
+    pub fn begin(&mut self, step: &Step<'_>) {
+        let inertia = if step.rates { self.inertia / (step.dt * step.dt) } else { 0.0 };
         self.resistance = self.body_stiffness + if inertia.is_finite() { inertia } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();
-        self.stiffness = if weighs { self.penalty + inertia } else { self.penalty };
+        self.spring = if weighs { self.penalty + inertia } else { self.penalty };
+        self.stiffness = self.careful_weight.filter(|_| weighs && step.careful).unwrap_or(self.spring);
     }
 
     /// What multiplies slips in the present step, traction per length.
@@ -242,9 +258,9 @@ impl Friction {
         self.midpoint
     }
 
-    /// The compliance with which a multiplier is a spring of [`Friction::stiffness`].
+    /// The compliance with which a multiplier is a spring: of the penalty, and of the inertia of the present step.
     pub fn spring_compliance(&self) -> f64 {
-        self.penalty / self.stiffness
+        self.penalty / self.spring
     }
 
     /// Energy in the tangential spring of a multiplier with a compliance (see [`STICK_COMPLIANCE`]), per area.

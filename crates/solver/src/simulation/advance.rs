@@ -1,8 +1,11 @@
 //! One step of a simulation: attempts, acceptance, work.
 
 use super::{InsideOutRule, Simulation};
+use crate::anchor::attempt_anchored;
 use crate::assembly::{Iterate, System, no_auxiliaries};
 use crate::failure::{AttemptLog, FailedAttempt};
+use crate::rows::Rows;
+use crate::smooth::attempt_smoothed;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::{FeSystem, contact_rule, stress_rule};
 use crate::{
@@ -26,7 +29,7 @@ const AT_ANY_SIZE: &str =
 
 /// From where the iterations start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Start {
+pub(super) enum Start {
     /// The scheme's predictor; in statics the last increment once more.
     Extrapolation,
     /// The last positions, and the linear response to the motion of prescribed components.
@@ -35,8 +38,21 @@ enum Start {
     Last,
 }
 
+/// How a step is tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Way {
+    /// By Newton's method with a set of closed slots.
+    Plain,
+    /// The same from where springs have led it.
+    Anchored,
+    /// The same with compliant rows and slips of little weight.
+    Careful,
+    /// Along smoothed complementarity.
+    Smoothed,
+}
+
 /// An attempt that succeeded, with what could still have failed.
-struct Completed {
+pub(super) struct Completed {
     attempt: Attempt,
     next: State,
     rule: StepRule,
@@ -53,6 +69,13 @@ struct Completed {
     inside_out: Vec<Option<InsideOut>>,
     /// Linear solutions of the attempt.
     solves: u32,
+}
+
+impl Completed {
+    /// Whether the energy falls in some direction at the end of the step.
+    pub(super) fn is_unstable(&self) -> bool {
+        self.attempt.unstable > 0
+    }
 }
 
 impl Simulation {
@@ -112,8 +135,12 @@ impl Simulation {
             Err(cause) if other.is_some() && self.may_start_elsewhere(start, &cause) => {
                 let reason = format!("from the predictor: {cause}");
                 self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
-                self.try_from(other.unwrap_or(start), dt, rule)
+                match self.try_from(other.unwrap_or(start), dt, rule) {
+                    Err(cause) => self.try_carefully([start, other.unwrap_or(start)], dt, rule, cause),
+                    result => result,
+                }
             }
+            Err(cause) => self.try_carefully([start, start], dt, rule, cause),
             result => result,
         }
     }
@@ -132,7 +159,7 @@ impl Simulation {
     }
 
     /// Search and projection at the last positions.
-    pub(super) fn begin_contact(&mut self, dt: f64, rule: StepRule) -> Result<(), StepError> {
+    fn begin_contact(&mut self, dt: f64, rule: StepRule, careful: bool) -> Result<(), StepError> {
         if self.model.contacts.is_empty() {
             return Ok(());
         }
@@ -150,6 +177,7 @@ impl Simulation {
                 dt,
                 rule: contact_rule(rule.constraint.rule),
                 rates: rule.has_inertia(),
+                careful,
                 reach,
                 support,
             };
@@ -184,8 +212,12 @@ impl Simulation {
     }
 
     fn try_from(&mut self, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
+        self.try_by(Way::Plain, from, dt, rule)
+    }
+
+    pub(super) fn try_by(&mut self, way: Way, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         let mut trace = AttemptLog::default();
-        let result = self.traced(from, dt, rule, &mut trace);
+        let result = self.traced(way, from, dt, rule, &mut trace);
         self.solves += u64::from(trace.solves);
         if let Err(cause) = &result {
             // Without inertia and stabilisation the step size is in no term of this matrix; it is in a start that goes on as the last step ended.
@@ -200,9 +232,19 @@ impl Simulation {
         result
     }
 
-    fn traced(&mut self, from: Start, dt: f64, rule: StepRule, trace: &mut AttemptLog) -> Result<Completed, StepError> {
+    fn traced(
+        &mut self,
+        way: Way,
+        from: Start,
+        dt: f64,
+        rule: StepRule,
+        trace: &mut AttemptLog,
+    ) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
-        self.begin_contact(dt, rule)?;
+        let is_careful = matches!(way, Way::Careful | Way::Smoothed);
+        self.begin_contact(dt, rule, is_careful)?;
+        self.system.rows = if is_careful { Rows::compliant() } else { Rows::default() };
+        self.system.anchor = None;
         let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
         let embedding = &self.model.embedding;
         let mut start = Iterate {
@@ -239,7 +281,12 @@ impl Simulation {
             predict,
             newton: self.newton,
         };
-        let mut attempt = attempt(&mut self.model, &mut self.system, input, &mut self.timings, trace)?;
+        let (model, system, timings) = (&mut self.model, &mut self.system, &mut self.timings);
+        let mut attempt = match way {
+            Way::Plain | Way::Careful => attempt(model, system, input, timings, trace)?,
+            Way::Anchored => attempt_anchored(model, system, input, timings, trace)?,
+            Way::Smoothed => attempt_smoothed(model, system, input, timings, trace)?,
+        };
         let solves = trace.solves;
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
@@ -354,6 +401,7 @@ impl Simulation {
 
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
         self.warn_inside_out(&completed.inside_out);
+        self.warn_dependent();
         let Completed {
             attempt, next, rule, strain, mut contact, stored, closing, restored, inside_out, solves, ..
         } = completed;

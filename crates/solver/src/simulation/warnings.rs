@@ -17,6 +17,8 @@ const REPORTED_FALLBACKS: f64 = 0.5;
 const KNOWN_FACTORISATIONS: u64 = 4;
 /// Start of that warning.
 const WITHOUT_PIVOTS: &str = "the multifrontal solver found no good pivots";
+/// Start of the warning that rows of contact depend on each other.
+const DEPENDENT: &str = "rows of contact depend on each other";
 
 /// A part in per cent, or as a multiple where it is large.
 fn part_of(part: f64) -> String {
@@ -69,6 +71,17 @@ impl Simulation {
     pub fn warn(&mut self, reason: impl Into<String>) {
         let warning = decision(self.step + 1, self.state.time, self.clock.dt(), DecisionKind::Warning, reason);
         self.decisions.push(warning);
+    }
+
+    /// Warns once in a run that a step needed the compliance of rows (theory/constraints#compliance): of pressures that are determined only together each may be another one.
+    pub(super) fn warn_dependent(&mut self) {
+        let Some(cause) = self.system.rows.dependent.take() else { return };
+        let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(DEPENDENT);
+        if !self.decisions.iter().any(reported) {
+            self.warn(format!(
+                "{DEPENDENT}; without compliance {cause}. Of the pressures that fit those nearest to the last ones are taken: single ones mean little there"
+            ));
+        }
     }
 
     /// Warns once in a run that many matrices are factorised twice.

@@ -52,6 +52,10 @@ pub(super) fn schemes_that_fit() -> String {
 /// with it.
 const DEFAULT_TANGENTIAL_STIFFNESS: f64 = 10.0;
 
+/// Weight of slips against multipliers in a static step that failed with the weight above, in multiples of Young's modulus over an edge, if the scene gives no stiffness: slips of
+/// an iterate must not outweigh what is known of the traction already.
+const CAREFUL_WEIGHT: f64 = 0.1;
+
 /// The friction of a contact, and what it is called in reports; reports what is wrong and returns `None` then. `complementarity`: Young's modulus
 /// of the softer body over an edge.
 pub(super) fn friction(
@@ -128,5 +132,9 @@ pub(super) fn friction(
     };
     let made = Friction::new(law, stiffness, stick, midpoint);
     let friction = made.map_err(|error| problems.add(key, "", error.to_string(), "correct the parameter")).ok()?;
-    Some((friction.with_body_stiffness(DEFAULT_TANGENTIAL_STIFFNESS * complementarity), plan))
+    let friction = friction.with_body_stiffness(DEFAULT_TANGENTIAL_STIFFNESS * complementarity);
+    // A stiffness that is given is the weight itself.
+    let friction =
+        if penalty.is_none() { friction.with_careful_weight(CAREFUL_WEIGHT * complementarity) } else { friction };
+    Some((friction, plan))
 }

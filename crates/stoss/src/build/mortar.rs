@@ -101,7 +101,7 @@ pub(super) fn contact(
             if acting.iter().any(is_held_along_normals) {
                 warnings.push(format!(
                     "{}: the motion of the whole slave surface along its normal is prescribed; where it has more nodes than the master beside it the \
-                     pressures are not determined, and the system is singular. Exchange slave and master",
+                     pressures are not determined, and the contact resists more than the bodies do. Exchange slave and master",
                     item.label()
                 ));
             }

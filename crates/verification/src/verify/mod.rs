@@ -33,6 +33,7 @@ mod scenes;
 mod segmentation;
 mod stability;
 mod states;
+mod statics;
 mod tangents;
 mod work_precision;
 
@@ -80,6 +81,7 @@ const SUITES: &[&dyn Suite] = &[
     &convergence::Convergence,
     &work_precision::WorkPrecision,
     &stability::Stability,
+    &statics::Statics,
     &lean::Lean,
     &random::Random,
     &scenes::Scenes,
