@@ -20,7 +20,7 @@ pub enum MultiplierSpace {
 
 /// Below this smallest eigenvalue of the scaled mass matrix (1/9 for a parallelogram that is wholly covered, 1/4 for a triangle) dual
 /// functions would be larger than 1e7 and their integrals lose all digits.
-const SMALLEST_EIGENVALUE: f64 = 1e-7;
+const SMALLEST_EIGENVALUE: f64 = 1e-12;
 
 /// Multiplier functions `phi_A = sum_i C_Ai N_i` of one facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
