@@ -510,6 +510,16 @@ impl System {
         RIGID_COMPLIANCE / stiffness
     }
 
+    /// The pattern of bodies, loads and parts alone.
+    pub fn solid_pattern(&self) -> &Arc<SparsityPattern> {
+        &self.solid_pattern
+    }
+
+    /// What it was made from: equations of each element.
+    pub fn stencils(&self) -> impl Iterator<Item = &[u32]> + Clone {
+        self.stencils.iter()
+    }
+
     /// Number of equations at present: free components, active pressures with their auxiliaries.
     pub fn equations(&self) -> usize {
         self.pattern.n()

@@ -88,6 +88,8 @@ pub struct Checkpoint {
     pub decisions: Vec<Decision>,
     /// Linear solves so far.
     pub solves: u64,
+    /// Largest rate of a gap that closed under the law of impact.
+    pub largest_rate: f64,
     /// Further data of the caller by name, for instance the lengths of result files.
     pub attachments: BTreeMap<String, Vec<u8>>,
 }

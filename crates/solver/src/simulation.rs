@@ -2,6 +2,7 @@
 
 mod advance;
 mod departure;
+mod impact;
 mod pairs;
 mod restart;
 mod sliding_supports;
@@ -153,6 +154,7 @@ pub struct Simulation {
     /// Of the step that was tried last.
     failures: Vec<FailedAttempt>,
     solves: u64,
+    impacts: impact::Impacts,
 }
 
 /// What couplings are told of what acts; nothing if there are none.
@@ -244,6 +246,7 @@ impl Simulation {
             decisions: Vec::new(),
             failures: Vec::new(),
             solves: 0,
+            impacts: impact::Impacts::default(),
             model,
             control,
             scheme,
@@ -519,6 +522,7 @@ impl Simulation {
             inside_out: 0,
             unstable: 0,
             closing: Vec::new(),
+            impact_losses: Vec::new(),
             stabilising: None,
             contact: None,
         }

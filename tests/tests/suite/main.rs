@@ -35,7 +35,6 @@ mod own_law;
 mod pair_table;
 mod pairs;
 mod pressures;
-mod restore;
 mod rigid_pairs;
 mod rigid_tools;
 mod round_faces;

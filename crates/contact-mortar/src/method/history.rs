@@ -1,4 +1,4 @@
-//! What goes from one accepted step to the next: tractions of friction.
+//! What goes from one accepted step to the next: tractions of friction, and for how many steps rows have been closed.
 
 use super::MortarContact;
 use stoss_contact::{Constraint, ContactError, ContactWork, History};
@@ -20,18 +20,26 @@ impl History for MortarContact {
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
+        for (steps, active) in self.closed_steps.iter_mut().zip(active) {
+            *steps = if *active { steps.saturating_add(1) } else { 0 };
+        }
     }
 
     fn save_history(&self) -> Vec<u8> {
-        self.save_friction()
+        let mut bytes: Vec<u8> = self.closed_steps.iter().flat_map(|steps| steps.to_le_bytes()).collect();
+        bytes.extend(self.save_friction());
+        bytes
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        if bytes.len() != self.friction_history() {
+        let (steps, friction) = bytes.split_at(bytes.len().min(4 * self.closed_steps.len()));
+        if friction.len() != self.friction_history() || steps.len() != 4 * self.closed_steps.len() {
             let reason = format!("{} bytes for {} slots", bytes.len(), self.slot_count());
             return Err(ContactError::History { reason });
         }
-        self.load_friction(bytes);
+        let (numbers, _) = steps.as_chunks::<4>();
+        self.closed_steps.iter_mut().zip(numbers).for_each(|(steps, bytes)| *steps = u32::from_le_bytes(*bytes));
+        self.load_friction(friction);
         Ok(())
     }
 }

@@ -26,21 +26,17 @@ fn share(model: &Model, node: u32, mut add: impl FnMut(u32, f64)) {
 }
 
 impl Simulation {
-    /// What the contacts store and dissipate in the step, all and each, and what of the cost of closing gaps is to be restored.
-    pub(super) fn contact_work(
-        &mut self,
-        iterate: &Iterate,
-    ) -> Result<(ContactWork, Vec<ContactWork>, f64), StepError> {
-        let (mut total, mut loss) = (ContactWork::default(), 0.0);
+    /// What the contacts store and dissipate in the step, all and each.
+    pub(super) fn contact_work(&mut self, iterate: &Iterate) -> Result<(ContactWork, Vec<ContactWork>), StepError> {
+        let mut total = ContactWork::default();
         let mut of_pairs = Vec::with_capacity(self.model.contacts.len());
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
             let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
             total += work;
-            loss += work.closing.filter(|_| pair.restores).map_or(0.0, |closing| closing.max(0.0));
             of_pairs.push(work);
         }
-        Ok((total, of_pairs, loss))
+        Ok((total, of_pairs))
     }
 
     /// What the contact pairs do at the end of the step, with the work of each.

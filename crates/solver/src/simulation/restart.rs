@@ -31,6 +31,7 @@ impl Simulation {
             timings: self.timings,
             decisions: self.decisions.clone(),
             solves: self.solves,
+            largest_rate: self.impacts.largest_rate,
             attachments,
         }
     }
@@ -143,6 +144,7 @@ impl Simulation {
         self.timings = checkpoint.timings;
         self.decisions = checkpoint.decisions;
         self.solves = checkpoint.solves;
+        self.impacts.largest_rate = checkpoint.largest_rate;
         Ok(checkpoint.attachments)
     }
 

@@ -43,7 +43,6 @@ mod plan;
 mod plausible;
 mod probe;
 #[cfg(feature = "mortar")]
-mod restored;
 #[cfg(feature = "general")]
 mod rigid_inset;
 mod round;
@@ -194,7 +193,6 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         }
         multibody::constraints(scene, &placed, &phases, &mut parts, &mut model, &mut problems, &mut warnings);
         #[cfg(feature = "mortar")]
-        restored::check(scene, &model, &mut problems);
         if problems.list.is_empty() {
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
         }

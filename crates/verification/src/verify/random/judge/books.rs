@@ -27,7 +27,7 @@ pub fn judge(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
     }
     let total = evidence.column("total");
     let loss: Vec<f64> =
-        evidence.column("closing_loss").iter().zip(evidence.column("restored")).map(|(l, r)| l - r).collect();
+        evidence.column("closing_loss").iter().zip(evidence.column("impact_loss")).map(|(l, r)| l + r).collect();
     let step = |row: usize| format!("step {row}");
     // Coordinate augmentation is the midpoint rule for the contact (guide, [[contact]]).
     let conserves = evidence.case.claims().is_some_and(|claims| claims.energy) && evidence.case.method != "cat";

@@ -1,0 +1,418 @@
+//! Impacts: the velocities after a step in which something closed (theory/impacts).
+//!
+//! After a step is solved its velocities hold the impulses `dt p` of the slots that are closed, and these depend on where in the step a gap closed. They are taken out and replaced by those of an
+//! impact law, with all bilateral constraints in the system. Positions stay.
+
+mod complementarity;
+mod law;
+mod response;
+mod rows;
+
+use super::Simulation;
+use crate::StepError;
+use crate::assembly::Iterate;
+use crate::system::contact_rule;
+use complementarity::{DenseCompliance, OperatorCompliance};
+use law::{EnergyOnLine, Impulses, Rates, impulses};
+use response::Response;
+use rows::Row;
+use stoss_contact::{ContactRule, ContactWork, SlotKind, StepConfiguration};
+use stoss_integrators::{State, StepRule};
+use stoss_linalg::vector;
+
+/// Closed slots of deformable bodies whose rate is below this part of the largest one of a closing so far are at rest: facets that turn change it in the second order.
+const AT_REST: f64 = 1e-3;
+
+/// The same of rigid bodies, beside the largest velocity.
+const RIGID_AT_REST: f64 = 1e-12;
+
+/// Up to so many slots `W` is computed by its columns, each of which takes a solution; the iteration for more of them takes about as many.
+const DENSE_SLOTS: usize = 96;
+
+/// The same for models with so few equations that a solution costs less than the rest.
+const FEW_EQUATIONS: usize = 2000;
+const DENSE_SLOTS_OF_FEW: usize = 600;
+
+/// Energy beside the largest of the run that is round-off.
+const ROUND_OFF: f64 = 1e-13;
+
+/// What is kept from one impact to the next.
+#[derive(Debug, Default)]
+pub(super) struct Impacts {
+    response: Response,
+    /// The largest rate of a slot that closed so far; history.
+    pub largest_rate: f64,
+}
+
+/// What the law did to the velocities of a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Impact {
+    /// Kinetic energy that is lost.
+    pub loss: f64,
+    /// The same by constraint of the model: shares by impulse times rate of approach.
+    pub losses: Vec<f64>,
+    /// The part of `loss` at slots of deformable bodies.
+    pub deformable: f64,
+    /// Energy that contact took from the bodies in the step itself, and which `loss` contains.
+    pub closing: f64,
+    /// The same by constraint.
+    pub closings: Vec<f64>,
+    /// Work of supports and drives.
+    pub external: f64,
+    /// Slots that closed.
+    pub closed: u64,
+    /// Energy that the law would have added.
+    pub excess: f64,
+    /// The largest rate of a slot that closed so far.
+    pub largest_rate: f64,
+}
+
+/// Closed one-sided slots.
+#[derive(Debug, Default)]
+struct Closed {
+    rows: Vec<Row>,
+    /// The constraint of the model.
+    pairs: Vec<usize>,
+    /// `dt p`, positive.
+    impulses: Vec<f64>,
+    restitution: Vec<f64>,
+    /// Rates of gaps that are held and settle, not positive.
+    settling: Vec<f64>,
+    is_new: Vec<bool>,
+    /// Whether a node of a solid is in the row.
+    is_deformable: Vec<bool>,
+}
+
+/// Bilateral constraints.
+#[derive(Debug, Default)]
+struct Held {
+    rows: Vec<Row>,
+    is_driven: Vec<bool>,
+}
+
+/// Velocities with the impulses of the rows that made them from those of the step.
+#[derive(Clone, Debug)]
+struct Velocities {
+    v: Vec<f64>,
+    slots: Vec<f64>,
+    held: Vec<f64>,
+}
+
+impl Simulation {
+    /// Whether velocities at the end of a step can come from an impact law: those of the mean velocity and of backward Euler. Schemes that carry accelerations, momenta or forces of constraints
+    /// have the impact in what they carry.
+    pub(super) fn has_impacts(rule: &StepRule) -> bool {
+        rule.has_inertia()
+            && rule.impulse.is_none()
+            && rule.acceleration.is_none()
+            && rule.history.is_none_or(|history| !history.constraint)
+    }
+
+    /// Replaces the velocities in `next` by those after the impact of what closed in the step. `None` if nothing did, and nothing that is closed moves.
+    pub(super) fn impact(
+        &mut self,
+        iterate: &Iterate,
+        of_pairs: &[ContactWork],
+        rule: &StepRule,
+        dt: f64,
+        next: &mut State,
+    ) -> Result<Option<Impact>, StepError> {
+        if !Self::has_impacts(rule) || !self.is_closed(iterate) {
+            return Ok(None);
+        }
+        let closed = self.closed(iterate, rule.constraint.weight * dt, dt, &next.q)?;
+        if closed.rows.is_empty() {
+            return Ok(None);
+        }
+        let (rigid, new) = (self.model.bodies.is_empty(), closed.is_new.contains(&true));
+        let speed = |row: &Row, v: &[f64]| row.dot(v).abs() / row.norm();
+        let moves = |rows: &[Row], than: f64| rows.iter().any(|row| speed(row, &next.v) > than);
+        let largest = self.impacts.largest_rate;
+        let round_off = RIGID_AT_REST * vector::norm_inf(&next.v).max(vector::norm_inf(&self.state.v));
+        if !new && !rigid && !moves(&closed.rows, AT_REST * largest) {
+            return Ok(None);
+        }
+        let held = self.held(iterate, &next.q)?;
+        if !new && rigid && !moves(&closed.rows, round_off) && !moves(&held.rows, round_off) {
+            return Ok(None);
+        }
+        let of_new = closed.rows.iter().zip(&closed.is_new).filter(|(_, new)| **new);
+        let largest_rate = of_new.map(|(row, _)| speed(row, &self.state.v)).fold(largest, f64::max);
+        let closings = self.closing_work(iterate, of_pairs, rule, &next.q)?;
+        let impact = self.after(closed, held, (closings, new), rule, next)?;
+        Ok(Some(Impact { largest_rate, ..impact }))
+    }
+
+    /// Whether a slot that has the law is closed.
+    fn is_closed(&self, iterate: &Iterate) -> bool {
+        let pairs = self.model.contacts.iter().zip(&iterate.active).zip(&iterate.pressures);
+        pairs.filter(|((pair, _), _)| pair.restitution.is_some()).any(|((pair, active), pressures)| {
+            match pair.method.as_contact() {
+                Some(_) => active.contains(&true),
+                None if pair.method.has_limits() => {
+                    let is_closed = |slot: usize| pair.method.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0;
+                    (0..active.len()).any(|slot| active[slot] && is_closed(slot))
+                }
+                None => false,
+            }
+        })
+    }
+
+    /// The slots that are closed at the end of the step and carry.
+    fn closed(&self, iterate: &Iterate, weight: f64, dt: f64, q: &[f64]) -> Result<Closed, StepError> {
+        let mut closed = Closed::default();
+        for (c, pair) in self.model.contacts.iter().enumerate() {
+            let Some(restitution) = pair.restitution.filter(|_| !pair.method.is_off()) else { continue };
+            let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
+            let mut add = |row: Row, slot: usize, settling: f64, is_new: bool| {
+                if !row.is_zero() {
+                    let of_body = |component: u32| self.model.bodies.iter().any(|body| body.nodes.contains(&(component / 3)));
+                    closed.is_deformable.push(row.entries.iter().any(|entry| of_body(entry.0)));
+                    closed.rows.push(row);
+                    closed.pairs.push(c);
+                    closed.impulses.push(weight * pressures[slot].abs());
+                    closed.restitution.push(restitution);
+                    closed.settling.push(settling / dt);
+                    closed.is_new.push(is_new);
+                }
+            };
+            if let Some(method) = pair.method.as_contact() {
+                let carrying: Vec<bool> = active.iter().zip(pressures).map(|(active, p)| *active && *p > 0.0).collect();
+                method.constraint_gradients(q, &carrying, &mut |slot, nodes, gradient| {
+                    let row = Row::new(&self.model.embedding, nodes, gradient, 1.0);
+                    add(row, slot, method.settling(slot), !self.active[c][slot]);
+                })?;
+            } else if pair.method.has_limits() {
+                self.bilateral_rows(c, iterate, q, &mut |slot, nodes, gradient| {
+                    if pair.method.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0 {
+                        // The row is minus the gradient of the gap where the multiplier is positive.
+                        let row = Row::new(&self.model.embedding, nodes, gradient, -pressures[slot].signum());
+                        add(row, slot, 0.0, self.pressures[c][slot] == 0.0);
+                    }
+                })?;
+            }
+        }
+        Ok(closed)
+    }
+
+    /// Gradients of the active slots of a bilateral constraint at `q`: slot, nodes, three entries a node.
+    fn bilateral_rows(
+        &self,
+        c: usize,
+        iterate: &Iterate,
+        q: &[f64],
+        visit: &mut dyn FnMut(usize, &[u32], &[f64]),
+    ) -> Result<(), StepError> {
+        let at_end = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+        let (multipliers, auxiliaries, active) =
+            (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
+        self.model.contacts[c].method.assemble_with(at_end, multipliers, auxiliaries, active, true, &mut |local| {
+            let (dim, coordinates) = (local.dim(), 3 * local.nodes.len());
+            for (k, &slot) in local.slots.iter().enumerate() {
+                let first = (coordinates + k) * dim;
+                visit(slot as usize, &local.nodes, &local.tangent[first..first + coordinates]);
+            }
+        })?;
+        Ok(())
+    }
+
+    /// The equations that hold at all times.
+    fn held(&self, iterate: &Iterate, q: &[f64]) -> Result<Held, StepError> {
+        let mut held = Held::default();
+        for (c, pair) in self.model.contacts.iter().enumerate() {
+            if !pair.method.is_bilateral() || pair.method.is_off() {
+                continue;
+            }
+            self.bilateral_rows(c, iterate, q, &mut |slot, nodes, gradient| {
+                let kind = pair.method.slot_kind(slot);
+                if matches!(kind, SlotKind::Equation | SlotKind::Driven) {
+                    let row = Row::new(&self.model.embedding, nodes, gradient, 1.0);
+                    if !row.is_zero() {
+                        held.rows.push(row);
+                        held.is_driven.push(kind == SlotKind::Driven);
+                    }
+                }
+            })?;
+        }
+        Ok(held)
+    }
+
+    /// What the normal forces of each constraint that has the law took from the bodies in the step.
+    fn closing_work(
+        &self,
+        iterate: &Iterate,
+        of_pairs: &[ContactWork],
+        rule: &StepRule,
+        q: &[f64],
+    ) -> Result<Vec<f64>, StepError> {
+        let configuration = StepConfiguration { q_n: &self.state.q, q_np1: q, rule: contact_rule(rule.constraint.rule) };
+        let mut closings = vec![0.0; self.model.contacts.len()];
+        for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restitution.is_some()) {
+            if let Some(closing) = of_pairs[c].closing {
+                closings[c] = closing;
+                continue;
+            }
+            let (pressures, auxiliaries, active) =
+                (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
+            let mut work = of_pairs[c].friction_work;
+            pair.method.assemble_with(configuration, pressures, auxiliaries, active, false, &mut |local| {
+                for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                    let first = 3 * node as usize;
+                    let moved = (0..3).map(|i| residual[i] * (q[first + i] - self.state.q[first + i]));
+                    work -= moved.sum::<f64>();
+                }
+            })?;
+            closings[c] = -work;
+        }
+        Ok(closings)
+    }
+
+    /// Sets the velocities after the impact.
+    fn after(
+        &mut self,
+        closed: Closed,
+        held: Held,
+        (closings, new): (Vec<f64>, bool),
+        rule: &StepRule,
+        next: &mut State,
+    ) -> Result<Impact, StepError> {
+        let Held { rows: held, is_driven } = held;
+        let v_1 = &next.v;
+        let of_rows = |rows: &[Row], v: &[f64]| -> Vec<f64> { rows.iter().map(|row| row.dot(v)).collect() };
+        let rates_held = of_rows(&held, v_1);
+        let Self { impacts, system, state, balance, prescribed, .. } = &mut *self;
+        impacts.response.prepare(system, held)?;
+        let response = &mut impacts.response;
+        let (masses, free) = (&system.masses, &system.numbering.free[..]);
+        let m = closed.rows.len();
+        let force_of = |j: &[f64]| -> Vec<f64> {
+            let mut force = vec![0.0; v_1.len()];
+            closed.rows.iter().zip(j).for_each(|(row, &j)| row.add_to(j, &mut force));
+            force
+        };
+        // The end of the step without the impulses of the closed slots, on the bilateral constraints.
+        let without: Vec<f64> = closed.impulses.iter().map(|j| -j).collect();
+        let to_constraints: Vec<f64> =
+            rates_held.iter().zip(&is_driven).map(|(rate, driven)| if *driven { 0.0 } else { -rate }).collect();
+        let (change, of_held) = response.velocities((masses, free), &force_of(&without), Some(&to_constraints))?;
+        let v: Vec<f64> = v_1.iter().zip(&change).map(|(v, change)| v + change).collect();
+        let free_end = Velocities { v, slots: without, held: of_held };
+        // In a step without an impact only what alternates is taken out.
+        let no_restitution = vec![0.0; m];
+        let before = of_rows(&closed.rows, &state.v);
+        let rates = Rates {
+            before: &before,
+            free: &of_rows(&closed.rows, &free_end.v),
+            least: &closed.settling,
+            restitution: if new { &closed.restitution } else { &no_restitution },
+        };
+        let is_dense = m <= DENSE_SLOTS || m <= DENSE_SLOTS_OF_FEW && free.len() <= FEW_EQUATIONS;
+        let found: Impulses = if is_dense {
+            let mut columns = Vec::with_capacity(m * m);
+            for row in &closed.rows {
+                let mut force = vec![0.0; v_1.len()];
+                row.add_to(1.0, &mut force);
+                let (velocity, _) = response.velocities((masses, free), &force, None)?;
+                columns.extend(closed.rows.iter().map(|row| row.dot(&velocity)));
+            }
+            let mut w = DenseCompliance::new(m, columns);
+            let Ok(found) = impulses(&mut w, &rates);
+            found
+        } else {
+            let mass = masses.diagonal(v_1.len());
+            let own = |row: &Row| -> f64 {
+                let terms = row.entries.iter().map(|&(c, g)| (mass[c as usize], g * g));
+                terms.filter(|(mass, _)| *mass > 0.0).map(|(mass, square)| square / mass).sum()
+            };
+            let diagonal = closed.rows.iter().map(own).collect();
+            let mut w = OperatorCompliance::new(diagonal, |j: &[f64], out: &mut [f64]| -> Result<(), StepError> {
+                let (velocity, _) = response.velocities((masses, free), &force_of(j), None)?;
+                out.iter_mut().zip(&closed.rows).for_each(|(out, row)| *out = row.dot(&velocity));
+                Ok(())
+            });
+            impulses(&mut w, &rates)?
+        };
+        let with = |response: &mut Response, j: &[f64]| -> Result<Velocities, StepError> {
+            let (change, held) = response.velocities((masses, free), &force_of(j), None)?;
+            let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
+            Ok(Velocities {
+                v: sum(&free_end.v, &change),
+                slots: sum(&free_end.slots, j),
+                held: sum(&free_end.held, &held),
+            })
+        };
+        let plastic = with(response, &found.plastic)?;
+        let elastic = if found.all == found.plastic { None } else { Some(with(response, &found.all)?) };
+        // Energy without the work of supports and drives: that of the step, and the work of the impulses since.
+        let first = masses.kinetic_energy(v_1);
+        let rates_1 = of_rows(&closed.rows, v_1);
+        let energy = |of: &Velocities| -> f64 {
+            let slots = closed.rows.iter().zip(&of.slots).zip(&rates_1);
+            let by_slots: f64 = slots.map(|((row, j), rate)| j * (rate + row.dot(&of.v))).sum();
+            let held = response.rows().iter().zip(&of.held).zip(&rates_held).zip(&is_driven);
+            let not_driven = held.filter(|(_, driven)| !**driven);
+            let by_held: f64 = not_driven.map(|(((row, j), rate), _)| j * (rate + row.dot(&of.v))).sum();
+            first + 0.5 * (by_slots + by_held)
+        };
+        let closing: f64 = closings.iter().sum();
+        // Backward Euler takes the energy of the jump of the velocity itself, more or less of it as the gap closes late or early.
+        let has_mean_velocity = rule.velocity.velocity == -1.0;
+        let target = if has_mean_velocity { first + closing } else { energy(&free_end) };
+        let round_off = ROUND_OFF * balance.largest_energy.max(target);
+        let of_plastic = energy(&plastic);
+        let mut excess = 0.0;
+        let between = |from: &[f64], to: &[f64], s: f64| -> Vec<f64> {
+            from.iter().zip(to).map(|(from, to)| from + s * (to - from)).collect()
+        };
+        let mix = |from: &Velocities, to: &Velocities, s: f64| Velocities {
+            v: between(&from.v, &to.v, s),
+            slots: between(&from.slots, &to.slots, s),
+            held: between(&from.held, &to.held, s),
+        };
+        let difference = |from: &[f64], to: &[f64]| -> f64 {
+            let change: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
+            masses.kinetic_energy(&change)
+        };
+        let last = if of_plastic > target + round_off {
+            // The law may not add energy: as far from the velocities of the step as there is energy.
+            excess = of_plastic - target;
+            let of_step = Velocities { v: v_1.clone(), slots: vec![0.0; m], held: vec![0.0; rates_held.len()] };
+            let line = EnergyOnLine { start: first, end: of_plastic, curvature: difference(v_1, &plastic.v) };
+            let s = line.reaches(target).filter(|s| (0.0..=1.0).contains(s)).unwrap_or(line.lowest());
+            mix(&of_step, &plastic, s)
+        } else if let Some(elastic) = elastic {
+            let line = EnergyOnLine {
+                start: of_plastic,
+                end: energy(&elastic),
+                curvature: difference(&plastic.v, &elastic.v),
+            };
+            let to_be_had = target - of_plastic;
+            let s = match found.uniform {
+                Some(e) => line.reaches(of_plastic + e * e * to_be_had).unwrap_or(1.0),
+                None if line.end > target => line.reaches(target).unwrap_or(line.lowest()).min(1.0),
+                None => 1.0,
+            };
+            mix(&plastic, &elastic, s)
+        } else {
+            plastic
+        };
+        let of_last = energy(&last);
+        let moves = is_driven.contains(&true) || prescribed.iter().any(|&(c, ..)| v_1[c as usize] != 0.0);
+        let kinetic = masses.kinetic_energy(&last.v);
+        let (loss, external) = if moves { (target - of_last, kinetic - of_last) } else { (target - kinetic, 0.0) };
+        let mut losses = vec![0.0; closings.len()];
+        let approach = last.slots.iter().zip(&closed.impulses).zip(&before).map(|((j, p), u)| (j + p) * (-u).max(0.0));
+        let shares: Vec<f64> = approach.map(|share| share.max(0.0)).collect();
+        let all: f64 = shares.iter().sum();
+        let mut deformable = 0.0;
+        for (k, &c) in closed.pairs.iter().enumerate() {
+            let part = loss * if all > 0.0 { shares[k] / all } else { 1.0 / m as f64 };
+            losses[c] += part;
+            deformable += if closed.is_deformable[k] { part } else { 0.0 };
+        }
+        next.v = last.v;
+        self.model.embedding.follow(&mut next.v);
+        let closed = closed.is_new.iter().filter(|new| **new).count() as u64;
+        Ok(Impact { loss, losses, deformable, closing, closings, external, closed, excess, largest_rate: 0.0 })
+    }
+}
