@@ -19,6 +19,7 @@ mod general_round;
 mod general_sizes;
 mod general_start;
 mod general_table;
+mod impacts;
 mod increments;
 mod joint_probes;
 mod lean;
