@@ -265,8 +265,8 @@ pub struct Contact {
     /// Configuration of the mortar integrals, for `mortar` only; `moving` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrals: Option<Integrals>,
-    /// Velocities after a step in which gaps closed: by the law of `impact`, or `keep`. If left out `impact` for `nts` and `mortar` by multipliers, `keep` for `cat`, penalties, the modified constraint
-    /// and frozen integrals. Schemes other than `energy-momentum`, midpoint, trapezoidal and backward Euler keep the velocities of the step anyway.
+    /// Velocities after a step in which gaps closed: by the law of `impact`, or `keep`. If left out `impact` for `nts` and `mortar` by multipliers, `keep` for `cat`, penalties, the modified constraint,
+    /// frozen integrals, and friction with a deformable body. Schemes other than `energy-momentum`, midpoint, trapezoidal and backward Euler keep the velocities of the step anyway.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub closing: Option<Closing>,
     /// Coefficient of restitution of the law of impact, from 0 (plastic) to 1. If left out the larger one of the two rigid bodies, and 0 if they have none. With a deformable body it says only what becomes of
@@ -277,7 +277,7 @@ pub struct Contact {
     /// Gap in the step in which a contact closes, for the law of impact: `auto`, `close` or `hold`; `auto` if left out.
     #[serde(default, skip_serializing_if = "GapAtClosing::is_auto")]
     pub gap: GapAtClosing,
-    /// Steps without a break after which a gap that was held comes down; 500 if left out.
+    /// Steps without a break after which a gap that was held comes down. 500 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle: Option<u32>,
     /// Weighting of near points over far points in the weighted gap at sharp edges, not negative, times one over the length of a slave facet; for `mortar` only.

@@ -2,8 +2,8 @@
 
 use crate::Table;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, ContactWork, History, Hold, LocalContribution, Report, SlotKind, SlotReport, Step,
-    StepConfiguration, SupportedNode,
+    Constraint, ContactError, ContactRule, ContactWork, History, Hold, LocalContribution, Report, SlotKind, SlotReport,
+    Step, StepConfiguration, SupportedNode,
 };
 
 /// Tolerance, as a part of the length scale, of the constraint of a slot without a multiplier.

@@ -103,12 +103,7 @@ fn apexes_of_a_bouncing_box_fall_by_the_square_of_the_restitution() {
 fn tilted(end: f64, more: &str) -> String {
     head(end, 0.005)
         + "[gravity]\nacceleration = [0, 0, -9.81]\n"
-        + &rigid(
-            "box",
-            [1.0, 0.6, 0.3],
-            [0.0, 0.0, 0.75],
-            "rotation = { axis = [1, 2, 0.5], degrees = 23 }\n",
-        )
+        + &rigid("box", [1.0, 0.6, 0.3], [0.0, 0.0, 0.75], "rotation = { axis = [1, 2, 0.5], degrees = 23 }\n")
         + FLOOR
         + &contact("box.all", "floor.all", more)
 }
@@ -143,7 +138,7 @@ fn a_corner_leaves_with_the_restitution_to_first_order() {
         let mut errors = Vec::new();
         for dt in [0.01, 0.005, 0.0025] {
             let mut worst = 0.0_f64;
-            for phase in [0.15, 0.45, 0.85] {
+            for phase in phases() {
                 let text = head(1.0, dt)
                     + &rigid(
                         "box",
@@ -168,7 +163,7 @@ fn a_corner_leaves_with_the_restitution_to_first_order() {
             errors.push(worst);
         }
         assert!(errors[0] < 2e-2, "{e}: {errors:?}");
-        assert!(errors[0] / errors[1] > 1.8 && errors[1] / errors[2] > 1.8, "{e}: {errors:?}");
+        assert!(errors[0] / errors[2] > 3.2, "{e}: {errors:?}");
     }
 }
 
@@ -257,7 +252,7 @@ fn sides_of_a_joint_move_alike_after_an_impact() {
     for e in [0.0, 1.0] {
         let text = head(0.3, 0.01)
             + &rigid("a", [1.0, 0.4, 0.4], [0.0, 0.0, 0.35], "velocity = [0, 0, -1]\n")
-            + &rigid("b", [0.4, 0.4, 0.8], [0.7, 0.0, 0.75], "velocity = [0, 0, -1]\n")
+            + &rigid("b", [0.4, 0.4, 0.8], [0.7, 0.0, 0.95], "velocity = [0, 0, -1]\n")
             + FLOOR
             + "[[joint]]\nname = \"knee\"\nkind = \"ball\"\nbetween = [\"a\", \"b\"]\nat = [0.5, 0.2, 0.55]\n"
             + &contact("a.bottom", "floor.all", &format!("method = \"nts\"\nrestitution = {e:?}\n"));
@@ -292,7 +287,8 @@ fn sides_of_a_joint_move_alike_after_an_impact() {
 
 fn bar(method: &str, n: [u32; 3], courant: f64, phase: f64, speed: f64) -> String {
     // Length, density and modulus are one: so is the speed of waves.
-    let (dt, size) = (courant / f64::from(n[2]), [f64::from(n[0]) / f64::from(n[2]), f64::from(n[1]) / f64::from(n[2])]);
+    let (dt, size) =
+        (courant / f64::from(n[2]), [f64::from(n[0]) / f64::from(n[2]), f64::from(n[1]) / f64::from(n[2])]);
     let end = (8.0 * dt).max(4.0);
     head(end, dt)
         + &format!(
@@ -418,7 +414,8 @@ fn a_gap_that_was_held_settles() {
         while !simulation.finished() {
             simulation.advance().unwrap();
             if simulation.active()[0].iter().all(|active| *active) {
-                let lowest = |run: &Simulation| run.state().q[..24].chunks_exact(3).map(|x| x[2]).fold(f64::MAX, f64::min);
+                let lowest =
+                    |run: &Simulation| run.state().q[..24].chunks_exact(3).map(|x| x[2]).fold(f64::MAX, f64::min);
                 highest = highest.max(lowest(&simulation));
             }
         }
@@ -457,7 +454,9 @@ fn a_rope_falls_freely_on_a_floor() {
         + &contact("rope.all", "floor.all", "method = \"nts\"\n");
     let mut simulation = simulation(&text);
     run(&mut simulation);
-    let top = simulation.state().q.chunks_exact(3).map(|x| x[2]).fold(f64::MIN, f64::max);
+    let rope = simulation.model().parts.iter().find(|part| part.name() == "rope").unwrap().own_vectors();
+    let heights = rope.map(|node| simulation.state().q[3 * node as usize + 2]);
+    let top = heights.fold(f64::MIN, f64::max);
     assert!((top - 0.282).abs() < 1e-3, "{top}");
 }
 

@@ -42,7 +42,8 @@ impl ContactMethod for MortarContact {
             if self.step.carried[k] || slot.support <= CARRIED * row.area {
                 continue;
             }
-            let inside = slot.gap(q_np1).is_some_and(|gap| gap < self.step.reference[k].min(0.0) - tolerance * row.area);
+            let inside =
+                slot.gap(q_np1).is_some_and(|gap| gap < self.step.reference[k].min(0.0) - tolerance * row.area);
             self.step.carried[k] = inside;
             changes += usize::from(inside);
         }

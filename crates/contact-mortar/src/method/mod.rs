@@ -33,8 +33,8 @@ const DEEPEST: f64 = 1.0;
 /// A row of which less than this part of the reference area is opposite the master carries no multiplier in the step: the pressure would be a force divided by next
 /// to nothing.
 const CARRIED: f64 = 0.02;
-/// A gap of more than this part of a facet is closed and not held: the step does not resolve the approach.
-const LARGEST_HELD: f64 = 0.25;
+/// A gap of more than this part of a facet is closed and not held: it would be felt in the depth.
+const LARGEST_HELD: f64 = 0.1;
 /// A penetration at the start of a step that is less than this, in lengths of facets, is what the iteration left.
 const NO_PENETRATION: f64 = 1e-11;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.

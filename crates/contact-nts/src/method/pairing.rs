@@ -32,8 +32,8 @@ const UNDETERMINED: f64 = 1.0e-3;
 /// A node nearer to the surface than this (in multiples of a master edge) is not brought back on a facet that it stays on.
 const NEAR_ENOUGH: f64 = 1.0e-4;
 
-/// A gap of more than this part of a facet is closed and not held: the step does not resolve the approach.
-const LARGEST_HELD: f64 = 0.25;
+/// A gap of more than this part of a facet is closed and not held: it would be felt in the depth.
+const LARGEST_HELD: f64 = 0.1;
 
 impl NodeToSurface {
     /// Motion of a node in the step relative to the material of a facet at its foot at `n+1`.

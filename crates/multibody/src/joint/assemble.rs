@@ -9,8 +9,8 @@ use super::{CoordinateKind, Joint, StepState};
 use crate::constraint::{Rows, gradient_fraction};
 use crate::quadratic::Evaluation;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, JointCoordinate, JointReport, LocalContribution, Report, SlotKind, SlotReport, Step,
-    StepConfiguration,
+    Constraint, ContactError, ContactRule, JointCoordinate, JointReport, LocalContribution, Report, SlotKind,
+    SlotReport, Step, StepConfiguration,
 };
 
 /// Functions at the three configurations of a step.

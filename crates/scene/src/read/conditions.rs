@@ -6,8 +6,8 @@ use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name, contact_reference, is_line, meshed_part, set_reference};
 use crate::{
-    BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement, GapAtClosing, Integrals, Kind, Load,
-    LoadKind, Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
+    BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement, GapAtClosing, Integrals,
+    Kind, Load, LoadKind, Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -195,7 +195,10 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
             return n.fail("is for dynamic scenes only", "remove it");
         }
         if keeps {
-            return n.fail("is a number of the law of impact, and this contact keeps the velocities of the step", "remove it");
+            return n.fail(
+                "is a number of the law of impact, and this contact keeps the velocities of the step",
+                "remove it",
+            );
         }
         Some(())
     };
@@ -286,7 +289,11 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
 /// A coefficient of restitution.
 pub(super) fn restitution(node: &Node<'_>) -> Option<f64> {
     let value = node.not_negative()?;
-    if value > 1.0 { node.fail("is more than 1", "choose a value from 0 (plastic) to 1 (elastic)") } else { Some(value) }
+    if value > 1.0 {
+        node.fail("is more than 1", "choose a value from 0 (plastic) to 1 (elastic)")
+    } else {
+        Some(value)
+    }
 }
 
 fn enforcement(node: &Node<'_>) -> Option<Enforcement> {

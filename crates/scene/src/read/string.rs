@@ -35,8 +35,8 @@ pub(super) fn string(table: &Table<'_>, setting: Setting) -> (Option<ElasticStri
     let order = order(table, ElasticString::DEFAULT_ORDER);
     let section = section(table, setting);
     let natural_length = table.optional("natural_length", Node::positive);
-    let mass_matrix = table
-        .default("mass_matrix", ElasticString::DEFAULT_MASS_MATRIX, |n| n.choice(Mass::NAMES, Mass::from_name));
+    let mass_matrix =
+        table.default("mass_matrix", ElasticString::DEFAULT_MASS_MATRIX, |n| n.choice(Mass::NAMES, Mass::from_name));
     let tension_only = table.default("tension_only", false, Node::boolean);
     let velocity = table.default("velocity", [0.0; 3], Node::vector);
     let at_rest = setting.at_rest(table, &["velocity"]);

@@ -322,9 +322,8 @@ impl Simulation {
 
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
         self.warn_inside_out(&completed.inside_out);
-        let Completed {
-            attempt, next, rule, strain, mut contact, stored, closing, impact, inside_out, solves, ..
-        } = completed;
+        let Completed { attempt, next, rule, strain, mut contact, stored, closing, impact, inside_out, solves, .. } =
+            completed;
         self.moved = contact.as_mut().map(|contact| std::mem::take(&mut contact.moved)).unwrap_or_default();
         let contact_work = completed.work;
         let Attempt { iterate, newton, unstable, .. } = attempt;

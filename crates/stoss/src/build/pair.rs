@@ -191,7 +191,11 @@ impl PairInput<'_> {
             && item.integrals != Some(Integrals::Frozen);
         let has_law = match item.closing {
             Some(closing) => closing == Closing::Impact,
-            None => item.method != ContactMethod::Cat,
+            // The tangential impulses of the step go with its normal ones. Rigid bodies that touch have them right; the nodes of a mesh open and close as it slides.
+            None => {
+                item.method != ContactMethod::Cat
+                    && (item.friction.is_none() || self.is_rigid() || item.restitution.is_some())
+            }
         };
         (is_exact && has_law).then(|| self.given_restitution().unwrap_or(0.0))
     }
@@ -214,7 +218,9 @@ impl PairInput<'_> {
     /// After how many steps a gap that is held in the step in which it closes comes down; `None` if gaps are closed.
     pub fn hold(&self) -> Option<u32> {
         let holds = match self.item.gap {
-            GapAtClosing::Auto => self.is_deformable() && self.line.is_empty() && self.item.method != ContactMethod::Cat,
+            GapAtClosing::Auto => {
+                self.is_deformable() && self.line.is_empty() && self.item.method != ContactMethod::Cat
+            }
             GapAtClosing::Close => false,
             GapAtClosing::Hold => true,
         };

@@ -57,7 +57,18 @@ pub struct FrictionPlan {
 
 impl fmt::Display for ContactPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, slave, method, constraint, enforcement, slots, unknowns_per_slot, friction, restitution, is_assumed } = self;
+        let Self {
+            name,
+            slave,
+            method,
+            constraint,
+            enforcement,
+            slots,
+            unknowns_per_slot,
+            friction,
+            restitution,
+            is_assumed,
+        } = self;
         if *unknowns_per_slot == 0 {
             write!(f, "{name}: {constraint}, {enforcement}, {slots} points without unknowns")?;
         } else {

@@ -48,7 +48,8 @@ fn slowed(model: &Model) -> bool {
 fn closing(scene: &Scene, order: u32) -> Closing {
     let is_line = |set: &str| {
         let part = split_set(set).map_or(set, |(part, _)| part);
-        scene.strings.iter().any(|line| line.name == part && line.mass_matrix == Mass::Consistent) || scene.beams.iter().any(|line| line.name == part)
+        scene.strings.iter().any(|line| line.name == part && line.mass_matrix == Mass::Consistent)
+            || scene.beams.iter().any(|line| line.name == part)
     };
     if scene.contacts.iter().any(|contact| contact.surfaces().into_iter().any(is_line)) {
         return Closing::Lines;

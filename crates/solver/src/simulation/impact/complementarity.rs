@@ -103,9 +103,8 @@ impl Compliance for DenseCompliance {
         let l = self.factor(of);
         let mut z: Vec<f64> = of.iter().map(|&i| -b[i]).collect();
         solve_with_factor(&l, &mut z);
-        let mut rest: Vec<f64> = (of.iter())
-            .map(|&i| -b[i] - of.iter().zip(&z).map(|(&k, z)| self.row(i)[k] * z).sum::<f64>())
-            .collect();
+        let mut rest: Vec<f64> =
+            (of.iter()).map(|&i| -b[i] - of.iter().zip(&z).map(|(&k, z)| self.row(i)[k] * z).sum::<f64>()).collect();
         solve_with_factor(&l, &mut rest);
         z.iter_mut().zip(rest).for_each(|(z, rest)| *z += rest);
         Ok(z)

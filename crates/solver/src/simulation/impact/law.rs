@@ -68,8 +68,7 @@ fn reflections<W: Compliance>(w: &mut W, rates: &Rates<'_>, uniform: bool) -> Re
     let m = w.len();
     let scale = rates.before.iter().fold(0.0_f64, |scale, u| scale.max(u.abs()));
     let (mut j, mut rate) = (vec![0.0; m], rates.before.to_vec());
-    let approaching =
-        |rate: &[f64]| -> Vec<usize> { (0..m).filter(|&i| rate[i] < -ROUND_OFF * scale).collect() };
+    let approaching = |rate: &[f64]| -> Vec<usize> { (0..m).filter(|&i| rate[i] < -ROUND_OFF * scale).collect() };
     for pass in 0..=MAX_PASSES {
         let of = approaching(&rate);
         if of.is_empty() {
@@ -178,11 +177,13 @@ mod tests {
             let every: Vec<usize> = (0..40).collect();
             let Ok(j) = complementary(&mut w, &before, &every);
             let diagonal = g.iter().map(|g| dot(g, g)).collect();
-            let mut operator = super::super::complementarity::OperatorCompliance::new(diagonal, |j: &[f64], out: &mut [f64]| {
-                w.multiply(j, out)
-            });
+            let mut operator =
+                super::super::complementarity::OperatorCompliance::new(diagonal, |j: &[f64], out: &mut [f64]| {
+                    w.multiply(j, out)
+                });
             let Ok(other) = complementary(&mut operator, &before, &every);
-            let off = after(&g, &v, &j).iter().zip(after(&g, &v, &other)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let off =
+                after(&g, &v, &j).iter().zip(after(&g, &v, &other)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-10, "{seed}: {off:e}");
         }
     }
@@ -197,7 +198,8 @@ mod tests {
                 let different: Vec<f64> = (0..m).map(|i| [0.0, 0.3, 0.9, 1.0][i % 4]).collect();
                 for restitution in [vec![0.0; m], vec![0.5; m], vec![1.0; m], different] {
                     // Without loads the velocities at the end of the step are those at its start.
-                    let rates = Rates { before: &before, free: &before, least: &vec![0.0; m], restitution: &restitution };
+                    let rates =
+                        Rates { before: &before, free: &before, least: &vec![0.0; m], restitution: &restitution };
                     let Ok(found) = impulses(&mut w, &rates);
                     let now = after(&g, &v, &found.all);
                     let part = dot(&now, &now) / dot(&v, &v);
@@ -217,8 +219,21 @@ mod tests {
     /// Five equal bodies in a row that touch, the first of which comes with a speed of one.
     #[test]
     fn a_cradle_hands_the_impact_on() {
-        let g: Vec<Vec<f64>> =
-            (0..4).map(|k| (0..5).map(|c| if c == k { -1.0 } else if c == k + 1 { 1.0 } else { 0.0 }).collect()).collect();
+        let g: Vec<Vec<f64>> = (0..4)
+            .map(|k| {
+                (0..5)
+                    .map(|c| {
+                        if c == k {
+                            -1.0
+                        } else if c == k + 1 {
+                            1.0
+                        } else {
+                            0.0
+                        }
+                    })
+                    .collect()
+            })
+            .collect();
         let v = [1.0, 0.0, 0.0, 0.0, 0.0];
         let expected: [(f64, [f64; 5]); 4] = [
             (1.0, [0.0, 0.0, 0.0, 0.0, 1.0]),

@@ -120,16 +120,25 @@ impl Simulation {
         if !Self::has_impacts(rule) || !self.is_closed(iterate) {
             return Ok(None);
         }
+        let (rigid, largest) = (self.model.bodies.is_empty(), self.impacts.largest_rate);
+        let closes = |c: usize| {
+            let before = self.active[c].iter().zip(&iterate.active[c]);
+            self.model.contacts[c].method.is_bilateral() || before.into_iter().any(|(before, now)| *now && !before)
+        };
+        let mut with_law = (0..self.model.contacts.len()).filter(|&c| self.model.contacts[c].restitution.is_some());
+        if !rigid && largest == 0.0 && !with_law.any(closes) {
+            // Nothing that is closed has been set in motion by an impact.
+            return Ok(None);
+        }
         let closed = self.closed(iterate, rule.constraint.weight * dt, dt, &next.q)?;
         if closed.rows.is_empty() {
             return Ok(None);
         }
-        let (rigid, new) = (self.model.bodies.is_empty(), closed.is_new.contains(&true));
+        let new = closed.is_new.contains(&true);
         let speed = |row: &Row, v: &[f64]| row.dot(v).abs() / row.norm();
         let moves = |rows: &[Row], than: f64| rows.iter().any(|row| speed(row, &next.v) > than);
-        let largest = self.impacts.largest_rate;
         let round_off = RIGID_AT_REST * vector::norm_inf(&next.v).max(vector::norm_inf(&self.state.v));
-        if !new && !rigid && !moves(&closed.rows, AT_REST * largest) {
+        if !new && !rigid && (largest == 0.0 || !moves(&closed.rows, AT_REST * largest)) {
             return Ok(None);
         }
         let held = self.held(iterate, &next.q)?;
@@ -150,7 +159,8 @@ impl Simulation {
             match pair.method.as_contact() {
                 Some(_) => active.contains(&true),
                 None if pair.method.has_limits() => {
-                    let is_closed = |slot: usize| pair.method.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0;
+                    let is_closed =
+                        |slot: usize| pair.method.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0;
                     (0..active.len()).any(|slot| active[slot] && is_closed(slot))
                 }
                 None => false,
@@ -166,7 +176,8 @@ impl Simulation {
             let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
             let mut add = |row: Row, slot: usize, settling: f64, is_new: bool| {
                 if !row.is_zero() {
-                    let of_body = |component: u32| self.model.bodies.iter().any(|body| body.nodes.contains(&(component / 3)));
+                    let of_body =
+                        |component: u32| self.model.bodies.iter().any(|body| body.nodes.contains(&(component / 3)));
                     closed.is_deformable.push(row.entries.iter().any(|entry| of_body(entry.0)));
                     closed.rows.push(row);
                     closed.pairs.push(c);
@@ -204,8 +215,7 @@ impl Simulation {
         visit: &mut dyn FnMut(usize, &[u32], &[f64]),
     ) -> Result<(), StepError> {
         let at_end = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
-        let (multipliers, auxiliaries, active) =
-            (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
+        let (multipliers, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
         self.model.contacts[c].method.assemble_with(at_end, multipliers, auxiliaries, active, true, &mut |local| {
             let (dim, coordinates) = (local.dim(), 3 * local.nodes.len());
             for (k, &slot) in local.slots.iter().enumerate() {
@@ -245,15 +255,15 @@ impl Simulation {
         rule: &StepRule,
         q: &[f64],
     ) -> Result<Vec<f64>, StepError> {
-        let configuration = StepConfiguration { q_n: &self.state.q, q_np1: q, rule: contact_rule(rule.constraint.rule) };
+        let configuration =
+            StepConfiguration { q_n: &self.state.q, q_np1: q, rule: contact_rule(rule.constraint.rule) };
         let mut closings = vec![0.0; self.model.contacts.len()];
         for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restitution.is_some()) {
             if let Some(closing) = of_pairs[c].closing {
                 closings[c] = closing;
                 continue;
             }
-            let (pressures, auxiliaries, active) =
-                (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
+            let (pressures, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
             let mut work = of_pairs[c].friction_work;
             pair.method.assemble_with(configuration, pressures, auxiliaries, active, false, &mut |local| {
                 for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {

@@ -65,8 +65,7 @@ impl Response {
         let mut values = vec![0.0; pattern.nnz()];
         self.mass_at.iter().zip(&system.mass_values).for_each(|(&at, &mass)| values[at as usize] += mass);
         let place = |row: usize, column: usize| pattern.position(row as u32, column as u32);
-        let diagonal: Vec<f64> =
-            (0..free).map(|i| place(i, i).map_or(0.0, |at| values[at])).collect();
+        let diagonal: Vec<f64> = (0..free).map(|i| place(i, i).map_or(0.0, |at| values[at])).collect();
         let missing = MISSING_MASS * diagonal.iter().copied().fold(0.0, f64::max);
         let masses: Vec<f64> = diagonal.iter().map(|&m| if m > 0.0 { m } else { missing }).collect();
         for (i, _) in diagonal.iter().enumerate().filter(|(_, m)| **m <= 0.0) {
@@ -122,7 +121,8 @@ impl Response {
         // Diagonals of components without elements, which have neither mass nor stiffness.
         let diagonal: Vec<[u32; 1]> = (0..free as u32).map(|i| [i]).collect();
         let stencils = system.stencils().chain(pairs.iter().map(|pair| &pair[usize::from(pair[0] == pair[1])..]));
-        let pattern = SparsityPattern::from_stencils(free + rows.len(), stencils.chain(diagonal.iter().map(|i| &i[..])))?;
+        let pattern =
+            SparsityPattern::from_stencils(free + rows.len(), stencils.chain(diagonal.iter().map(|i| &i[..])))?;
         let mut groups = base.groups().map(<[u32]>::to_vec).unwrap_or_else(|| (0..free as u32).collect());
         let group_of = |row: &Row| own(row).first().map_or(NONE, |&(equation, _)| groups[equation as usize]);
         let of_rows: Vec<u32> = rows.iter().map(group_of).collect();
