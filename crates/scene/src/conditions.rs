@@ -74,7 +74,7 @@ named! {
     /// Gap of a contact in the step in which it closes, with `closing = "impact"`.
     #[derive(Default)]
     GapAtClosing {
-        /// Held if a side is a deformable body, else closed.
+        /// Held if a side is a deformable body through which a wave passes no more than 12 elements in a step, else closed.
         #[default]
         Auto = "auto",
         /// Closed by the end of the step: exact for rigid bodies. In a mesh the node is dragged over the gap against its neighbours.

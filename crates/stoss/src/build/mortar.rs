@@ -38,7 +38,7 @@ pub(super) fn contact(
             Some(Chosen::Moving) | None => Integrals::Moving,
         },
         nearness: item.nearness,
-        hold: pair.hold(),
+        hold: pair.hold(model),
         overclosure: match item.enforcement {
             Enforcement::Penalty(stiffness) => Some(stiffness),
             Enforcement::Multiplier | Enforcement::Augmented(_) => None,

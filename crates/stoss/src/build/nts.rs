@@ -26,7 +26,7 @@ pub(super) fn contact(
         Enforced::Augmented(stiffness) => Enforcement::Augmented(stiffness),
     };
     pair.warn_of_restitution(warnings);
-    let hold = pair.hold();
+    let hold = pair.hold(model);
     let options = NodeToSurfaceOptions { constraint: form, enforcement, hold, ..NodeToSurfaceOptions::default() };
     let [slave, master] = pair.facets;
     let made = if pair.line.is_empty() {

@@ -182,6 +182,9 @@ impl PairInput<'_> {
 /// Steps after which a gap that was held comes down, if the scene does not say.
 const SETTLE: u32 = 500;
 
+/// Gaps are closed, if the scene does not say, where a wave passes through more elements than this in a step: the motion is slow against waves, and a gap that is held is a part of the depth.
+const RESOLVED: f64 = 12.0;
+
 impl PairInput<'_> {
     /// Restitution of the law of impact, if the contact has it.
     pub fn restitution(&self) -> Option<f64> {
@@ -216,15 +219,27 @@ impl PairInput<'_> {
     }
 
     /// After how many steps a gap that is held in the step in which it closes comes down; `None` if gaps are closed.
-    pub fn hold(&self) -> Option<u32> {
+    pub fn hold(&self, model: &Model) -> Option<u32> {
         let holds = match self.item.gap {
             GapAtClosing::Auto => {
-                self.is_deformable() && self.line.is_empty() && self.item.method != ContactMethod::Cat
+                self.line.is_empty() && self.item.method != ContactMethod::Cat && self.courant(model) <= RESOLVED
             }
             GapAtClosing::Close => false,
             GapAtClosing::Hold => true,
         };
         (holds && self.restitution().is_some()).then(|| self.item.settle.unwrap_or(SETTLE))
+    }
+
+    /// Elements that a wave passes through in a step, in the solid where they are fewest; infinite without a solid.
+    fn courant(&self, model: &Model) -> f64 {
+        let label = self.item.label();
+        let dynamic = self.phases.with(&label).find(|phase| phase.has_rates());
+        let step = dynamic.map_or(self.scene.time.step, Phase::step);
+        let of = |&b: &usize| {
+            let body = model.bodies.get(b)?;
+            Some((young(model, b) / body.density?).sqrt() * step / body.solid.characteristic_length())
+        };
+        self.bodies.iter().filter_map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// What to know of the restitution of deformable bodies.

@@ -247,7 +247,7 @@ impl Simulation {
         Ok(held)
     }
 
-    /// What the normal forces of each constraint that has the law took from the bodies in the step.
+    /// What the normal forces of each constraint that has the law took from the bodies in the step. What they gave (bodies that overlap) is none of the law's: it stays where it is seen as a gain.
     fn closing_work(
         &self,
         iterate: &Iterate,
@@ -260,7 +260,7 @@ impl Simulation {
         let mut closings = vec![0.0; self.model.contacts.len()];
         for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restitution.is_some()) {
             if let Some(closing) = of_pairs[c].closing {
-                closings[c] = closing;
+                closings[c] = closing.max(0.0);
                 continue;
             }
             let (pressures, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
@@ -272,7 +272,7 @@ impl Simulation {
                     work -= moved.sum::<f64>();
                 }
             })?;
-            closings[c] = -work;
+            closings[c] = (-work).max(0.0);
         }
         Ok(closings)
     }
