@@ -134,7 +134,11 @@ mod tests {
     /// `W = G G^T` for `m` rows in a space of the dimension `n`: of deficient rank if `m > n`. Also `G` and a velocity.
     fn system(seed: u64, m: usize, n: usize) -> (DenseCompliance, Vec<Vec<f64>>, Vec<f64>) {
         let mut next = numbers(seed);
-        let g: Vec<Vec<f64>> = (0..m).map(|_| (0..n).map(|_| next()).collect()).collect();
+        // All of them open along the first direction: without a common one nothing but rest is admissible.
+        let row = |next: &mut dyn FnMut() -> f64| -> Vec<f64> {
+            (0..n).map(|c| if c == 0 { 1.0 + next().abs() } else { next() }).collect()
+        };
+        let g: Vec<Vec<f64>> = (0..m).map(|_| row(&mut next)).collect();
         let v: Vec<f64> = (0..n).map(|_| next()).collect();
         let entries = g.iter().flat_map(|a| g.iter().map(move |b| dot(a, b))).collect();
         (DenseCompliance::new(m, entries), g, v)
