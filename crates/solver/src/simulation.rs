@@ -133,6 +133,8 @@ pub struct Simulation {
     off: Switches,
     released: Vec<Release>,
     pressures: Vec<Vec<f64>>,
+    /// See [`Simulation::mean_pressures`]; empty where the law of impact did not act in the last step.
+    mean_pressures: Vec<Vec<f64>>,
     active: Vec<Vec<bool>>,
     /// Of each contact pair: energy that it stores, and the part of it in springs of friction.
     stored: Vec<[f64; 2]>,
@@ -219,6 +221,7 @@ impl Simulation {
         let has_supports = model.prescriptions.iter().any(|p| !p.nodes.is_empty());
         let contact_components = if model.contacts.is_empty() { 0 } else { components };
         let mut simulation = Self {
+            mean_pressures: Vec::new(),
             pressures: model.contacts.iter().map(|p| vec![0.0; slots(p)]).collect(),
             active: model
                 .contacts
@@ -401,9 +404,13 @@ impl Simulation {
     pub fn balance(&self) -> &Balance {
         &self.balance
     }
-    /// Pressures of each contact pair's slots.
+    /// Pressures of each contact pair's slots, of the equations of the last step.
     pub fn pressures(&self) -> &[Vec<f64>] {
         &self.pressures
+    }
+    /// Those with which the forces of the last step give its change of momentum: with the impulses of the law of impact, over the step size, where it acted.
+    pub fn mean_pressures(&self) -> &[Vec<f64>] {
+        if self.mean_pressures.is_empty() { &self.pressures } else { &self.mean_pressures }
     }
     /// Active slots of each contact pair.
     pub fn active(&self) -> &[Vec<bool>] {

@@ -264,7 +264,8 @@ impl Simulation {
             }
         }
         let (work, of_pairs) = self.contact_work(&attempt.iterate)?;
-        let contact = self.contact_summary(&attempt, rule, &of_pairs)?.map(|c| ContactSummary { coverage, ..c });
+        let (contact, slaves) = self.contact_summary(&attempt, rule, &of_pairs)?.unzip();
+        let mut contact = contact.map(|c| ContactSummary { coverage, ..c });
         let stored = of_pairs.iter().map(|work| [work.stored, work.friction_stored]).collect();
         let mut closing: Vec<f64> = match rule.has_inertia() {
             true => of_pairs.iter().map(|work| work.closing.unwrap_or(0.0)).collect(),
@@ -274,6 +275,9 @@ impl Simulation {
         let impact = self.impact(&attempt.iterate, &of_pairs, &rule, dt, &mut next)?;
         if let Some(impact) = &impact {
             closing.iter_mut().zip(&impact.closings).for_each(|(closing, taken)| *closing -= taken);
+            if let (Some(contact), Some(slaves)) = (&mut contact, &slaves) {
+                self.add_impulses(&impact.mean, slaves, &attempt.iterate.active, &next.q, contact);
+            }
         }
         Ok(Completed { attempt, next, rule, strain, contact, work, stored, closing, impact, inside_out, solves })
     }
@@ -415,6 +419,10 @@ impl Simulation {
                 self.contact_force[range.clone()].copy_from_slice(&buffers.constraint[range.clone()]);
             }
             self.pushed.extend_from_slice(touched);
+            if let Some(impact) = &impact {
+                let forces = impact.mean.forces.iter().flatten();
+                forces.for_each(|&(c, force)| self.contact_force[c as usize] += force);
+            }
             // Vertices of traces belong to no body: its nodes have the forces on its faces.
             if !self.model.traces.is_empty() {
                 let traces = &self.model.traces;
@@ -423,10 +431,14 @@ impl Simulation {
             }
         }
         let impact = impact.unwrap_or_default();
+        for &(c, force) in &impact.mean.reactions {
+            self.reactions[c as usize] += force;
+        }
         self.impacts.largest_rate = self.impacts.largest_rate.max(impact.largest_rate);
         work += impact.external;
         self.stored = stored;
         self.pressures = iterate.pressures;
+        self.mean_pressures = impact.mean.pressures;
         self.active = iterate.active;
         self.take_sliding_supports_from_contact_force();
         let balance = self.measure_balance(strain, self.balance.external_work + work + contact_work.driven);

@@ -23,6 +23,7 @@ impl Simulation {
             a: self.state.a.clone(),
             history: self.state.history.clone(),
             pressures: self.pressures.clone(),
+            mean_pressures: self.mean_pressures.clone(),
             active: self.active.clone(),
             histories: self.histories(),
             reactions: self.reactions.clone(),
@@ -134,6 +135,7 @@ impl Simulation {
             history: checkpoint.history,
         };
         self.pressures = checkpoint.pressures;
+        self.mean_pressures = checkpoint.mean_pressures;
         self.active = checkpoint.active;
         self.reactions = checkpoint.reactions;
         self.contact_force = checkpoint.contact_force;

@@ -239,7 +239,7 @@ impl Tables {
                 // Two columns are there also of a joint without any.
                 let coordinates = coordinates.max(1);
                 let pair = &simulation.model().contacts[place];
-                match pair.method.joint(&simulation.state().q, &simulation.pressures()[place]) {
+                match pair.method.joint(&simulation.state().q, &simulation.mean_pressures()[place]) {
                     Some(joint) => {
                         table.numbers(&joint.force).numbers(&joint.moment);
                         for k in 0..coordinates {

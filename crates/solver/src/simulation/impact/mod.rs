@@ -65,14 +65,27 @@ pub(super) struct Impact {
     pub excess: f64,
     /// The largest rate of a slot that closed so far.
     pub largest_rate: f64,
+    /// What the law put in the place of the forces of the step.
+    pub mean: Mean,
+}
+
+/// Forces of the step by the impulses of the law: the difference from those of the step's own equations, an impulse over the step size.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mean {
+    /// Pressures of all slots, those of the step included: with them the forces of the step give the change of momentum.
+    pub pressures: Vec<Vec<f64>>,
+    /// Of each constraint at the nodes that it knows: components in ascending order, and the forces.
+    pub forces: Vec<Vec<(u32, f64)>>,
+    /// At prescribed components.
+    pub reactions: Vec<(u32, f64)>,
 }
 
 /// Closed one-sided slots.
 #[derive(Debug, Default)]
 struct Closed {
     rows: Vec<Row>,
-    /// The constraint of the model.
-    pairs: Vec<usize>,
+    /// The constraint of the model, and its slot.
+    slots: Vec<(usize, usize)>,
     /// `dt p`, positive.
     impulses: Vec<f64>,
     restitution: Vec<f64>,
@@ -87,6 +100,8 @@ struct Closed {
 #[derive(Debug, Default)]
 struct Held {
     rows: Vec<Row>,
+    /// The constraint of the model, and its slot.
+    slots: Vec<(usize, usize)>,
     is_driven: Vec<bool>,
 }
 
@@ -148,7 +163,10 @@ impl Simulation {
         let of_new = closed.rows.iter().zip(&closed.is_new).filter(|(_, new)| **new);
         let largest_rate = of_new.map(|(row, _)| speed(row, &self.state.v)).fold(largest, f64::max);
         let closings = self.closing_work(iterate, of_pairs, rule, &next.q)?;
-        let impact = self.after(closed, held, (closings, new), rule, next)?;
+        let v_1 = next.v.clone();
+        let (mut impact, last) = self.after(&closed, held.rows, &held.is_driven, (closings, new), rule, next)?;
+        let change: Vec<f64> = next.v.iter().zip(&v_1).map(|(v, v_1)| v - v_1).collect();
+        impact.mean = self.mean(iterate, (&closed, &held.slots), (&last, &change), rule.constraint.weight * dt);
         Ok(Some(Impact { largest_rate, ..impact }))
     }
 
@@ -180,7 +198,7 @@ impl Simulation {
                         |component: u32| self.model.bodies.iter().any(|body| body.nodes.contains(&(component / 3)));
                     closed.is_deformable.push(row.entries.iter().any(|entry| of_body(entry.0)));
                     closed.rows.push(row);
-                    closed.pairs.push(c);
+                    closed.slots.push((c, slot));
                     closed.impulses.push(weight * pressures[slot].abs());
                     closed.restitution.push(restitution);
                     closed.settling.push(settling / dt);
@@ -239,6 +257,7 @@ impl Simulation {
                     let row = Row::new(&self.model.embedding, nodes, gradient, 1.0);
                     if !row.is_zero() {
                         held.rows.push(row);
+                        held.slots.push((c, slot));
                         held.is_driven.push(kind == SlotKind::Driven);
                     }
                 }
@@ -277,16 +296,58 @@ impl Simulation {
         Ok(closings)
     }
 
-    /// Sets the velocities after the impact.
+    /// Forces of the step with the impulses of the law.
+    fn mean(
+        &self,
+        iterate: &Iterate,
+        (closed, held): (&Closed, &[(usize, usize)]),
+        (last, change): (&Velocities, &[f64]),
+        time: f64,
+    ) -> Mean {
+        let mut pressures = iterate.pressures.clone();
+        let mut by_constraint = vec![Vec::new(); pressures.len()];
+        let one_sided = closed.rows.iter().zip(&closed.slots).zip(&last.slots).map(|((row, &(c, slot)), j)| {
+            // The row of a limit at its upper end is minus the gradient that its multiplier goes with.
+            let sign = if iterate.pressures[c][slot] < 0.0 { -1.0 } else { 1.0 };
+            (row, (c, slot), j / time, sign)
+        });
+        let bilateral = self.impacts.response.rows().iter().zip(held).zip(&last.held);
+        for (row, (c, slot), force, sign) in
+            one_sided.chain(bilateral.map(|((row, &place), j)| (row, place, j / time, -1.0)))
+        {
+            pressures[c][slot] += sign * force;
+            by_constraint[c].push((row, force));
+        }
+        let mut sum = vec![0.0; change.len()];
+        let mut gather = |rows: &[(&Row, f64)]| -> Vec<(u32, f64)> {
+            rows.iter().for_each(|(row, force)| row.add_to_nodes(*force, &mut sum));
+            let mut components: Vec<u32> = rows.iter().flat_map(|(row, _)| row.components()).collect();
+            components.sort_unstable();
+            components.dedup();
+            components.into_iter().map(|c| (c, std::mem::take(&mut sum[c as usize]))).collect()
+        };
+        let forces = by_constraint.iter().map(|rows| gather(rows)).collect();
+        let mut reactions = Vec::new();
+        if !self.prescribed.is_empty() {
+            // What changes the momentum and is no impulse of a row comes from the supports.
+            let mut momentum = vec![0.0; change.len()];
+            self.system.masses.multiply_add(1.0 / time, change, &mut momentum);
+            by_constraint.iter().flatten().for_each(|(row, force)| row.add_to(-force, &mut momentum));
+            reactions.extend(self.prescribed.iter().map(|&(c, ..)| (c, momentum[c as usize])));
+        }
+        Mean { pressures, forces, reactions }
+    }
+
+    /// Sets the velocities after the impact. Also the impulses of the rows that made them from those of the step.
     fn after(
         &mut self,
-        closed: Closed,
-        held: Held,
+        closed: &Closed,
+        held: Vec<Row>,
+        is_driven: &[bool],
         (closings, new): (Vec<f64>, bool),
         rule: &StepRule,
         next: &mut State,
-    ) -> Result<Impact, StepError> {
-        let Held { rows: held, is_driven } = held;
+    ) -> Result<(Impact, Velocities), StepError> {
         let v_1 = &next.v;
         let of_rows = |rows: &[Row], v: &[f64]| -> Vec<f64> { rows.iter().map(|row| row.dot(v)).collect() };
         let rates_held = of_rows(&held, v_1);
@@ -303,7 +364,7 @@ impl Simulation {
         // The end of the step without the impulses of the closed slots, on the bilateral constraints.
         let without: Vec<f64> = closed.impulses.iter().map(|j| -j).collect();
         let to_constraints: Vec<f64> =
-            rates_held.iter().zip(&is_driven).map(|(rate, driven)| if *driven { 0.0 } else { -rate }).collect();
+            rates_held.iter().zip(is_driven).map(|(rate, driven)| if *driven { 0.0 } else { -rate }).collect();
         let (change, of_held) = response.velocities((masses, free), &force_of(&without), Some(&to_constraints))?;
         let v: Vec<f64> = v_1.iter().zip(&change).map(|(v, change)| v + change).collect();
         let free_end = Velocities { v, slots: without, held: of_held };
@@ -359,7 +420,7 @@ impl Simulation {
         let energy = |of: &Velocities| -> f64 {
             let slots = closed.rows.iter().zip(&of.slots).zip(&rates_1);
             let by_slots: f64 = slots.map(|((row, j), rate)| j * (rate + row.dot(&of.v))).sum();
-            let held = response.rows().iter().zip(&of.held).zip(&rates_held).zip(&is_driven);
+            let held = response.rows().iter().zip(&of.held).zip(&rates_held).zip(is_driven);
             let not_driven = held.filter(|(_, driven)| !**driven);
             let by_held: f64 = not_driven.map(|(((row, j), rate), _)| j * (rate + row.dot(&of.v))).sum();
             first + 0.5 * (by_slots + by_held)
@@ -415,14 +476,16 @@ impl Simulation {
         let shares: Vec<f64> = approach.map(|share| share.max(0.0)).collect();
         let all: f64 = shares.iter().sum();
         let mut deformable = 0.0;
-        for (k, &c) in closed.pairs.iter().enumerate() {
+        for (k, &(c, _)) in closed.slots.iter().enumerate() {
             let part = loss * if all > 0.0 { shares[k] / all } else { 1.0 / m as f64 };
             losses[c] += part;
             deformable += if closed.is_deformable[k] { part } else { 0.0 };
         }
-        next.v = last.v;
+        next.v.copy_from_slice(&last.v);
         self.model.embedding.follow(&mut next.v);
         let closed = closed.is_new.iter().filter(|new| **new).count() as u64;
-        Ok(Impact { loss, losses, deformable, closing, closings, external, closed, excess, largest_rate: 0.0 })
+        let impact =
+            Impact { loss, losses, deformable, closing, closings, external, closed, excess, ..Impact::default() };
+        Ok((impact, last))
     }
 }
