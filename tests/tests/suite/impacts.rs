@@ -460,6 +460,76 @@ fn a_rope_falls_freely_on_a_floor() {
     assert!((top - 0.282).abs() < 1e-3, "{top}");
 }
 
+/// Forces of a step in which something closed are those with its impulse: their sum times the step is the change of momentum, of contact, of supports and of joints.
+#[test]
+fn forces_of_a_step_with_an_impact_give_its_change_of_momentum() {
+    let apart = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max);
+    let minus = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] - b[i]);
+    for (method, e) in [("nts", 0.5), ("mortar", 0.0)] {
+        let text = head(0.2, 0.01)
+            + &rigid(
+                "box",
+                [1.0, 0.6, 0.3],
+                [0.0, 0.0, 0.6],
+                "rotation = { axis = [1, 2, 0.5], degrees = 23 }\nvelocity = [0.1, 0, -2]\n",
+            )
+            + FLOOR
+            + &contact("box.all", "floor.all", &format!("method = \"{method}\"\nrestitution = {e:?}\n"));
+        let mut simulation = simulation(&text);
+        let mut before = *simulation.balance();
+        while !simulation.finished() {
+            let record = simulation.advance().unwrap();
+            let change = minus(record.balance.linear_momentum, before.linear_momentum);
+            let force = record.contact.unwrap().pairs[0].force;
+            let dt = record.dt;
+            assert!(
+                apart(force.map(|f| dt * f), change) < 1e-12,
+                "{method}: step {}: {force:?} {change:?}",
+                record.step
+            );
+            before = record.balance;
+        }
+        assert!(before.impacts > 0);
+    }
+    // A block falls on another one that is held at its base.
+    let base = "[[body]]\nname = \"base\"\nmesh = { generator = \"block\", min = [-1, -1, -1], max = [2, 2, 0], divisions = [3, 3, 1] }\n\
+                material = { law = \"neo-hooke\", young = 1.0, poisson = 0.3 }\ndensity = 1.0\n\
+                [[prescribe]]\nset = \"base.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n";
+    let text = bar("nts", [2; 3], 0.3, 0.4, 0.01).replace(FLOOR, base).replace("floor.all", "base.top");
+    let mut of_base = simulation(&text);
+    let mut before = *of_base.balance();
+    for _ in 0..20 {
+        let record = of_base.advance().unwrap();
+        let change = minus(record.balance.linear_momentum, before.linear_momentum);
+        let mut force = [0.0; 3];
+        of_base.reactions().chunks_exact(3).for_each(|f| (0..3).for_each(|i| force[i] += record.dt * f[i]));
+        assert!(apart(force, change) < 1e-12, "base: step {}: {force:?} {change:?}", record.step);
+        before = record.balance;
+    }
+    assert!(before.impacts > 0);
+    let text = head(1.0, 0.0103)
+        + &rigid(
+            "door",
+            [0.9, 0.04, 2.0],
+            [0.45, 0.0, 1.0],
+            "velocity = [0, 0.495, 0]\nangular_velocity = [0, 0, 1.1]\n",
+        )
+        + "[[joint]]\nname = \"hinge\"\nkind = \"hinge\"\nbetween = [\"ground\", \"door\"]\nat = [0, 0, 1]\naxis = [0, 0, 1]\nlimits = [0, 40]\n\
+           restitution = 0.5\n";
+    let mut door = simulation(&text);
+    let mut before = *door.balance();
+    while !door.finished() {
+        let record = door.advance().unwrap();
+        let change = minus(record.balance.linear_momentum, before.linear_momentum);
+        let joints = door.model().contacts.iter().zip(door.mean_pressures());
+        let report = joints.filter_map(|(pair, p)| pair.method.joint(&door.state().q, p)).next().unwrap();
+        let impulse = report.force.map(|f| record.dt * f);
+        assert!(apart(impulse, change) < 1e-12, "door: step {}: {impulse:?} {change:?}", record.step);
+        before = record.balance;
+    }
+    assert!(before.impacts > 0);
+}
+
 #[test]
 fn keys_that_do_not_fit_are_refused() {
     let error = |more: &str| {
