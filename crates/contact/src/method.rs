@@ -185,6 +185,11 @@ pub trait ContactMethod: Constraint + History {
     ) -> Result<(), ContactError> {
         Ok(())
     }
+    /// Bound of the tangential traction of a closed slot over its pressure, where it slides by `slip` (two components in the tangent plane, lengths) in the step, for impacts between rigid bodies.
+    /// `None`: no friction.
+    fn friction_coefficient(&self, _slot: usize, _pressure: f64, _slip: [f64; 2]) -> Option<f64> {
+        None
+    }
     /// By how much the constraint function that a closed slot keeps changes in the step: negative where a gap that is held comes down, else zero.
     fn settling(&self, _slot: usize) -> f64 {
         0.0

@@ -24,7 +24,7 @@ pub(crate) struct System {
     pub numbering: Numbering,
     pub masses: Masses,
     /// Pattern of the solids alone, its scatter map (bodies' elements in order, then what loads follow, then parts).
-    solid_pattern: Arc<SparsityPattern>,
+    pub solid_pattern: Arc<SparsityPattern>,
     pub solid_map: ScatterMap,
     /// First stencil of each body in `solid_map`; last entry: first of the loads that follow.
     pub first_stencil: Vec<usize>,
@@ -55,7 +55,7 @@ pub(crate) struct System {
     /// Made when a scheme first asks for it.
     pub mass_solver: Option<MassSolver>,
     pub workspaces: Vec<Workspace>,
-    stencils: StencilList,
+    pub stencils: StencilList,
     /// Label of the group of each vector that a part owns, from the first of them on.
     groups: Vec<u32>,
     first_grouped: u32,
@@ -133,7 +133,7 @@ pub(crate) struct System {
 
 /// Lists of equation numbers, flat.
 #[derive(Debug, Default, Clone)]
-struct StencilList {
+pub(crate) struct StencilList {
     starts: Vec<usize>,
     entries: Vec<u32>,
 }
@@ -143,7 +143,7 @@ impl StencilList {
         self.starts.push(self.entries.len());
         fill(&mut self.entries);
     }
-    fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
         (0..self.starts.len()).map(|k| {
             let end = self.starts.get(k + 1).copied().unwrap_or(self.entries.len());
             &self.entries[self.starts[k]..end]
@@ -508,16 +508,6 @@ impl System {
             if force > 0.0 { force / length } else { 1.0 }
         };
         RIGID_COMPLIANCE / stiffness
-    }
-
-    /// The pattern of bodies, loads and parts alone.
-    pub fn solid_pattern(&self) -> &Arc<SparsityPattern> {
-        &self.solid_pattern
-    }
-
-    /// What it was made from: equations of each element.
-    pub fn stencils(&self) -> impl Iterator<Item = &[u32]> + Clone {
-        self.stencils.iter()
     }
 
     /// Number of equations at present: free components, active pressures with their auxiliaries.

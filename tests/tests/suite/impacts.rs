@@ -460,6 +460,87 @@ fn a_rope_falls_freely_on_a_floor() {
     assert!((top - 0.282).abs() < 1e-3, "{top}");
 }
 
+/// A flat box that meets a rough floor obliquely loses `mu (1 + e)` of its way, or all of it, at every phase, and what impact and friction take is in their books.
+#[test]
+fn friction_of_an_impact_is_that_of_its_impulse() {
+    // The tractions of the step act over the gap that there is in its middle: mortar contact gives the bodies their moment.
+    for (method, tolerance) in [("nts", 1e-9), ("mortar", 5e-4)] {
+        for (e, mu) in [(0.0, 0.3), (0.5, 0.3), (0.5, 0.8), (1.0, 0.2)] {
+            for phase in [0.05, 0.35, 0.65, 0.95] {
+                // So thin that the friction does not turn it.
+                let more = "velocity = [0.8, 0.6, -1]\n";
+                let text = head(0.12, 0.01)
+                    + &rigid("box", [1.0, 1.0, 1e-6], [0.0, 0.0, 5e-7 + 0.01 * (6.0 + phase)], more)
+                    + FLOOR
+                    + &contact(
+                        "box.bottom",
+                        "floor.all",
+                        &format!(
+                            "method = \"{method}\"\nrestitution = {e:?}\nfriction = {{ law = \"coulomb\", mu = {mu:?} }}\n"
+                        ),
+                    );
+                let mut simulation = simulation(&text);
+                let off = loop {
+                    let first = books(simulation.balance());
+                    let balance = simulation.advance().unwrap().balance;
+                    if balance.impacts > 0 {
+                        break (books(&balance) - first).abs() / balance.largest_energy;
+                    }
+                };
+                let slides = f64::max(1.0 - mu * (1.0 + e), 0.0);
+                let (v, balance) = (velocity(&simulation, 0, 1e-6), simulation.balance());
+                let case = format!("{method} {e} {mu} {phase}: {v:?}");
+                for (found, expected) in v.into_iter().zip([0.8 * slides, 0.6 * slides, e]) {
+                    assert!((found - expected).abs() < tolerance, "{case}");
+                }
+                assert!(off < 1e-11, "{case}: {off:e}");
+                // Of the impulse of friction over the mean speed of sliding, and of the impact.
+                let by_friction = 0.5 * (1.0 - slides * slides);
+                assert!(
+                    (balance.friction_work / 1e-6 - by_friction).abs() < tolerance.max(1e-8),
+                    "{case}: {balance:?}"
+                );
+                assert!(
+                    (balance.impact_loss / 1e-6 - 0.5 * (1.0 - e * e)).abs() < tolerance.max(1e-8),
+                    "{case}: {balance:?}"
+                );
+            }
+        }
+    }
+}
+
+/// A ball that slides over its impact loses `mu (1 + e)` of its speed, one that does not rolls with 5/7 of it. It turns within the step in which it meets the floor, with an error of the first order.
+#[test]
+fn a_ball_slides_or_rolls_after_an_impact() {
+    for (e, mu, expected) in [(0.0, 0.1, 0.9), (0.5, 0.1, 0.85), (0.0, 0.8, 5.0 / 7.0), (0.5, 0.8, 5.0 / 7.0)] {
+        let mut errors = Vec::new();
+        for dt in [0.01, 0.0025] {
+            let mut worst = 0.0_f64;
+            for phase in [0.2, 0.5, 0.8] {
+                let text = head(0.2, dt)
+                    + &format!(
+                        "[[rigid]]\nname = \"ball\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nshape = {{ kind = \"sphere\", radius = 0.5, divisions = 4 }}\n\
+                         position = [0, 0, {:?}]\nvelocity = [1, 0, -1]\n",
+                        0.5 + (3.0 + phase) * dt
+                    )
+                    + FLOOR
+                    + &contact(
+                        "ball.all",
+                        "floor.all",
+                        &format!(
+                            "method = \"nts\"\nrestitution = {e:?}\nfriction = {{ law = \"coulomb\", mu = {mu:?} }}\n"
+                        ),
+                    );
+                let mut simulation = simulation(&text);
+                while simulation.advance().unwrap().balance.impacts == 0 {}
+                worst = worst.max((velocity(&simulation, 0, 1.0)[0] - expected).abs());
+            }
+            errors.push(worst);
+        }
+        assert!(errors[0] < 1.5e-2 && errors[1] < 0.5 * errors[0], "{e} {mu}: {errors:?}");
+    }
+}
+
 /// Forces of a step in which something closed are those with its impulse: their sum times the step is the change of momentum, of contact, of supports and of joints.
 #[test]
 fn forces_of_a_step_with_an_impact_give_its_change_of_momentum() {

@@ -59,6 +59,12 @@ impl ContactMethod for MortarContact {
         self.augment_friction(q_np1, pressures, active)
     }
 
+    fn friction_coefficient(&self, slot: usize, pressure: f64, slip: [f64; 2]) -> Option<f64> {
+        let surface = self.friction.as_ref()?;
+        let of_point = [surface.points[slot].slid, surface.step_size];
+        Some(surface.friction.coefficient(pressure, slip, of_point))
+    }
+
     fn settling(&self, slot: usize) -> f64 {
         self.step.settling.get(slot).copied().unwrap_or(0.0)
     }

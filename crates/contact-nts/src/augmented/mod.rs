@@ -465,6 +465,10 @@ impl ContactMethod for CoordinateAugmented {
         self.inner.constraint_gradients(q_np1, active, visit)
     }
 
+    fn friction_coefficient(&self, slot: usize, pressure: f64, slip: [f64; 2]) -> Option<f64> {
+        self.inner.friction_coefficient(slot, pressure, slip)
+    }
+
     fn settling(&self, slot: usize) -> f64 {
         self.inner.settling(slot)
     }

@@ -123,6 +123,12 @@ impl ContactMethod for NodeToSurface {
         Ok(())
     }
 
+    fn friction_coefficient(&self, slot: usize, pressure: f64, slip: [f64; 2]) -> Option<f64> {
+        let surface = self.friction.as_ref()?;
+        let of_point = [surface.points[slot].slid, surface.step_size];
+        Some(surface.friction.coefficient(pressure, slip, of_point))
+    }
+
     fn settling(&self, slot: usize) -> f64 {
         let state = &self.slots[slot];
         if state.relaxing { 0.0 } else { -state.settling * self.slot_weight(slot) }

@@ -276,6 +276,7 @@ impl Simulation {
         if let Some(impact) = &impact {
             closing.iter_mut().zip(&impact.closings).for_each(|(closing, taken)| *closing -= taken);
             if let (Some(contact), Some(slaves)) = (&mut contact, &slaves) {
+                contact.pairs.iter_mut().zip(&impact.friction).for_each(|(pair, work)| pair.friction_work += work);
                 self.add_impulses(&impact.mean, slaves, &attempt.iterate.active, &next.q, contact);
             }
         }
@@ -451,12 +452,14 @@ impl Simulation {
                 - stored_by_normal(before.contact, before.friction_stored);
             work + contact_work.friction_work + contact_work.damped + stored - contact_work.driven
         });
+        // Friction of the law of impact in the place of that of the step.
+        let of_impact: f64 = impact.friction.iter().sum();
         self.balance = Balance {
             contact: contact_work.stored,
-            dissipation: self.balance.dissipation + contact_work.dissipated + damped + damped_bodies,
+            dissipation: self.balance.dissipation + contact_work.dissipated + of_impact + damped + damped_bodies,
             damping: self.balance.damping + damped_bodies,
             stabilisation: self.balance.stabilisation + stabilised,
-            friction_work: self.balance.friction_work + contact_work.friction_work + damped,
+            friction_work: self.balance.friction_work + contact_work.friction_work + of_impact + damped,
             friction_stored: contact_work.friction_stored,
             closing_loss: self.balance.closing_loss - normal_work - impact.closing,
             contact_remainder: self.balance.contact_remainder

@@ -49,6 +49,16 @@ impl DenseCompliance {
         Self { size, entries }
     }
 
+    /// `W_ik`.
+    pub fn entry(&self, i: usize, k: usize) -> f64 {
+        self.entries[i * self.size + k]
+    }
+
+    /// Row `i` of `W j`.
+    pub fn product(&self, i: usize, j: &[f64]) -> f64 {
+        dot(self.row(i), j)
+    }
+
     fn row(&self, i: usize) -> &[f64] {
         &self.entries[i * self.size..(i + 1) * self.size]
     }

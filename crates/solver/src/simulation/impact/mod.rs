@@ -4,18 +4,22 @@
 //! impact law, with all bilateral constraints in the system. Positions stay.
 
 mod complementarity;
+mod friction;
 mod law;
 mod response;
 mod rows;
+mod sliding;
 
 use super::Simulation;
 use crate::StepError;
 use crate::assembly::Iterate;
 use crate::system::contact_rule;
 use complementarity::{DenseCompliance, OperatorCompliance};
+use friction::{Cone, with_friction};
 use law::{EnergyOnLine, Impulses, Rates, impulses};
 use response::Response;
 use rows::Row;
+use sliding::Sliding;
 use stoss_contact::{ContactRule, ContactWork, SlotKind, StepConfiguration};
 use stoss_integrators::{State, StepRule};
 use stoss_linalg::vector;
@@ -59,6 +63,8 @@ pub(super) struct Impact {
     pub closings: Vec<f64>,
     /// Work of supports and drives.
     pub external: f64,
+    /// Work of friction by constraint, in the place of what the step has: the difference.
+    pub friction: Vec<f64>,
     /// Slots that closed.
     pub closed: u64,
     /// Energy that the law would have added.
@@ -110,6 +116,8 @@ struct Held {
 struct Velocities {
     v: Vec<f64>,
     slots: Vec<f64>,
+    /// Two for each slot with friction.
+    sliding: Vec<f64>,
     held: Vec<f64>,
 }
 
@@ -163,10 +171,15 @@ impl Simulation {
         let of_new = closed.rows.iter().zip(&closed.is_new).filter(|(_, new)| **new);
         let largest_rate = of_new.map(|(row, _)| speed(row, &self.state.v)).fold(largest, f64::max);
         let closings = self.closing_work(iterate, of_pairs, rule, &next.q)?;
+        // Where nothing closes only what alternates along the normals is taken out.
+        let sliding = if new { self.sliding(iterate, &closed, rule, dt, &next.q)? } else { Vec::new() };
+        let slipped: Vec<f64> = of_pairs.iter().map(|work| work.dissipated).collect();
         let v_1 = next.v.clone();
-        let (mut impact, last) = self.after(&closed, held.rows, &held.is_driven, (closings, new), rule, next)?;
+        let works = (closings, slipped, new);
+        let (mut impact, last) = self.after(&closed, &sliding, held.rows, &held.is_driven, works, rule, next)?;
         let change: Vec<f64> = next.v.iter().zip(&v_1).map(|(v, v_1)| v - v_1).collect();
-        impact.mean = self.mean(iterate, (&closed, &held.slots), (&last, &change), rule.constraint.weight * dt);
+        let rows = (&closed, &sliding[..], &held.slots[..]);
+        impact.mean = self.mean(iterate, rows, (&last, &change), rule.constraint.weight * dt);
         Ok(Some(Impact { largest_rate, ..impact }))
     }
 
@@ -300,7 +313,7 @@ impl Simulation {
     fn mean(
         &self,
         iterate: &Iterate,
-        (closed, held): (&Closed, &[(usize, usize)]),
+        (closed, sliding, held): (&Closed, &[Sliding], &[(usize, usize)]),
         (last, change): (&Velocities, &[f64]),
         time: f64,
     ) -> Mean {
@@ -317,6 +330,9 @@ impl Simulation {
         {
             pressures[c][slot] += sign * force;
             by_constraint[c].push((row, force));
+        }
+        for (of, j) in sliding.iter().zip(last.sliding.chunks_exact(2)) {
+            by_constraint[closed.slots[of.slot].0].extend(of.rows.iter().zip(j).map(|(row, j)| (row, j / time)));
         }
         let mut sum = vec![0.0; change.len()];
         let mut gather = |rows: &[(&Row, f64)]| -> Vec<(u32, f64)> {
@@ -342,9 +358,10 @@ impl Simulation {
     fn after(
         &mut self,
         closed: &Closed,
+        sliding: &[Sliding],
         held: Vec<Row>,
         is_driven: &[bool],
-        (closings, new): (Vec<f64>, bool),
+        (closings, slipped, new): (Vec<f64>, Vec<f64>, bool),
         rule: &StepRule,
         next: &mut State,
     ) -> Result<(Impact, Velocities), StepError> {
@@ -356,18 +373,21 @@ impl Simulation {
         let response = &mut impacts.response;
         let (masses, free) = (&system.masses, &system.numbering.free[..]);
         let m = closed.rows.len();
+        // Impulses of the slots, then of their friction.
+        let along = || sliding.iter().flat_map(|of| &of.rows);
         let force_of = |j: &[f64]| -> Vec<f64> {
             let mut force = vec![0.0; v_1.len()];
-            closed.rows.iter().zip(j).for_each(|(row, &j)| row.add_to(j, &mut force));
+            closed.rows.iter().chain(along()).zip(j).for_each(|(row, &j)| row.add_to(j, &mut force));
             force
         };
         // The end of the step without the impulses of the closed slots, on the bilateral constraints.
-        let without: Vec<f64> = closed.impulses.iter().map(|j| -j).collect();
+        let of_friction = || sliding.iter().flat_map(|of| of.impulses);
+        let without: Vec<f64> = closed.impulses.iter().copied().chain(of_friction()).map(|j| -j).collect();
         let to_constraints: Vec<f64> =
             rates_held.iter().zip(is_driven).map(|(rate, driven)| if *driven { 0.0 } else { -rate }).collect();
         let (change, of_held) = response.velocities((masses, free), &force_of(&without), Some(&to_constraints))?;
         let v: Vec<f64> = v_1.iter().zip(&change).map(|(v, change)| v + change).collect();
-        let free_end = Velocities { v, slots: without, held: of_held };
+        let free_end = Velocities { v, slots: without[..m].to_vec(), sliding: without[m..].to_vec(), held: of_held };
         // In a step without an impact only what alternates is taken out.
         let no_restitution = vec![0.0; m];
         let before = of_rows(&closed.rows, &state.v);
@@ -408,7 +428,11 @@ impl Simulation {
             let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
             Ok(Velocities {
                 v: sum(&free_end.v, &change),
-                slots: sum(&free_end.slots, j),
+                slots: sum(&free_end.slots, &j[..m]),
+                sliding: match j.len() > m {
+                    true => sum(&free_end.sliding, &j[m..]),
+                    false => free_end.sliding.clone(),
+                },
                 held: sum(&free_end.held, &held),
             })
         };
@@ -417,20 +441,26 @@ impl Simulation {
         // Energy without the work of supports and drives: that of the step, and the work of the impulses since.
         let first = masses.kinetic_energy(v_1);
         let rates_1 = of_rows(&closed.rows, v_1);
-        let energy = |of: &Velocities| -> f64 {
+        let sliding_1: Vec<f64> = along().map(|row| row.dot(v_1)).collect();
+        let energy = |response: &Response, of: &Velocities| -> f64 {
             let slots = closed.rows.iter().zip(&of.slots).zip(&rates_1);
             let by_slots: f64 = slots.map(|((row, j), rate)| j * (rate + row.dot(&of.v))).sum();
+            let slid = along().zip(&of.sliding).zip(&sliding_1);
+            let by_sliding: f64 = slid.map(|((row, j), rate)| j * (rate + row.dot(&of.v))).sum();
             let held = response.rows().iter().zip(&of.held).zip(&rates_held).zip(is_driven);
             let not_driven = held.filter(|(_, driven)| !**driven);
             let by_held: f64 = not_driven.map(|(((row, j), rate), _)| j * (rate + row.dot(&of.v))).sum();
-            first + 0.5 * (by_slots + by_held)
+            first + 0.5 * (by_slots + by_sliding + by_held)
         };
         let closing: f64 = closings.iter().sum();
         // Backward Euler takes the energy of the jump of the velocity itself, more or less of it as the gap closes late or early.
         let has_mean_velocity = rule.velocity.velocity == -1.0;
-        let target = if has_mean_velocity { first + closing } else { energy(&free_end) };
+        let mut has_friction = vec![false; closings.len()];
+        sliding.iter().for_each(|of| has_friction[closed.slots[of.slot].0] = true);
+        let by_friction: f64 = has_friction.iter().zip(&slipped).filter(|(has, _)| **has).map(|(_, work)| work).sum();
+        let target = if has_mean_velocity { first + closing + by_friction } else { energy(response, &free_end) };
         let round_off = ROUND_OFF * balance.largest_energy.max(target);
-        let of_plastic = energy(&plastic);
+        let of_plastic = energy(response, &plastic);
         let mut excess = 0.0;
         let between = |from: &[f64], to: &[f64], s: f64| -> Vec<f64> {
             from.iter().zip(to).map(|(from, to)| from + s * (to - from)).collect()
@@ -438,7 +468,14 @@ impl Simulation {
         let mix = |from: &Velocities, to: &Velocities, s: f64| Velocities {
             v: between(&from.v, &to.v, s),
             slots: between(&from.slots, &to.slots, s),
+            sliding: between(&from.sliding, &to.sliding, s),
             held: between(&from.held, &to.held, s),
+        };
+        let of_step = || Velocities {
+            v: v_1.clone(),
+            slots: vec![0.0; m],
+            sliding: vec![0.0; 2 * sliding.len()],
+            held: vec![0.0; rates_held.len()],
         };
         let difference = |from: &[f64], to: &[f64]| -> f64 {
             let change: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
@@ -447,14 +484,13 @@ impl Simulation {
         let last = if of_plastic > target + round_off {
             // The law may not add energy: as far from the velocities of the step as there is energy.
             excess = of_plastic - target;
-            let of_step = Velocities { v: v_1.clone(), slots: vec![0.0; m], held: vec![0.0; rates_held.len()] };
             let line = EnergyOnLine { start: first, end: of_plastic, curvature: difference(v_1, &plastic.v) };
             let s = line.reaches(target).filter(|s| (0.0..=1.0).contains(s)).unwrap_or(line.lowest());
-            mix(&of_step, &plastic, s)
+            mix(&of_step(), &plastic, s)
         } else if let Some(elastic) = elastic {
             let line = EnergyOnLine {
                 start: of_plastic,
-                end: energy(&elastic),
+                end: energy(response, &elastic),
                 curvature: difference(&plastic.v, &elastic.v),
             };
             let to_be_had = target - of_plastic;
@@ -467,10 +503,73 @@ impl Simulation {
         } else {
             plastic
         };
-        let of_last = energy(&last);
+        // Normal rates that the law without friction gives are those of the law with it; impulses of both are found together.
+        let last = if sliding.is_empty() {
+            last
+        } else {
+            let mut columns = Vec::new();
+            for k in 0..m + 2 * sliding.len() {
+                let mut one = vec![0.0; m + 2 * sliding.len()];
+                one[k] = 1.0;
+                let (velocity, _) = response.velocities((masses, free), &force_of(&one), None)?;
+                columns.extend(closed.rows.iter().chain(along()).map(|row| row.dot(&velocity)));
+            }
+            let w = DenseCompliance::new(m + 2 * sliding.len(), columns);
+            let start: Vec<f64> = last.slots.iter().zip(&closed.impulses).map(|(j, p)| j + p).collect();
+            let largest = start.iter().copied().fold(0.0, f64::max);
+            let rates = of_rows(&closed.rows, &last.v);
+            let least = (0..m).map(|i| if start[i] > RIGID_AT_REST * largest { rates[i] } else { closed.settling[i] });
+            let coefficients: Vec<(usize, f64)> = sliding.iter().map(|of| (of.slot, of.coefficient)).collect();
+            let free_rates: Vec<f64> = closed.rows.iter().chain(along()).map(|row| row.dot(&free_end.v)).collect();
+            let with_least = |response: &mut Response, least: &[f64]| -> Result<Velocities, StepError> {
+                let cone = Cone { least, free: &free_rates, sliding: &coefficients };
+                let start: Vec<f64> = start.iter().copied().chain(vec![0.0; 2 * sliding.len()]).collect();
+                with(response, &with_friction(&w, &cone, &start))
+            };
+            let found = with_least(response, &least.collect::<Vec<f64>>())?;
+            if energy(response, &found) <= target + round_off {
+                found
+            } else {
+                // Newton's restitution at single slots can add energy: as far from the result without it as there is some.
+                let plastic = with_least(response, &closed.settling)?;
+                let of_plastic = energy(response, &plastic);
+                let line = |from: &Velocities, to: &Velocities| EnergyOnLine {
+                    start: energy(response, from),
+                    end: energy(response, to),
+                    curvature: difference(&from.v, &to.v),
+                };
+                if of_plastic <= target + round_off {
+                    let s = line(&plastic, &found).reaches(target).filter(|s| (0.0..=1.0).contains(s)).unwrap_or(0.0);
+                    mix(&plastic, &found, s)
+                } else {
+                    excess += of_plastic - target;
+                    let line = line(&of_step(), &plastic);
+                    let s = line.reaches(target).filter(|s| (0.0..=1.0).contains(s)).unwrap_or(line.lowest());
+                    mix(&of_step(), &plastic, s)
+                }
+            }
+        };
+        let of_last = energy(response, &last);
         let moves = is_driven.contains(&true) || prescribed.iter().any(|&(c, ..)| v_1[c as usize] != 0.0);
         let kinetic = masses.kinetic_energy(&last.v);
-        let (loss, external) = if moves { (target - of_last, kinetic - of_last) } else { (target - kinetic, 0.0) };
+        let (mut loss, external) = if moves { (target - of_last, kinetic - of_last) } else { (target - kinetic, 0.0) };
+        // What friction takes of it.
+        let mut friction = vec![0.0; closings.len()];
+        let mut of_slot = sliding.iter().zip(last.sliding.chunks_exact(2));
+        of_slot.by_ref().for_each(|(of, changes)| {
+            let taken = (0..2).map(|i| {
+                let j = changes[i] + of.impulses[i];
+                -0.5 * j * (of.rows[i].dot(&free_end.v) + of.rows[i].dot(&last.v))
+            });
+            friction[closed.slots[of.slot].0] += taken.sum::<f64>();
+        });
+        let all_friction: f64 = friction.iter().sum();
+        let part = if all_friction > loss.max(0.0) { loss.max(0.0) / all_friction } else { 1.0 };
+        for (c, work) in friction.iter_mut().enumerate() {
+            *work = part * work.max(0.0);
+            loss -= *work;
+            *work -= if has_friction[c] { slipped[c] } else { 0.0 };
+        }
         let mut losses = vec![0.0; closings.len()];
         let approach = last.slots.iter().zip(&closed.impulses).zip(&before).map(|((j, p), u)| (j + p) * (-u).max(0.0));
         let shares: Vec<f64> = approach.map(|share| share.max(0.0)).collect();
@@ -484,8 +583,18 @@ impl Simulation {
         next.v.copy_from_slice(&last.v);
         self.model.embedding.follow(&mut next.v);
         let closed = closed.is_new.iter().filter(|new| **new).count() as u64;
-        let impact =
-            Impact { loss, losses, deformable, closing, closings, external, closed, excess, ..Impact::default() };
+        let impact = Impact {
+            loss,
+            losses,
+            deformable,
+            closing,
+            closings,
+            external,
+            friction,
+            closed,
+            excess,
+            ..Impact::default()
+        };
         Ok((impact, last))
     }
 }

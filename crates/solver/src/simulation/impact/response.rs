@@ -56,7 +56,7 @@ impl Response {
             columns.push(NONE);
             columns.extend(own(row).iter().flat_map(|&(equation, _)| [equation, (free + k) as u32]));
         }
-        let is_base = self.base.as_ref().is_some_and(|base| Arc::ptr_eq(base, system.solid_pattern()));
+        let is_base = self.base.as_ref().is_some_and(|base| Arc::ptr_eq(base, &system.solid_pattern));
         if !is_base || columns != self.columns {
             self.set_pattern(system, &rows, &own)?;
             self.columns = columns;
@@ -110,7 +110,7 @@ impl Response {
         own: &dyn Fn(&Row) -> Vec<(u32, f64)>,
     ) -> Result<(), StepError> {
         let free = system.numbering.free.len();
-        let base = system.solid_pattern();
+        let base = &system.solid_pattern;
         self.is_factorised = false;
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for (k, row) in rows.iter().enumerate() {
@@ -120,7 +120,7 @@ impl Response {
         }
         // Diagonals of components without elements, which have neither mass nor stiffness.
         let diagonal: Vec<[u32; 1]> = (0..free as u32).map(|i| [i]).collect();
-        let stencils = system.stencils().chain(pairs.iter().map(|pair| &pair[usize::from(pair[0] == pair[1])..]));
+        let stencils = system.stencils.iter().chain(pairs.iter().map(|pair| &pair[usize::from(pair[0] == pair[1])..]));
         let pattern =
             SparsityPattern::from_stencils(free + rows.len(), stencils.chain(diagonal.iter().map(|i| &i[..])))?;
         let mut groups = base.groups().map(<[u32]>::to_vec).unwrap_or_else(|| (0..free as u32).collect());
