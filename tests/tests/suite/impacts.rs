@@ -463,9 +463,14 @@ fn a_rope_falls_freely_on_a_floor() {
 /// A flat box that meets a rough floor obliquely loses `mu (1 + e)` of its way, or all of it, at every phase, and what impact and friction take is in their books.
 #[test]
 fn friction_of_an_impact_is_that_of_its_impulse() {
-    // The tractions of the step act over the gap that there is in its middle: mortar contact gives the bodies their moment.
-    for (method, tolerance) in [("nts", 1e-9), ("mortar", 5e-4)] {
+    for method in ["nts", "mortar"] {
         for (e, mu) in [(0.0, 0.3), (0.5, 0.3), (0.5, 0.8), (1.0, 0.2)] {
+            // The tractions of the step act over the gap that there is in its middle, and mortar contact gives the bodies their moment: an error of the first order.
+            let tolerance = match (method, e) {
+                ("nts", _) => 1e-9,
+                (_, 0.0) => 1.5e-3,
+                _ => 5e-5,
+            };
             for phase in [0.05, 0.35, 0.65, 0.95] {
                 // So thin that the friction does not turn it.
                 let more = "velocity = [0.8, 0.6, -1]\n";
