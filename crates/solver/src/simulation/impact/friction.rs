@@ -65,3 +65,55 @@ pub(super) fn with_friction(w: &DenseCompliance, cone: &Cone<'_>, start: &[f64])
     }
     j
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A point of mass one on a floor: `W` is the identity.
+    fn point(v: [f64; 3], least: f64, mu: f64) -> [f64; 3] {
+        let w = DenseCompliance::new(3, vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let cone = Cone { least: &[least], free: &v, sliding: &[(0, mu)] };
+        let j = with_friction(&w, &cone, &[0.0; 3]);
+        std::array::from_fn(|i| v[i] + j[i])
+    }
+
+    #[test]
+    fn a_point_slides_or_stops() {
+        let off = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max);
+        assert!(off(point([-1.0, 0.8, 0.6], 0.0, 0.3), [0.0, 0.8 * 0.7, 0.6 * 0.7]) < 1e-12);
+        assert!(off(point([-1.0, 0.8, 0.6], 0.5, 0.3), [0.5, 0.8 * 0.55, 0.6 * 0.55]) < 1e-12);
+        assert!(off(point([-1.0, 0.8, 0.6], 0.5, 0.8), [0.5, 0.0, 0.0]) < 1e-12);
+        // It leaves by itself.
+        assert!(off(point([1.0, 0.8, 0.6], 0.0, 0.8), [1.0, 0.8, 0.6]) < 1e-15);
+    }
+
+    /// A ball of the radius one whose inertia is 2/5: a push along the floor moves its lowest point by 7/2 of that of the centre.
+    #[test]
+    fn a_ball_rolls_with_five_sevenths_of_its_speed() {
+        let w = DenseCompliance::new(3, vec![1.0, 0.0, 0.0, 0.0, 3.5, 0.0, 0.0, 0.0, 3.5]);
+        let cone = Cone { least: &[0.0], free: &[-1.0, 1.0, 0.0], sliding: &[(0, 0.8)] };
+        let j = with_friction(&w, &cone, &[0.0; 3]);
+        assert!((1.0 + j[1] - 5.0 / 7.0).abs() < 1e-12 && j[2].abs() < 1e-15, "{j:?}");
+    }
+
+    /// Four corners of a plate that carries more of its weight on one side: impulses are not unique, velocities are.
+    #[test]
+    fn corners_share_the_friction() {
+        let rows: Vec<[f64; 3]> = (0..4).map(|_| [1.0, 0.0, 0.0]).collect();
+        let along = (0..4).flat_map(|_| [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let all: Vec<[f64; 3]> = rows.into_iter().chain(along).collect();
+        let dot = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
+        let entries = all.iter().flat_map(|a| all.iter().map(move |b| dot(a, b))).collect();
+        let w = DenseCompliance::new(12, entries);
+        let v = [-1.0, 1.0, 0.0];
+        let free: Vec<f64> = all.iter().map(|row| dot(row, &v)).collect();
+        let sliding: Vec<(usize, f64)> = (0..4).map(|slot| (slot, 0.4)).collect();
+        let cone = Cone { least: &[0.0; 4], free: &free, sliding: &sliding };
+        let mut start = [0.0; 12];
+        start[0] = 0.7;
+        let j = with_friction(&w, &cone, &start);
+        let sum = |i: usize| v[i] + all.iter().zip(&j).map(|(row, j)| row[i] * j).sum::<f64>();
+        assert!(sum(0).abs() < 1e-12 && (sum(1) - 0.6).abs() < 1e-10, "{j:?}");
+    }
+}
