@@ -290,7 +290,7 @@ pub fn flat(rng: &mut Rng, quadratic: bool) -> Draft {
         let rest = match method {
             "nts" if conserves && often(rng, 20) => "constraint = \"modified\"",
             // The law is that of schemes with the mean velocity; the first is the default.
-            _ if is_rigid && ["energy-momentum", "midpoint"].contains(&scheme) => {
+            "nts" | "mortar" if is_rigid && ["energy-momentum", "midpoint"].contains(&scheme) => {
                 restitution = [0.0, 0.5, 1.0][steps as usize % 3];
                 ["", "restitution = 0.5", "restitution = 1.0"][steps as usize % 3]
             }
