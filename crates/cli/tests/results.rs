@@ -276,7 +276,17 @@ fn work_and_stored_energy_of_friction_are_listed_on_their_own() {
         let text = read("whole");
         assert_eq!(text, read("parts"), "the same bits after resuming");
         let head: Vec<&str> = text.lines().next().unwrap().split(',').collect();
-        let last = ["total", "closing_loss", "contact_remainder", "restored", "friction_work", "friction_stored"];
+        let last = [
+            "total",
+            "closing_loss",
+            "contact_remainder",
+            "impact_loss",
+            "impact_deformable",
+            "impacts",
+            "impact_capped",
+            "friction_work",
+            "friction_stored",
+        ];
         assert_eq!(head[head.len() - last.len()..], last);
         let column = |name: &str| -> Vec<f64> {
             let at = head.iter().position(|head| *head == name).unwrap();

@@ -466,7 +466,7 @@ fn until_stops_early_on_the_same_path() {
     assert_eq!(
         whole.lines().next(),
         Some(
-            "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total,closing_loss,contact_remainder,restored"
+            "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total,closing_loss,contact_remainder,impact_loss,impact_deformable,impacts,impact_capped"
         )
     );
     // A run that was stopped early goes on where it stopped.

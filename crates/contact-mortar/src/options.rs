@@ -30,6 +30,9 @@ pub struct MortarOptions {
     /// its error has a kink that Newton may not pass. `None`: [`NEARNESS`] in statics, and the plain mean in dynamics, where the force would have the kinks of its weights, at which
     /// Newton stops where edges of both surfaces lie on each other.
     pub nearness: Option<f64>,
+    /// Whether a weighted gap is held where it is in a step in which it closes and velocities come from the law of impact (theory/impacts#hold), and after how many steps without a break it
+    /// comes down. Not with frozen integrals.
+    pub hold: Option<u32>,
     /// Pressure over penetration, a stress per length, if contact is not rigid; under [`stoss_contact::ContactRule::EndPoint`].
     pub overclosure: Option<f64>,
 }

@@ -45,8 +45,10 @@ pub(crate) struct StepState {
     pub gap: Vec<Option<f64>>,
     /// Its gradient, of the rows that needed it.
     pub gradient: Vec<Vec<f64>>,
-    /// Weighted gap that a closed row keeps.
+    /// Weighted gap that a closed row keeps. Of a row that is open at the start of the step it is the one that it would keep if it closed.
     pub reference: Vec<f64>,
+    /// Change of that in the step of rows that are held and come down, not positive.
+    pub settling: Vec<f64>,
     /// Rows that may carry a multiplier.
     pub carried: Vec<bool>,
     /// Corners of the slave facets that hand their functions over.

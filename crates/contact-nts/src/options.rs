@@ -19,6 +19,8 @@ pub struct NodeToSurfaceOptions {
     pub constraint: ConstraintForm,
     /// How it is enforced; a penalty needs the standard form.
     pub enforcement: Enforcement,
+    /// Whether a gap is held where it is in a step in which it closes and velocities come from the law of impact (theory/impacts#hold), and after how many steps without a break it comes down.
+    pub hold: Option<u32>,
     /// Tolerances of the search.
     pub search: SearchOptions,
 }

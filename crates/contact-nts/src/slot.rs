@@ -41,6 +41,11 @@ pub(crate) struct Slot {
     /// Gap that it should keep: 0 for the standard form, the gap at `n` for the modified one. `kept` differs from it by the
     /// steps between the extended facets over which the node has slid slowly.
     pub wanted: f64,
+    /// The part of `kept` that is a gap which was held when it closed, as the step leaves it, and by how much it comes down in the step.
+    pub held: f64,
+    pub settling: f64,
+    /// Steps that the node has been closed without a break.
+    pub steps: u32,
     /// An open node that got behind the surface from the side or from behind: it is no contact until it has been in front.
     pub strayed: bool,
     /// Facet at `n`: the committed one, or that found by the search; `None` if nothing is within reach.
@@ -68,6 +73,9 @@ impl Slot {
         committed: None,
         kept: 0.0,
         wanted: 0.0,
+        held: 0.0,
+        settling: 0.0,
+        steps: 0,
         strayed: false,
         origin: None,
         origin_gap: f64::INFINITY,
@@ -95,11 +103,20 @@ impl Slot {
         slot
     }
 
+    /// The same for one whose gap was held: it keeps what is `held` of it, after it has come down by `settling`.
+    pub fn holding(self, held: f64, settling: f64, steps: u32) -> Self {
+        let mut slot = Self { wanted: held, held, settling, steps, ..self };
+        if let Some(facet) = slot.committed {
+            slot.stay(facet);
+        }
+        slot
+    }
+
     /// Pairs a node in contact at `n` with its own facet: it keeps the gap that it has there.
     pub fn stay(&mut self, facet: u32) {
         self.pairing = Some(Pairing::single(facet));
         self.gap_n = self.origin_gap;
-        self.reference = self.kept;
+        self.reference = self.kept - self.settling;
         self.relaxing = false;
     }
 

@@ -151,6 +151,7 @@ fn what_is_not_available_says_so() {
         constraint: ConstraintForm::Modified,
         enforcement: Enforcement::Penalty(1.0),
         search: SearchOptions::default(),
+        ..NodeToSurfaceOptions::default()
     };
     let reference = at(0.4, 0.5);
     let new = |options| NodeToSurface::new("test", &[[10, 11, 12, 13]], &[[0, 2, 3, 1]], &reference, options);

@@ -32,7 +32,7 @@ pub use contribution::{Auxiliary, ContactRule, LocalContribution, StepConfigurat
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use line::ContactLine;
-pub use method::{Bilateral, Constraint, ContactMethod, History};
+pub use method::{Bilateral, Constraint, ContactMethod, History, SlotKind};
 pub use position::position;
 pub use potential::{BodyPair, Potential, PotentialConstraint, SurfaceForce, SurfaceNode};
 pub use report::{

@@ -24,6 +24,10 @@ pub trait Constraint: Report {
     fn is_symmetric(&self, _rule: ContactRule) -> bool {
         false
     }
+    /// What a slot of a bilateral constraint is, for impacts.
+    fn slot_kind(&self, _slot: usize) -> SlotKind {
+        SlotKind::Equation
+    }
     /// Tells which nodes are carried by others, and with which weights: carriers and weights of a node, if it has any. Their positions are given with
     /// all others; a search may know from the carriers alone how a surface has moved.
     fn set_carriers<'a>(&mut self, _of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {}
@@ -109,6 +113,19 @@ pub trait Constraint: Report {
     }
 }
 
+/// What a slot of a bilateral constraint is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SlotKind {
+    /// An equation between positions that holds at all times.
+    Equation,
+    /// An equation that depends on time: a drive, a moving support.
+    Driven,
+    /// A limit: it acts on one side, and opens and closes within its own row.
+    Limit,
+    /// A force with a law, such as friction: it takes no part in an impact.
+    Force,
+}
+
 /// What a method carries from one accepted step to the next, and what its step stored and dissipated. `work` comes before `commit`, which comes once when a step
 /// was accepted.
 pub trait History {
@@ -159,7 +176,7 @@ pub trait ContactMethod: Constraint + History {
         Ok(0)
     }
     /// Visits the gradient of the constraint function of every closed slot that carries at `q_np1`: the slot, its nodes and three entries a node. Times the
-    /// pressures it has neither resultant nor moment about `q_np1`. Visits nothing by default: then `closing_loss` cannot be restored.
+    /// pressures it has neither resultant nor moment about `q_np1`. Visits nothing by default: then there is no impact law (theory/impacts).
     fn constraint_gradients(
         &self,
         _q_np1: &[f64],
@@ -167,5 +184,14 @@ pub trait ContactMethod: Constraint + History {
         _visit: &mut dyn FnMut(usize, &[u32], &[f64]),
     ) -> Result<(), ContactError> {
         Ok(())
+    }
+    /// Bound of the tangential traction of a closed slot over its pressure, where it slides by `slip` (two components in the tangent plane, lengths) in the step, for impacts between rigid bodies.
+    /// `None`: no friction.
+    fn friction_coefficient(&self, _slot: usize, _pressure: f64, _slip: [f64; 2]) -> Option<f64> {
+        None
+    }
+    /// By how much the constraint function that a closed slot keeps changes in the step: negative where a gap that is held comes down, else zero.
+    fn settling(&self, _slot: usize) -> f64 {
+        0.0
     }
 }

@@ -86,6 +86,8 @@ pub struct Step<'a> {
     pub rates: bool,
     /// Whether the usual iterations of this step failed: weights that only steer them, and that no result depends on, are chosen with care.
     pub careful: bool,
+    /// Whether the velocities at the end come from the law of impact: a gap that closes may then be held where it is.
+    pub impacts: bool,
     /// Largest distance that two surfaces are expected to approach each other: what is farther away needs no partner.
     pub reach: f64,
     /// What acts on nodes beside the one that is told.
@@ -100,7 +102,19 @@ impl<'a> Step<'a> {
     /// A step with inertia from `q_n`, from the time zero on, of nodes that nothing else holds, with nothing in reach that does not touch, and no velocities to look ahead with. Other values
     /// go before: `Step { reach: 0.1, ..Step::new(q_n, rule, dt) }`.
     pub fn new(q_n: &'a [f64], rule: ContactRule, dt: f64) -> Self {
-        Self { q_n, v_n: &[], time: 0.0, end: dt, dt, rule, rates: true, careful: false, reach: 0.0, support: &FREE }
+        Self {
+            q_n,
+            v_n: &[],
+            time: 0.0,
+            end: dt,
+            dt,
+            rule,
+            rates: true,
+            careful: false,
+            impacts: false,
+            reach: 0.0,
+            support: &FREE,
+        }
     }
 
     /// A step of statics: as [`Self::new`], without inertia, at the end point.

@@ -32,7 +32,7 @@ const MASS: f64 = 2.0;
 
 fn add(model: &mut Model, name: &str, constraint: impl Bilateral + 'static) {
     let method = Coupling::bilateral(constraint);
-    model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restores: false });
+    model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restitution: None });
 }
 
 fn pair(off: f64, velocities: [[f64; 3]; 2], spins: [[f64; 3]; 2]) -> Result<Pair, Box<dyn Error>> {

@@ -17,6 +17,8 @@ pub struct StringMaterial {
     pub stiffness: f64,
     /// Mass per natural length.
     pub mass: f64,
+    /// Whether the mass matrix is diagonal, `int N_I rho A ds`, and not consistent. A node that is stopped then does not change the motion of its neighbours at once.
+    pub lumped: bool,
     /// Whether a string that is shorter than its natural length has no force at all. Otherwise it also resists compression, with an energy that tends to infinity as its length tends to zero.
     pub tension_only: bool,
 }
@@ -199,6 +201,11 @@ impl Part for ElasticString {
         for (element, points) in self.points.chunks_exact(self.order + 1).enumerate() {
             let node = |i: usize| self.node_vector(element * self.order + i);
             for i in 0..=self.order {
+                if self.material.lumped {
+                    let sum: f64 = points.iter().map(|p| p.weight * p.values[i]).sum();
+                    visit(node(i), node(i), self.material.mass * sum);
+                    continue;
+                }
                 for j in i..=self.order {
                     let sum: f64 = points.iter().map(|p| p.weight * p.values[i] * p.values[j]).sum();
                     visit(node(i), node(j), self.material.mass * sum);

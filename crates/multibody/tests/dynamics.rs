@@ -73,7 +73,7 @@ fn free_flight_of_strings() {
     for order in 1..=3 {
         for tension_only in [false, true] {
             let nodes = ElasticString::straight_nodes([0.0; 3], [2.0, 0.0, 0.5], 6, order).unwrap();
-            let material = StringMaterial { stiffness: 40.0, mass: 0.5, tension_only };
+            let material = StringMaterial { stiffness: 40.0, mass: 0.5, lumped: false, tension_only };
             let string = ElasticString::new("string", 0, order, nodes, material, 1.02).unwrap();
             let mut velocity = string.rigid_velocity([0.1, 0.2, 0.3], [1.0, 3.0, 2.0], [1.0, 0.0, 0.0]);
             let n = velocity.len();
@@ -122,7 +122,7 @@ fn string_pendulum() {
     let (length, gravity, amplitude) = (1.5, 9.81, 0.1_f64);
     let (s, c) = amplitude.sin_cos();
     let nodes = ElasticString::straight_nodes([0.0; 3], [length * s, 0.0, -length * c], 3, 2).unwrap();
-    let material = StringMaterial { stiffness: 1e4, mass: 1e-3, tension_only: false };
+    let material = StringMaterial { stiffness: 1e4, mass: 1e-3, lumped: false, tension_only: false };
     // Stretched as the weight does.
     let e = gravity * c / material.stiffness;
     let string = ElasticString::new("string", 0, 2, nodes, material, e + (1.0 + e * e).sqrt()).unwrap();

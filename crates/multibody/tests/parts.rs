@@ -24,7 +24,7 @@ fn corner(order: usize) -> Beam {
 
 fn string(order: usize, tension_only: bool) -> ElasticString {
     let nodes = ElasticString::straight_nodes([0.0; 3], [2.0, 0.3, -0.4], 2, order).unwrap();
-    let material = StringMaterial { stiffness: 3.0, mass: 1.4, tension_only };
+    let material = StringMaterial { stiffness: 3.0, mass: 1.4, lumped: false, tension_only };
     ElasticString::new("string", 0, order, nodes, material, 1.05).unwrap()
 }
 
@@ -413,7 +413,7 @@ fn errors() {
     assert!(BeamAxis::new(1, vec![[0.0; 3], up], vec![triad]).is_err());
     // The middle node beyond the end: the element is folded.
     assert!(BeamAxis::new(2, vec![[0.0; 3], [0.0, 0.0, 2.0], up], vec![triad; 3]).is_err());
-    let material = StringMaterial { stiffness: 1.0, mass: 1.0, tension_only: false };
+    let material = StringMaterial { stiffness: 1.0, mass: 1.0, lumped: false, tension_only: false };
     assert!(ElasticString::new("s", 0, 1, vec![[0.0; 3], [0.0; 3]], material, 1.0).is_err());
     assert!(ElasticString::new("s", 0, 1, vec![[0.0; 3], up], material, 0.0).is_err());
     assert!(

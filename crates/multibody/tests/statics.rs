@@ -276,7 +276,7 @@ fn catenary() {
                     [0.5 * span * t, 0.0, 0.9 * sag * (t * t - 1.0)]
                 };
                 let nodes: Vec<[f64; 3]> = (0..=n).map(node).collect();
-                let material = StringMaterial { stiffness, mass: 1.0, tension_only: false };
+                let material = StringMaterial { stiffness, mass: 1.0, lumped: false, tension_only: false };
                 let make = |stretch| ElasticString::new("string", 0, order, nodes.clone(), material, stretch).unwrap();
                 let string = make(make(1.0).natural_length() / length);
                 assert!((string.natural_length() / length - 1.0).abs() < 1e-13);

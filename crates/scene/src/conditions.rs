@@ -61,12 +61,26 @@ named! {
 }
 
 named! {
-    /// Treatment of the energy that is lost when gaps close in a step of mortar contact.
+    /// Velocities after a step in which gaps closed.
     Closing {
-        /// The energy stays lost, as in a perfectly plastic impact.
+        /// Those after an impact, by the law of impact with `restitution` (theory/impacts): they do not depend on where in the step a gap closes.
+        Impact = "impact",
+        /// Those of the step: what closing gaps cost or give depends on where in the step they close.
         Keep = "keep",
-        /// The energy is returned to the velocities at the end of the step, by an impulse of the contact forces that changes neither momentum.
-        Restore = "restore",
+    }
+}
+
+named! {
+    /// Gap of a contact in the step in which it closes, with `closing = "impact"`.
+    #[derive(Default)]
+    GapAtClosing {
+        /// Held if a side is a deformable body through which a wave passes no more than 12 elements in a step, else closed.
+        #[default]
+        Auto = "auto",
+        /// Closed by the end of the step: exact for rigid bodies. In a mesh the node is dragged over the gap against its neighbours.
+        Close = "close",
+        /// Held where it is at the start of the step, at most the way of one step, and settled after `settle` steps.
+        Hold = "hold",
     }
 }
 
@@ -251,9 +265,21 @@ pub struct Contact {
     /// Configuration of the mortar integrals, for `mortar` only; `moving` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrals: Option<Integrals>,
-    /// Treatment of the energy that closing gaps lose, for `mortar` with schemes that take contact forces at the middle of the step; `keep` if left out.
+    /// Velocities after a step in which gaps closed: by the law of `impact`, or `keep`. If left out `impact` for `nts` and `mortar` by multipliers, `keep` for `cat`, penalties, the modified constraint,
+    /// frozen integrals, and friction with a deformable body. Schemes other than `energy-momentum`, midpoint, trapezoidal and backward Euler keep the velocities of the step anyway.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub closing: Option<Closing>,
+    /// Coefficient of restitution of the law of impact, from 0 (plastic) to 1. If left out the larger one of the two rigid bodies, and 0 if they have none. With a deformable body it says only what becomes of
+    /// the energy of the nodes at the surface: 0 is right there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    pub restitution: Option<f64>,
+    /// Gap in the step in which a contact closes, for the law of impact: `auto`, `close` or `hold`; `auto` if left out.
+    #[serde(default, skip_serializing_if = "GapAtClosing::is_auto")]
+    pub gap: GapAtClosing,
+    /// Steps without a break after which a gap that was held comes down. 500 if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settle: Option<u32>,
     /// Weighting of near points over far points in the weighted gap at sharp edges, not negative, times one over the length of a slave facet; for `mortar` only.
     /// With 0 the gap is a plain mean, and edges penetrate
     /// by a quarter of a facet; with 12 by half of that. If left out 12 in statics and 0 in dynamics, where steps may fail with larger values if edges of both surfaces
@@ -267,6 +293,12 @@ pub struct Contact {
     /// Friction law with its parameters; frictionless if left out. Not with `constraint = "modified"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
+}
+
+impl GapAtClosing {
+    fn is_auto(&self) -> bool {
+        *self == Self::Auto
+    }
 }
 
 impl Edges {

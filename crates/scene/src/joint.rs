@@ -124,6 +124,10 @@ pub struct Joint {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::Angle, Dimension::Length])))]
     pub limits: Option<[f64; 2]>,
+    /// Coefficient of restitution at the limits of the joint, from 0 (plastic) to 1; 0 if left out. Dynamic scenes only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    pub restitution: Option<f64>,
     /// Friction on the first coordinate; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<JointFriction>,

@@ -84,6 +84,10 @@ pub struct Rigid {
     #[serde(default, skip_serializing_if = "is_default")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::AngularVelocity)))]
     pub angular_velocity: [f64; 3],
+    /// Coefficient of restitution in contacts that give none themselves, from 0 (plastic) to 1; of two rigid bodies the larger one counts. 0 if left out. Dynamic scenes only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    pub restitution: Option<f64>,
     /// `true`: the body does not move, and needs no mass. `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub fixed: bool,

@@ -2,7 +2,7 @@
 
 #[cfg(feature = "schema")]
 use crate::Dimension;
-use crate::body::is_default;
+use crate::body::{Mass, is_default};
 use crate::vector::{norm, sub};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -65,6 +65,9 @@ pub struct ElasticString {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Density)))]
     pub density: Option<f64>,
+    /// Mass matrix: `lumped` if left out, or `consistent`. With the latter what stops a node jerks its neighbours: a rope that falls on a floor is pulled down by it.
+    #[serde(default = "ElasticString::default_mass_matrix")]
+    pub mass_matrix: Mass,
     /// Unstretched length of the whole string, positive; the length of the polygon if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
@@ -79,6 +82,13 @@ pub struct ElasticString {
 }
 
 impl ElasticString {
+    /// The mass matrix if none is given.
+    pub const DEFAULT_MASS_MATRIX: Mass = Mass::Lumped;
+
+    fn default_mass_matrix() -> Mass {
+        Self::DEFAULT_MASS_MATRIX
+    }
+
     /// Linear elements.
     pub const DEFAULT_ORDER: u32 = 1;
 

@@ -109,7 +109,7 @@ fn block(height: f64) -> Result<Model, Box<dyn Error>> {
     Ok(Model {
         velocity: [1.0, 0.5, -3.0].repeat(mesh.nodes.len()),
         bodies: vec![body],
-        contacts: vec![ContactPair { name: "plane".into(), method, complementarity: 1.0, restores: false }],
+        contacts: vec![ContactPair { name: "plane".into(), method, complementarity: 1.0, restitution: None }],
         reference,
         ..Model::default()
     })

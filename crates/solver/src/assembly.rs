@@ -61,7 +61,7 @@ pub(crate) struct System {
     /// Made when a scheme first asks for it.
     pub mass_solver: Option<MassSolver>,
     pub workspaces: Vec<Workspace>,
-    stencils: StencilList,
+    pub stencils: StencilList,
     /// Label of the group of each vector that a part owns, from the first of them on.
     groups: Vec<u32>,
     first_grouped: u32,
@@ -141,7 +141,7 @@ pub(crate) struct System {
 
 /// Lists of equation numbers, flat.
 #[derive(Debug, Default, Clone)]
-struct StencilList {
+pub(crate) struct StencilList {
     starts: Vec<usize>,
     entries: Vec<u32>,
 }
@@ -151,7 +151,7 @@ impl StencilList {
         self.starts.push(self.entries.len());
         fill(&mut self.entries);
     }
-    fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
         (0..self.starts.len()).map(|k| {
             let end = self.starts.get(k + 1).copied().unwrap_or(self.entries.len());
             &self.entries[self.starts[k]..end]

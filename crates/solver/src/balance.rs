@@ -38,15 +38,21 @@ pub struct Balance {
     /// The part of `closing_loss` that is not explained by closing gaps, since the start. Zero for methods that do not report the loss of closing gaps
     /// ([`stoss_contact::ContactWork::closing`]).
     pub contact_remainder: f64,
-    /// The part of `closing_loss` that was returned to the velocities, since the start.
-    pub restored: f64,
+    /// Energy that impacts have taken by the law of impact since the start: what closing gaps cost where the law does not act is in `closing_loss`.
+    pub impact_loss: f64,
+    /// The part of it at contacts of a deformable body. It is the energy of the nodes that meet a surface, a number of the mesh.
+    pub impact_deformable: f64,
+    /// Slots that closed under the law of impact since the start.
+    pub impacts: u64,
+    /// Energy that the law of impact would have added, and was kept from adding, since the start. It is zero but where a step does not resolve an impact.
+    pub impact_capped: f64,
     /// Largest kinetic and strain energy together since the start, beside which errors are judged.
     pub largest_energy: f64,
 }
 
 impl Balance {
     /// The total energy: kinetic + strain + potential + contact + dissipation + stabilisation - external work. A scheme that conserves
-    /// energy keeps it constant, except for `closing_loss - restored`.
+    /// energy keeps the sum of it, `closing_loss` and `impact_loss` constant.
     pub fn total(&self) -> f64 {
         self.kinetic + self.strain + self.potential + self.contact + self.dissipation + self.stabilisation
             - self.external_work

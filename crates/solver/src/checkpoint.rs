@@ -72,6 +72,8 @@ pub struct Checkpoint {
     pub history: Vec<f64>,
     /// Pressures of each contact pair.
     pub pressures: Vec<Vec<f64>>,
+    /// The same with the impulses of the law of impact, where it acted in the last step.
+    pub mean_pressures: Vec<Vec<f64>>,
     /// Active slots of each contact pair.
     pub active: Vec<Vec<bool>>,
     /// Histories of the contact methods.
@@ -88,6 +90,8 @@ pub struct Checkpoint {
     pub decisions: Vec<Decision>,
     /// Linear solves so far.
     pub solves: u64,
+    /// Largest rate of a gap that closed under the law of impact.
+    pub largest_rate: f64,
     /// Further data of the caller by name, for instance the lengths of result files.
     pub attachments: BTreeMap<String, Vec<u8>>,
 }

@@ -418,9 +418,9 @@ pub struct ContactPair {
     pub method: Coupling,
     /// `c` of theory/constraints#eq-active-set: active if `p - c gap > 0`; about Young's modulus over the edge length.
     pub complementarity: f64,
-    /// Whether the energy that closing gaps lose in a step is returned to the velocities at its end (theory/mortar#restore). For methods that report this energy, with
-    /// schemes whose contact forces do the work of the gaps.
-    pub restores: bool,
+    /// The coefficient of restitution, from 0 to 1, of the impact law that gives the velocities after a step in which slots closed, of contact and of limits of joints (theory/impacts). `None`: they
+    /// are those of the step.
+    pub restitution: Option<f64>,
 }
 
 /// Bodies, prescribed motion, loads and contact. Global nodes are numbered body after body.

@@ -150,6 +150,8 @@ pub struct StepRecord {
     pub stabilising: Option<[f64; 2]>,
     /// Energy that closing gaps took in the step by the constraints themselves, in the order of [`crate::Model::contacts`]; empty in statics and of the initial state.
     pub closing: Vec<f64>,
+    /// Energy that the law of impact took in the step, in the same order; empty where it did not act.
+    pub impact_losses: Vec<f64>,
     /// Contact, if the model has any.
     pub contact: Option<ContactSummary>,
 }

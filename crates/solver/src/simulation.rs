@@ -2,6 +2,7 @@
 
 mod advance;
 mod departure;
+mod impact;
 mod pairs;
 mod restart;
 mod sliding_supports;
@@ -133,6 +134,8 @@ pub struct Simulation {
     off: Switches,
     released: Vec<Release>,
     pressures: Vec<Vec<f64>>,
+    /// See [`Simulation::mean_pressures`]; empty where the law of impact did not act in the last step.
+    mean_pressures: Vec<Vec<f64>>,
     active: Vec<Vec<bool>>,
     /// Of each contact pair: energy that it stores, and the part of it in springs of friction.
     stored: Vec<[f64; 2]>,
@@ -154,6 +157,7 @@ pub struct Simulation {
     /// Of the step that was tried last.
     failures: Vec<FailedAttempt>,
     solves: u64,
+    impacts: impact::Impacts,
 }
 
 /// What couplings are told of what acts; nothing if there are none.
@@ -218,6 +222,7 @@ impl Simulation {
         let has_supports = model.prescriptions.iter().any(|p| !p.nodes.is_empty());
         let contact_components = if model.contacts.is_empty() { 0 } else { components };
         let mut simulation = Self {
+            mean_pressures: Vec::new(),
             pressures: model.contacts.iter().map(|p| vec![0.0; slots(p)]).collect(),
             active: model
                 .contacts
@@ -245,6 +250,7 @@ impl Simulation {
             decisions: Vec::new(),
             failures: Vec::new(),
             solves: 0,
+            impacts: impact::Impacts::default(),
             model,
             control,
             scheme,
@@ -399,9 +405,13 @@ impl Simulation {
     pub fn balance(&self) -> &Balance {
         &self.balance
     }
-    /// Pressures of each contact pair's slots.
+    /// Pressures of each contact pair's slots, of the equations of the last step.
     pub fn pressures(&self) -> &[Vec<f64>] {
         &self.pressures
+    }
+    /// Those with which the forces of the last step give its change of momentum: with the impulses of the law of impact, over the step size, where it acted.
+    pub fn mean_pressures(&self) -> &[Vec<f64>] {
+        if self.mean_pressures.is_empty() { &self.pressures } else { &self.mean_pressures }
     }
     /// Active slots of each contact pair.
     pub fn active(&self) -> &[Vec<bool>] {
@@ -520,6 +530,7 @@ impl Simulation {
             inside_out: 0,
             unstable: 0,
             closing: Vec::new(),
+            impact_losses: Vec::new(),
             stabilising: None,
             contact: None,
         }

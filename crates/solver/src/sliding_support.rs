@@ -2,8 +2,8 @@
 
 use crate::Table;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, ContactWork, History, Hold, LocalContribution, Report, SlotReport, Step,
-    StepConfiguration, SupportedNode,
+    Constraint, ContactError, ContactRule, ContactWork, History, Hold, LocalContribution, Report, SlotKind, SlotReport,
+    Step, StepConfiguration, SupportedNode,
 };
 
 /// Tolerance, as a part of the length scale, of the constraint of a slot without a multiplier.
@@ -125,6 +125,10 @@ impl Constraint for SlidingSupport {
 
     fn slot_weight(&self, _slot: usize) -> f64 {
         1.0
+    }
+
+    fn slot_kind(&self, _slot: usize) -> SlotKind {
+        if self.moves() { SlotKind::Driven } else { SlotKind::Equation }
     }
 
     fn is_symmetric(&self, _rule: ContactRule) -> bool {

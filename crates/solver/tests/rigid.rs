@@ -16,7 +16,7 @@ fn add(name: &str, model: &mut Model, mass: RigidMass, velocity: [f64; 3], spin:
         name: format!("{name} rigidity"),
         method: Coupling::bilateral(body.constraints()),
         complementarity: 1.0,
-        restores: false,
+        restitution: None,
     });
     model.parts.push(Box::new(body));
 }

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Part of the largest energy from which on a gain, where nothing excludes it, or a loss by closing gaps is doubtful.
 const DOUBTFUL_CHANGE: f64 = 0.01;
 
+/// Part of the largest energy that impacts would have added, from which on their steps are not resolved.
+const DOUBTFUL_CAPPED: f64 = 0.001;
+
 /// Part of the largest energy from which on a gain is wrong, whatever the scheme claims: the gain is then as large as all that the bodies would have without it, and a free system has doubled
 /// its energy. Errors of schemes without such a defect are smaller by orders of magnitude, also with large steps.
 const WRONG_GAIN: f64 = 0.5;
@@ -55,8 +58,17 @@ pub struct BalanceState {
     pub energy: f64,
     /// Kinetic, strain, potential, stored contact and dissipated energy, minus the external work.
     pub total: f64,
-    /// Work that the normal contact forces have taken from the bodies since the start and not returned.
+    /// Work that the normal contact forces have taken from the bodies since the start.
     pub closing_loss: f64,
+    /// Energy that the law of impact has taken since the start, the part of it at contacts of deformable bodies, and what it would have added.
+    #[serde(default)]
+    pub impact_loss: f64,
+    /// See there.
+    #[serde(default)]
+    pub impact_deformable: f64,
+    /// See there.
+    #[serde(default)]
+    pub impact_capped: f64,
     /// The part of `total` that the damping of bodies has taken since the start. Its integral over a step has the error of the scheme.
     #[serde(default)]
     pub damping: f64,
@@ -133,6 +145,11 @@ pub struct BalanceWatch {
     grown: Change,
     #[serde(default)]
     closed: Change,
+    /// What impacts of deformable bodies have taken, and what the law of impact was kept from adding.
+    #[serde(default)]
+    by_impacts: f64,
+    #[serde(default)]
+    capped: Change,
 }
 
 impl BalanceWatch {
@@ -156,6 +173,8 @@ impl BalanceWatch {
             given: Change::default(),
             grown: Change::default(),
             closed: Change::default(),
+            by_impacts: 0.0,
+            capped: Change::default(),
         }
     }
 
@@ -222,9 +241,9 @@ impl BalanceWatch {
                 );
             }
         }
-        let closed = state.total + state.closing_loss;
+        let closed = state.total + state.closing_loss + state.impact_loss;
         if energy {
-            let off = (closed - first.total - first.closing_loss).abs();
+            let off = (closed - first.total - first.closing_loss - first.impact_loss).abs();
             let drift = part(off, self.scales[2]);
             self.drifts[2] = self.drifts[2].max(drift);
             if exceeds(drift, tolerance) && is_resolved(off) {
@@ -253,8 +272,11 @@ impl BalanceWatch {
             self.grown.note(grown, floor, now);
         }
         if closing != Closing::Unjudged {
-            self.closed.note(state.closing_loss - first.closing_loss, floor, now);
+            let by_impacts = state.impact_deformable - first.impact_deformable;
+            self.by_impacts = self.by_impacts.max(by_impacts);
+            self.closed.note(state.closing_loss - first.closing_loss + by_impacts, floor, now);
         }
+        self.capped.note(state.impact_capped - first.impact_capped, floor, now);
         found
     }
 
@@ -265,7 +287,8 @@ impl BalanceWatch {
         let largest = self.scales[2];
         let mut add = |change: &Change, kind, say: &dyn Fn(f64, Severity) -> String| {
             let part = if largest > 0.0 { change.energy / largest } else { 0.0 };
-            if part > DOUBTFUL_CHANGE {
+            let limit = if kind == FindingKind::Impact { DOUBTFUL_CAPPED } else { DOUBTFUL_CHANGE };
+            if part > limit {
                 let is_wrong = kind == FindingKind::EnergyGain && part > WRONG_GAIN;
                 let level = if is_wrong { Severity::Wrong } else { Severity::Doubtful };
                 let sentence = format!("at t = {} {}", short_time(change.time), say(100.0 * part, level));
@@ -291,13 +314,22 @@ impl BalanceWatch {
         let place = closed_by.map(|name| format!(", most of it in {name}")).unwrap_or_default();
         add(&self.closed, FindingKind::ClosingLoss, &|percent, _| match self.promises.closing {
             Closing::Lines => format!(
-                "closing gaps had taken {percent:.1} % of the largest energy of the run{place}. The mass of strings and beams is consistent: what stops a node on the surface jerks its neighbours, and what \
-                 is still in the air does not move freely. Smaller elements and steps do not change that; use point masses on a string, or an element of a solid"
+                "closing gaps had taken {percent:.1} % of the largest energy of the run{place}. The mass of the line is consistent: what stops a node on the surface jerks its neighbours, and what \
+                 is still in the air does not move freely. Smaller elements and steps do not change that; write `mass_matrix = \"lumped\"` for a string, or use elements of a solid for a beam"
+            ),
+            _ if self.by_impacts > 0.5 * self.closed.energy => format!(
+                "impacts had taken {percent:.1} % of the largest energy of the run{place}: the energy of the nodes of deformable bodies that meet a surface, which is a number of the mesh. It does not depend on the step; \
+                 halve the elements at the surface and see what of the result changes"
             ),
             _ => format!(
                 "closing gaps had taken {percent:.1} % of the largest energy of the run{place}, and how much depends on where in the step a gap closes: the motion after an impact is uncertain by as much. \
-                 Smaller steps and finer surfaces take less, general contact or the penalty method take nothing; the mortar method can give it back (`closing = \"restore\"`)"
+                 The law of impact (`closing = \"impact\"`, a scheme with the mean velocity) takes the same at every phase; smaller steps and finer surfaces take less, general contact or the penalty method take nothing"
             ),
+        });
+        add(&self.capped, FindingKind::Impact, &|percent, _| {
+            format!(
+                "the law of impact would have added {percent:.1} % of the largest energy of the run, and was kept from it: the steps are too long for the impacts"
+            )
         });
         found
     }
@@ -321,7 +353,7 @@ mod tests {
 
     fn start() -> BalanceState {
         let (linear, angular) = ([1.0, 0.0, -2.0], [0.5, 0.1, 0.0]);
-        BalanceState { linear, angular, energy: 3.0, total: 2.0, closing_loss: 0.0, damping: 0.0 }
+        BalanceState { linear, angular, energy: 3.0, total: 2.0, ..BalanceState::default() }
     }
 
     /// Levels of what a run of these states after the start breaks.
@@ -439,7 +471,27 @@ mod tests {
         let [Finding { kind: FindingKind::ClosingLoss, sentence, .. }] = &watch.standing(Some("floor"))[..] else {
             panic!("no loss")
         };
-        assert!(["20.0 %", "t = 0.1", "most of it in floor", "strings"].iter().all(|word| sentence.contains(word)));
+        assert!(["20.0 %", "t = 0.1", "most of it in floor", "lumped"].iter().all(|word| sentence.contains(word)));
+    }
+
+    /// What the law of impact takes from deformable bodies is doubtful, from rigid ones it is not; what it was kept from adding is.
+    #[test]
+    fn what_impacts_take_is_doubtful_of_deformable_bodies() {
+        let lossy = Promises { closing: Closing::Surfaces, ..promises() };
+        let lost = |part: f64, deformable: f64| {
+            move |s: &mut BalanceState| {
+                (s.total, s.impact_loss, s.impact_deformable) = (2.0 - 3.0 * part, 3.0 * part, 3.0 * deformable);
+            }
+        };
+        assert_eq!(second(lossy, lost(0.5, 0.0099)), []);
+        assert_eq!(second(lossy, lost(0.5, 0.0101)), [Severity::Doubtful]);
+        assert_eq!(second(lossy, |s: &mut BalanceState| s.impact_capped = 0.0029), []);
+        assert_eq!(second(lossy, |s: &mut BalanceState| s.impact_capped = 0.0031), [Severity::Doubtful]);
+        let mut watch = BalanceWatch::new(lossy, 1.0, 1.0, 0.0);
+        watch.observe(0, 0.0, &start());
+        watch.observe(1, 0.1, &BalanceState { total: 1.4, impact_loss: 0.6, impact_deformable: 0.6, ..start() });
+        let found = watch.standing(None);
+        assert!(found[0].kind == FindingKind::ClosingLoss && found[0].sentence.contains("a number of the mesh"));
     }
 
     /// The work of dampers in a step is no energy that came from nowhere, whatever their integral says; without them it is.

@@ -48,6 +48,8 @@ pub enum FindingKind {
     EnergyGain,
     /// Closing gaps take energy though the scheme keeps it, or nodes of lines meet a surface.
     ClosingLoss,
+    /// Steps do not resolve an impact: the law of impact would have added energy.
+    Impact,
     /// Contact without friction acts along the surfaces.
     SideForce,
     /// The stabilisation of statics carries a part of the load.

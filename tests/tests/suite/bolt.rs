@@ -97,7 +97,7 @@ fn the_work_of_the_force_is_in_the_ledger() {
         }
         simulation.advance().unwrap();
         let balance = simulation.balance();
-        largest = largest.max((balance.total() + balance.closing_loss - balance.restored).abs());
+        largest = largest.max((balance.total() + balance.closing_loss + balance.impact_loss).abs());
         work = work.max(balance.external_work);
         let opening = probes[1].value(&simulation)[0];
         if simulation.state().time > 0.1 - 1e-9 {

@@ -153,7 +153,7 @@ fn it_agrees_with_the_direct_form() {
         ("midpoint", 0.02, 6.0, EXACT, 1e-4),
         ("midpoint", 0.02, 6.0, "", 1e-4),
     ] {
-        let direct = format!("method = \"nts\"\n{friction}");
+        let direct = format!("method = \"nts\"\nclosing = \"keep\"\n{friction}");
         let far =
             distance(&run(impact(scheme, step, end, &direct)), &run(impact(scheme, step, end, &cat("", friction))));
         assert!(far < tolerance, "{scheme} {friction}: {far:e}");

@@ -172,6 +172,7 @@ body = "slider"
 body_force = [0.0, 0.0, -10.0]
 [[contact]]
 method = "nts"
+closing = "keep"
 slave = "slider.bottom"
 master = "trough.face"
 "#;

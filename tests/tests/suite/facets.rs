@@ -84,7 +84,7 @@ impl Blocks {
 
     fn simulation(mut self, method: Coupling, step: f64, end: f64) -> Simulation {
         let complementarity = YOUNG / method.length_scale();
-        self.model.contacts.push(ContactPair { name: "contact".into(), method, complementarity, restores: false });
+        self.model.contacts.push(ContactPair { name: "contact".into(), method, complementarity, restitution: None });
         let is_dynamic = self.model.bodies[0].density.is_some();
         let settings = Settings {
             control: StepControl { step, end, max_cuts: 0, grow_after: 1, automatic: None },

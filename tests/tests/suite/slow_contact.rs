@@ -88,6 +88,7 @@ method = "nts"
 slave = "upper.bottom"
 master = "lower.top"
 constraint = "{constraint}"
+closing = "keep"
 "#
             ),
         );

@@ -16,7 +16,9 @@ impl ContactMethod for MortarContact {
             let there = self.step.carried[k] && slot.support > 0.0;
             let gap = if there { slot.gap(q_np1) } else { None };
             let area = slot.support.max(CARRIED * row.area);
-            *out = gap.map_or(f64::INFINITY, |gap| (gap - self.step.reference[k]) / area);
+            // A gap is held by rows that are closed, and none before it is closed.
+            let reference = if active[k] { self.step.reference[k] } else { self.step.reference[k].min(0.0) };
+            *out = gap.map_or(f64::INFINITY, |gap| (gap - reference) / area);
             // The law gives a closed row the gap that its pressure asks for.
             if active[k] && self.options.overclosure.is_some() {
                 *out = 0.0;
@@ -40,7 +42,8 @@ impl ContactMethod for MortarContact {
             if self.step.carried[k] || slot.support <= CARRIED * row.area {
                 continue;
             }
-            let inside = slot.gap(q_np1).is_some_and(|gap| gap < self.step.reference[k] - tolerance * row.area);
+            let inside =
+                slot.gap(q_np1).is_some_and(|gap| gap < self.step.reference[k].min(0.0) - tolerance * row.area);
             self.step.carried[k] = inside;
             changes += usize::from(inside);
         }
@@ -54,6 +57,16 @@ impl ContactMethod for MortarContact {
 
     fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
         self.augment_friction(q_np1, pressures, active)
+    }
+
+    fn friction_coefficient(&self, slot: usize, pressure: f64, slip: [f64; 2]) -> Option<f64> {
+        let surface = self.friction.as_ref()?;
+        let of_point = [surface.points[slot].slid, surface.step_size];
+        Some(surface.friction.coefficient(pressure, slip, of_point))
+    }
+
+    fn settling(&self, slot: usize) -> f64 {
+        self.step.settling.get(slot).copied().unwrap_or(0.0)
     }
 
     fn constraint_gradients(

@@ -1,7 +1,7 @@
 //! The equations of the slots: what is constant in a step, residual, tangent.
 
 use super::integrate::MARGIN;
-use super::{CARRIED, MortarContact, NO_PENETRATION};
+use super::{CARRIED, LARGEST_HELD, MortarContact, NO_PENETRATION};
 use crate::friction::Scratch;
 use crate::positions::Positions;
 use crate::secant::Secant;
@@ -69,11 +69,23 @@ impl Constraint for MortarContact {
         let weights = if frozen { middle.as_ref().unwrap_or(&start) } else { &start };
         let gap: Vec<Option<f64>> =
             weights.slots.iter().map(|slot| if slot.opposite > 0.0 { slot.gap(q_n) } else { None }).collect();
-        let reference = gap.iter().zip(&surfaces.rows).map(|(gap, row)| match gap {
-            Some(gap) if self.has_rates && !frozen && *gap < -no_penetration * row.area => *gap,
-            _ => 0.0,
-        });
-        let reference = reference.collect();
+        let hold = self.options.hold.filter(|_| step.impacts && !frozen);
+        let highest = LARGEST_HELD * surfaces.slave.length_scale();
+        let mut settling = vec![0.0; surfaces.rows.len()];
+        let mut reference = vec![0.0; surfaces.rows.len()];
+        for (k, row) in surfaces.rows.iter().enumerate() {
+            let Some(gap) = gap[k] else { continue };
+            let closed = self.closed_steps[k];
+            match hold {
+                _ if self.has_rates && !frozen && gap < -no_penetration * row.area => reference[k] = gap,
+                Some(settle) if closed > 0 && gap > 0.0 => {
+                    settling[k] = if closed >= settle { -gap / f64::from(settle) } else { 0.0 };
+                    reference[k] = gap + settling[k];
+                }
+                Some(_) if closed == 0 && gap <= highest * weights.slots[k].opposite => reference[k] = gap.max(0.0),
+                _ => {}
+            }
+        }
         let count = surfaces.rows.len();
         self.middle = Integrated::default();
         self.end = match middle {
@@ -92,6 +104,7 @@ impl Constraint for MortarContact {
             gap,
             gradient: vec![Vec::new(); count],
             reference,
+            settling,
             carried,
             without,
         };

@@ -1,4 +1,4 @@
-//! What goes from one accepted step to the next: tractions of friction.
+//! What goes from one accepted step to the next: tractions of friction, for how many steps rows have been closed, and what their tangents have learnt.
 
 use super::MortarContact;
 use crate::secant::Secant;
@@ -21,12 +21,16 @@ impl History for MortarContact {
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
+        for (steps, active) in self.closed_steps.iter_mut().zip(active) {
+            *steps = if *active { steps.saturating_add(1) } else { 0 };
+        }
         let opened = self.secants.iter_mut().zip(active).filter(|(_, active)| !**active);
         opened.for_each(|(secant, _)| *secant = Secant::default());
     }
 
     fn save_history(&self) -> Vec<u8> {
-        let mut out = self.save_friction();
+        let mut out: Vec<u8> = self.closed_steps.iter().flat_map(|steps| steps.to_le_bytes()).collect();
+        out.extend(self.save_friction());
         let learnt: Vec<_> = self.secants.iter().enumerate().filter(|(_, secant)| !secant.is_empty()).collect();
         out.extend((learnt.len() as u32).to_le_bytes());
         for (k, secant) in learnt {
@@ -38,8 +42,11 @@ impl History for MortarContact {
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
         let error = ContactError::History { reason: format!("{} bytes for {} slots", bytes.len(), self.slot_count()) };
-        let Some((friction, rest)) = bytes.split_at_checked(self.friction_history()) else { return Err(error) };
+        let Some((steps, rest)) = bytes.split_at_checked(4 * self.closed_steps.len()) else { return Err(error) };
+        let Some((friction, rest)) = rest.split_at_checked(self.friction_history()) else { return Err(error) };
         let Some(secants) = load_secants(rest, self.slot_count()) else { return Err(error) };
+        let (numbers, _) = steps.as_chunks::<4>();
+        self.closed_steps.iter_mut().zip(numbers).for_each(|(steps, bytes)| *steps = u32::from_le_bytes(*bytes));
         self.load_friction(friction);
         self.secants = secants;
         Ok(())

@@ -34,6 +34,8 @@ const DEEPEST: f64 = 1.0;
 /// A row of which less than this part of the reference area is opposite the master carries no multiplier in the step: the pressure would be a force divided by next
 /// to nothing.
 const CARRIED: f64 = 0.02;
+/// A gap of more than this part of a facet is closed and not held: it would be felt in the depth.
+const LARGEST_HELD: f64 = 0.1;
 /// A penetration at the start of a step that is less than this, in lengths of facets, is what the iteration left.
 const NO_PENETRATION: f64 = 1e-11;
 /// A node is free along its normal if the part of the normal in free components is longer than this; it would have to slide ten times the gap to close it.
@@ -75,6 +77,8 @@ pub struct MortarContact {
     is_sharp: bool,
     /// Stress per length, see [`MortarContact::with_stiffness`].
     pub(crate) stiffness: f64,
+    /// Steps that each row has been closed without a break; history.
+    pub(crate) closed_steps: Vec<u32>,
     pub(crate) step: StepState,
     /// At the end of the step, and at its middle where the rule asks for it. With frozen integrals both have the weights of the step.
     pub(crate) end: Integrated,
@@ -116,7 +120,9 @@ impl MortarContact {
         let rows = rows(&slave, &normals, smooth_part_count);
         let without = vec![false; slave.nodes().len()];
         let secants = vec![Secant::default(); rows.len()];
+        let closed_steps = vec![0; rows.len()];
         Ok(Self {
+            closed_steps,
             name: name.to_owned(),
             tree: SurfaceTree::new(&master, reference)?,
             surfaces: Surfaces {

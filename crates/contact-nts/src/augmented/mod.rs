@@ -456,6 +456,23 @@ impl ContactMethod for CoordinateAugmented {
         self.inner.repair(q_np1, active)
     }
 
+    fn constraint_gradients(
+        &self,
+        q_np1: &[f64],
+        active: &[bool],
+        visit: &mut dyn FnMut(usize, &[u32], &[f64]),
+    ) -> Result<(), ContactError> {
+        self.inner.constraint_gradients(q_np1, active, visit)
+    }
+
+    fn friction_coefficient(&self, slot: usize, pressure: f64, slip: [f64; 2]) -> Option<f64> {
+        self.inner.friction_coefficient(slot, pressure, slip)
+    }
+
+    fn settling(&self, slot: usize) -> f64 {
+        self.inner.settling(slot)
+    }
+
     fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
         self.inner.augment(q_np1, pressures, active)
     }

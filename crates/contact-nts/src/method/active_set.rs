@@ -1,8 +1,9 @@
 //! Which slots are closed: what the active set asks of a method.
 
+use crate::kinematics::LOCAL;
 use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
-use stoss_contact::{ContactError, ContactMethod, Enforcement, MasterPoint};
+use stoss_contact::{Constraint as _, ContactError, ContactMethod, Enforcement, MasterPoint};
 
 impl NodeToSurface {
     /// What the gap of a node that is not active may fall to before it counts as closed: a node that was released while it kept a negative gap
@@ -102,6 +103,35 @@ impl ContactMethod for NodeToSurface {
             }
         }
         Ok(changes)
+    }
+
+    fn constraint_gradients(
+        &self,
+        q_np1: &[f64],
+        active: &[bool],
+        visit: &mut dyn FnMut(usize, &[u32], &[f64]),
+    ) -> Result<(), ContactError> {
+        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+            let Some(Pairing { end, .. }) = self.slots[slot].pairing else { continue };
+            let element = ElementNodes::new(self.node(slot), self.search.surface(), Pairing::single(end));
+            let gap = self.gap(slot, end, q_np1)?;
+            let weight = self.slot_weight(slot);
+            let mut gradient = [0.0; LOCAL];
+            gradient.iter_mut().zip(&gap.gradient).for_each(|(out, g)| *out = weight * g);
+            visit(slot, element.list(), &gradient[..3 * element.count]);
+        }
+        Ok(())
+    }
+
+    fn friction_coefficient(&self, slot: usize, pressure: f64, slip: [f64; 2]) -> Option<f64> {
+        let surface = self.friction.as_ref()?;
+        let of_point = [surface.points[slot].slid, surface.step_size];
+        Some(surface.friction.coefficient(pressure, slip, of_point))
+    }
+
+    fn settling(&self, slot: usize) -> f64 {
+        let state = &self.slots[slot];
+        if state.relaxing { 0.0 } else { -state.settling * self.slot_weight(slot) }
     }
 
     fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {

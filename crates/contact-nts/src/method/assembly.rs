@@ -60,6 +60,7 @@ impl Constraint for NodeToSurface {
 
     fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
         let Step { q_n, reach, rule, .. } = *step;
+        self.holds = self.hold.is_some() && step.impacts;
         if let Some(friction) = &mut self.friction {
             friction.begin(self.slave.nodes(), step);
         }
@@ -90,11 +91,17 @@ impl Constraint for NodeToSurface {
                     {
                         at_n = (pairing.facet, self.gap(slot, pairing.facet, q_n)?.gap);
                     }
-                    let (kept, wanted) = match self.constraint {
-                        ConstraintForm::Standard => (state.kept + (at_n.1 - on_facet.gap), 0.0),
-                        ConstraintForm::Modified => (at_n.1, at_n.1),
-                    };
-                    Slot::closed(at_n.0, at_n.1, kept, wanted)
+                    let kept = state.kept + (at_n.1 - on_facet.gap);
+                    match (self.constraint, self.hold) {
+                        (ConstraintForm::Modified, _) => Slot::closed(at_n.0, at_n.1, at_n.1, at_n.1),
+                        (ConstraintForm::Standard, Some(settle)) if self.holds => {
+                            let settling = if state.steps >= settle { state.held / f64::from(settle) } else { 0.0 };
+                            let slot = Slot::closed(at_n.0, at_n.1, kept, 0.0);
+                            slot.holding(state.held - settling, settling, state.steps)
+                        }
+                        // Where nothing is held, in statics for instance, what was held comes down at once.
+                        (ConstraintForm::Standard, _) => Slot::closed(at_n.0, at_n.1, kept - state.held, 0.0),
+                    }
                 }
                 None => {
                     let point = closest();

@@ -3,8 +3,8 @@
 use crate::method::NodeToSurface;
 use stoss_contact::{ContactError, ContactWork, History};
 
-/// Bytes of history of a slot: facet, gap kept, strayed or not.
-const HISTORY: usize = 13;
+/// Bytes of history of a slot: facet, gap kept, strayed or not, the part of the gap that is held, steps closed.
+const HISTORY: usize = 25;
 
 impl History for NodeToSurface {
     fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
@@ -38,7 +38,9 @@ impl History for NodeToSurface {
             .collect();
         for ((slot, &active), (strayed, left_behind)) in self.slots.iter_mut().zip(active).zip(behind) {
             slot.committed = slot.pairing.filter(|_| active).map(|p| p.end);
-            slot.kept = if slot.committed.is_some() { slot.reference } else { left_behind };
+            let is_closed = slot.committed.is_some();
+            slot.kept = if is_closed { slot.reference } else { left_behind };
+            (slot.held, slot.steps) = if is_closed { (slot.held, slot.steps.saturating_add(1)) } else { (0.0, 0) };
             slot.strayed = strayed;
         }
     }
@@ -49,6 +51,8 @@ impl History for NodeToSurface {
             out.extend_from_slice(&slot.committed.unwrap_or(u32::MAX).to_le_bytes());
             out.extend_from_slice(&slot.kept.to_le_bytes());
             out.push(u8::from(slot.strayed));
+            out.extend_from_slice(&slot.held.to_le_bytes());
+            out.extend_from_slice(&slot.steps.to_le_bytes());
         }
         self.normal.save(&mut out);
         self.save_friction(&mut out);
@@ -70,10 +74,12 @@ impl History for NodeToSurface {
             if facet != u32::MAX && facet >= facets {
                 return Err(ContactError::History { reason: format!("facet {facet} of {facets}") });
             }
-            let kept: [u8; 8] = std::array::from_fn(|k| chunk[4 + k]);
+            let number = |first: usize| f64::from_le_bytes(std::array::from_fn(|k| chunk[first + k]));
             slot.committed = (facet != u32::MAX).then_some(facet);
-            slot.kept = f64::from_le_bytes(kept);
+            slot.kept = number(4);
             slot.strayed = chunk[12] != 0;
+            slot.held = number(13);
+            slot.steps = u32::from_le_bytes(std::array::from_fn(|k| chunk[21 + k]));
         }
         self.normal.load(normal);
         self.load_friction(friction);

@@ -30,6 +30,10 @@ pub struct NodeToSurface {
     pub(crate) slave: Slave,
     pub(crate) search: MasterSearch,
     pub(crate) constraint: ConstraintForm,
+    /// Steps after which a gap that was held settles; `None`: gaps are closed.
+    hold: Option<u32>,
+    /// Whether gaps that close in the present step are held.
+    pub(crate) holds: bool,
     pub(crate) normal: NormalEnforcement,
     pub(crate) slots: Vec<Slot>,
     /// Positions at `n`, for pairing.
@@ -86,6 +90,8 @@ impl NodeToSurface {
             name: name.to_owned(),
             search: MasterSearch::new(master, reference, options.search)?,
             constraint: options.constraint,
+            hold: options.hold,
+            holds: false,
             normal: NormalEnforcement::new(options, slots.len())?,
             slots,
             q_n: Vec::new(),

@@ -32,6 +32,9 @@ const UNDETERMINED: f64 = 1.0e-3;
 /// A node nearer to the surface than this (in multiples of a master edge) is not brought back on a facet that it stays on.
 const NEAR_ENOUGH: f64 = 1.0e-4;
 
+/// A gap of more than this part of a facet is closed and not held: it would be felt in the depth.
+const LARGEST_HELD: f64 = 0.1;
+
 impl NodeToSurface {
     /// Motion of a node in the step relative to the material of a facet at its foot at `n+1`.
     fn slip(&self, slot: usize, facet: u32, q_np1: &[f64]) -> Result<f64, ContactError> {
@@ -236,14 +239,17 @@ impl NodeToSurface {
             }
         };
         let mid = if start == end { end } else { self.facet_at_midpoint(slot, start, end, q_np1) };
+        let holds = self.holds && gap_n > 0.0 && gap_n <= LARGEST_HELD * self.slave.length_scale();
         let slot = &mut self.slots[slot];
         slot.gap_n = gap_n;
         slot.reference = match self.constraint {
             // One that was left behind is not pushed out, which would take work that no force does.
             ConstraintForm::Standard if slot.kept < 0.0 => gap_n.min(0.0),
+            ConstraintForm::Standard if holds => gap_n,
             ConstraintForm::Standard => 0.0,
             ConstraintForm::Modified => gap_n,
         };
+        slot.held = if holds { gap_n } else { 0.0 };
         slot.pairing = Some(Pairing { start, mid, end });
         Ok(())
     }

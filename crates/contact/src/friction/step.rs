@@ -221,6 +221,15 @@ impl Friction {
     pub fn law(&self) -> &dyn FrictionLaw {
         &*self.law
     }
+    /// Bound of the traction over the pressure where a point slides by `slip` in a step of the size `step_size`, after a path `slid`.
+    pub fn coefficient(&self, pressure: f64, slip: Plane, [slid, step_size]: [f64; 2]) -> f64 {
+        let size = dot(slip, slip).sqrt();
+        let direction = if size > 0.0 { slip.map(|s| s / size) } else { [1.0, 0.0] };
+        // Far beyond any bound.
+        let trial = direction.map(|d| 1.0e6 * (1.0 + pressure) * d);
+        let admitted = self.law.traction(&FrictionInput { pressure, trial, slip, step_size, slid }).traction;
+        dot(admitted, admitted).sqrt() / pressure
+    }
     /// What a step came to, for reports. `start` is the traction that it began with, `pressure` and `slid` are those of the step.
     pub fn slot_friction(
         &self,

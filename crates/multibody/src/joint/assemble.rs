@@ -9,8 +9,8 @@ use super::{CoordinateKind, Joint, StepState};
 use crate::constraint::{Rows, gradient_fraction};
 use crate::quadratic::Evaluation;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, JointCoordinate, JointReport, LocalContribution, Report, SlotReport, Step,
-    StepConfiguration,
+    Constraint, ContactError, ContactRule, JointCoordinate, JointReport, LocalContribution, Report, SlotKind,
+    SlotReport, Step, StepConfiguration,
 };
 
 /// Functions at the three configurations of a step.
@@ -246,6 +246,21 @@ impl Constraint for Joint {
 
     fn slot_weight(&self, _slot: usize) -> f64 {
         1.0
+    }
+
+    fn slot_kind(&self, slot: usize) -> SlotKind {
+        let is = |of: Option<usize>| of == Some(slot);
+        let of = |c: &Coordinate| {
+            let s = c.slots;
+            match () {
+                () if is(s.limit) => Some(SlotKind::Limit),
+                () if is(s.motor) => Some(SlotKind::Driven),
+                () if is(s.pretension) && c.state.locked.is_some() => Some(SlotKind::Equation),
+                () if is(s.friction) || is(s.pretension) => Some(SlotKind::Force),
+                () => None,
+            }
+        };
+        self.coordinates.iter().find_map(of).unwrap_or(SlotKind::Equation)
     }
 
     fn is_symmetric(&self, rule: ContactRule) -> bool {

@@ -26,7 +26,7 @@ pub fn constrain(model: &mut Model, name: &str, set: ConstraintSet) {
         name: name.to_owned(),
         method: Coupling::bilateral(set),
         complementarity: 1.0,
-        restores: false,
+        restitution: None,
     });
 }
 

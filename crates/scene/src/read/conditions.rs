@@ -6,8 +6,8 @@ use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name, contact_reference, is_line, meshed_part, set_reference};
 use crate::{
-    BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement, Integrals, Kind, Load,
-    LoadKind, Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
+    BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement, GapAtClosing, Integrals,
+    Kind, Load, LoadKind, Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
 };
 use toml::de::DeValue;
 
@@ -174,9 +174,49 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         mortar_only(n)?;
         n.choice(Integrals::NAMES, Integrals::from_name)
     });
+    let modified = constraint == Some(Some(Constraint::Modified));
+    let is_penalty = matches!(enforcement, Some(Enforcement::Penalty(_)));
+    let frozen = integrals == Some(Some(Integrals::Frozen));
     let closing = table.optional("closing", |n| {
-        mortar_only(n)?;
-        n.choice(Closing::NAMES, Closing::from_name)
+        let closing = n.choice(Closing::NAMES, Closing::from_name)?;
+        if closing == Closing::Impact && (modified || is_penalty || frozen) {
+            let message = "is for exact contact: not for a penalty, the modified constraint, or frozen integrals";
+            return n.fail(message, "remove it");
+        }
+        Some(closing)
+    });
+    let keeps = modified
+        || is_penalty
+        || frozen
+        || closing == Some(Some(Closing::Keep))
+        || method == Some(ContactMethod::Cat) && closing == Some(None);
+    let of_impact = |n: &Node<'_>| {
+        if world.kind == Some(Kind::QuasiStatic) {
+            return n.fail("is for dynamic scenes only", "remove it");
+        }
+        if keeps {
+            return n.fail(
+                "is a number of the law of impact, and this contact keeps the velocities of the step",
+                "remove it",
+            );
+        }
+        Some(())
+    };
+    let restitution = table.optional("restitution", |n| {
+        of_impact(n)?;
+        restitution(n)
+    });
+    let gap = table.default("gap", GapAtClosing::Auto, |n| {
+        of_impact(n)?;
+        let gap = n.choice(GapAtClosing::NAMES, GapAtClosing::from_name)?;
+        if gap == GapAtClosing::Hold && method == Some(ContactMethod::Cat) {
+            return n.fail("is not for `cat`, which closes gaps", "remove it");
+        }
+        Some(gap)
+    });
+    let settle = table.optional("settle", |n| {
+        of_impact(n)?;
+        n.count()
     });
     let nearness = table.optional("nearness", |n| {
         mortar_only(n)?;
@@ -237,10 +277,23 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         quadrature: quadrature?,
         integrals: integrals?,
         closing: closing?,
+        restitution: restitution?,
+        gap: gap?,
+        settle: settle?,
         nearness: nearness?,
         edges: edges?,
         friction: friction?,
     })
+}
+
+/// A coefficient of restitution.
+pub(super) fn restitution(node: &Node<'_>) -> Option<f64> {
+    let value = node.not_negative()?;
+    if value > 1.0 {
+        node.fail("is more than 1", "choose a value from 0 (plastic) to 1 (elastic)")
+    } else {
+        Some(value)
+    }
 }
 
 fn enforcement(node: &Node<'_>) -> Option<Enforcement> {

@@ -1,12 +1,13 @@
 //! Reads `[[joint]]` and `[[spring]]`.
 
+use super::conditions::restitution;
 use super::node::{Node, known};
 use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name};
 use crate::vector::{norm, perpendicular, sub};
 use crate::{
-    ActingOn, CoordinateKind, Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor,
+    ActingOn, CoordinateKind, Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Kind, Motor,
     PartKind, Pretension, Spring, split_set,
 };
 use toml::de::DeValue;
@@ -54,6 +55,16 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
                 let coordinate = kind.and_then(|kind| kind.coordinates().get(1).copied());
                 table.optional("second", |n| second(n, coordinate))
             });
+    let has_limits = table.has("limits") || matches!(&second, Some(Some(second)) if second.limits.is_some());
+    let restitution = table.optional("restitution", |n| {
+        if world.kind == Some(Kind::QuasiStatic) {
+            return n.fail("is for dynamic scenes only", "remove it");
+        }
+        if !has_limits {
+            return n.fail("is a number of limits, and the joint has none", "remove it, or add `limits`");
+        }
+        restitution(n)
+    });
     table.finish();
     Some(Joint {
         name: name?,
@@ -66,6 +77,7 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
         motor: motor?,
         pretension: pretension?,
         limits: limits?,
+        restitution: restitution?,
         friction: friction?,
         spring: spring?,
         second: second?,

@@ -12,7 +12,7 @@ struct Old {
     remedy: &'static str,
 }
 
-const OLD: [Old; 4] = [
+const OLD: [Old; 5] = [
     Old {
         key: "contact.normals",
         word: None,
@@ -30,6 +30,12 @@ const OLD: [Old; 4] = [
         word: Some("one-sided"),
         message: "is no longer a constraint: mortar contact keeps the true gap, which needs none",
         remedy: "remove it",
+    },
+    Old {
+        key: "contact.closing",
+        word: Some("restore"),
+        message: "is no longer a word: it gave back energy by an impulse that knows no other constraints",
+        remedy: "write restitution = 1, with which the law of impact keeps the energy of every step of rigid bodies; of deformable ones remove it",
     },
     Old {
         key: "stage.kind",

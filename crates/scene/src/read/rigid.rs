@@ -1,6 +1,7 @@
 //! Reads `[[rigid]]`.
 
 use super::body::rotations;
+use super::conditions::restitution;
 use super::mesh;
 use super::node::Node;
 use super::table::Table;
@@ -32,6 +33,12 @@ pub(super) fn rigid(table: &Table<'_>, setting: Setting, held: bool) -> (Option<
     let position = table.default("position", [0.0; 3], Node::vector);
     let rotation = table.default("rotation", Rotations::default(), rotations);
     let fixed = table.default("fixed", false, Node::boolean);
+    let restitution = table.optional("restitution", |n| {
+        if setting.kind == Some(Kind::QuasiStatic) {
+            return n.fail("is for dynamic scenes only", "remove it");
+        }
+        restitution(n)
+    });
     let volume = match (given.is_empty(), &shape) {
         (true, _) => Volume::None,
         (false, Some(Some(shape))) if !shape.is_closed() => Volume::Open,
@@ -67,6 +74,7 @@ pub(super) fn rigid(table: &Table<'_>, setting: Setting, held: bool) -> (Option<
             axes,
             velocity: velocity?,
             angular_velocity: angular_velocity?,
+            restitution: restitution?,
             fixed: fixed?,
         })
     })();

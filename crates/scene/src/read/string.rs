@@ -5,7 +5,7 @@ use super::node::Node;
 use super::rigid::joined_name;
 use super::table::Table;
 use super::world::Setting;
-use crate::{ElasticString, PointMass};
+use crate::{ElasticString, Mass, PointMass};
 
 /// The string and its name, which is needed even if the rest is bad.
 pub(super) fn string(table: &Table<'_>, setting: Setting) -> (Option<ElasticString>, Option<String>) {
@@ -35,6 +35,8 @@ pub(super) fn string(table: &Table<'_>, setting: Setting) -> (Option<ElasticStri
     let order = order(table, ElasticString::DEFAULT_ORDER);
     let section = section(table, setting);
     let natural_length = table.optional("natural_length", Node::positive);
+    let mass_matrix =
+        table.default("mass_matrix", ElasticString::DEFAULT_MASS_MATRIX, |n| n.choice(Mass::NAMES, Mass::from_name));
     let tension_only = table.default("tension_only", false, Node::boolean);
     let velocity = table.default("velocity", [0.0; 3], Node::vector);
     let at_rest = setting.at_rest(table, &["velocity"]);
@@ -55,6 +57,7 @@ pub(super) fn string(table: &Table<'_>, setting: Setting) -> (Option<ElasticStri
             area: section.area,
             mass: section.mass,
             density: section.density,
+            mass_matrix: mass_matrix?,
             natural_length: natural_length?,
             tension_only: tension_only?,
             velocity: velocity?,

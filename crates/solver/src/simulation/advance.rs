@@ -1,5 +1,6 @@
 //! One step of a simulation: attempts, acceptance, work.
 
+use super::impact::Impact;
 use super::{InsideOutRule, Simulation};
 use crate::anchor::attempt_anchored;
 use crate::assembly::{Iterate, System, no_auxiliaries};
@@ -15,7 +16,7 @@ use crate::{
 use std::ops::Range;
 use stoss_contact::{ContactWork, Coverage, Step as ContactStep};
 use stoss_fe_solid::InsideOut;
-use stoss_integrators::{ForceRule, SecondOrderSystem, State, Step, StepConfiguration, StepRule, finish};
+use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
 use stoss_linalg::vector;
 use stoss_part::PartStep;
 
@@ -63,8 +64,8 @@ pub(super) struct Completed {
     stored: Vec<[f64; 2]>,
     /// What closing gaps cost in the step, for each constraint; empty in statics.
     closing: Vec<f64>,
-    /// Energy that velocities got back.
-    restored: f64,
+    /// What the impact of what closed did to the velocities.
+    impact: Option<Impact>,
     /// For each body.
     inside_out: Vec<Option<InsideOut>>,
     /// Linear solutions of the attempt.
@@ -167,6 +168,7 @@ impl Simulation {
         let speed = self.model.embedding.largest_of(&self.system.own, &self.state.v);
         let reach = 2.0 * speed * dt;
         let end = self.clock.next_time();
+        let has_impacts = Self::has_impacts(&rule);
         let (model, state, support) = (&mut self.model, &self.state, &self.support);
         self.timings.measure(Phase::Search, || -> Result<(), StepError> {
             let step = ContactStep {
@@ -178,12 +180,14 @@ impl Simulation {
                 rule: contact_rule(rule.constraint.rule),
                 rates: rule.has_inertia(),
                 careful,
+                impacts: false,
                 reach,
                 support,
             };
             for pair in &mut model.contacts {
                 let reach = reach + 0.5 * pair.method.length_scale();
-                pair.method.begin(&ContactStep { reach, ..step })?;
+                let impacts = has_impacts && pair.restitution.is_some();
+                pair.method.begin(&ContactStep { reach, impacts, ..step })?;
             }
             Ok(())
         })
@@ -306,16 +310,24 @@ impl Simulation {
                 pair.method.verify_inactive(&attempt.iterate.q, active)?;
             }
         }
-        let (work, of_pairs, loss) = self.contact_work(&attempt.iterate)?;
-        let contact = self.contact_summary(&attempt, rule, &of_pairs)?.map(|c| ContactSummary { coverage, ..c });
+        let (work, of_pairs) = self.contact_work(&attempt.iterate)?;
+        let (contact, slaves) = self.contact_summary(&attempt, rule, &of_pairs)?.unzip();
+        let mut contact = contact.map(|c| ContactSummary { coverage, ..c });
         let stored = of_pairs.iter().map(|work| [work.stored, work.friction_stored]).collect();
-        let closing = match rule.has_inertia() {
+        let mut closing: Vec<f64> = match rule.has_inertia() {
             true => of_pairs.iter().map(|work| work.closing.unwrap_or(0.0)).collect(),
             false => Vec::new(),
         };
         let mut next = self.next_state(&mut attempt.iterate, dt, rule)?;
-        let restored = self.give_back(&attempt.iterate, loss, dt, &mut next)?;
-        Ok(Completed { attempt, next, rule, strain, contact, work, stored, closing, restored, inside_out, solves })
+        let impact = self.impact(&attempt.iterate, &of_pairs, &rule, dt, &mut next)?;
+        if let Some(impact) = &impact {
+            closing.iter_mut().zip(&impact.closings).for_each(|(closing, taken)| *closing -= taken);
+            if let (Some(contact), Some(slaves)) = (&mut contact, &slaves) {
+                contact.pairs.iter_mut().zip(&impact.friction).for_each(|(pair, work)| pair.friction_work += work);
+                self.add_impulses(&impact.mean, slaves, &attempt.iterate.active, &next.q, contact);
+            }
+        }
+        Ok(Completed { attempt, next, rule, strain, contact, work, stored, closing, impact, inside_out, solves })
     }
 
     pub(super) fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
@@ -360,51 +372,11 @@ impl Simulation {
         Ok(next)
     }
 
-    /// Puts the energy `loss` into the velocities at the end of a step: `v + beta M^-1 p` with the impulse `p = dt sum p_I grad Phi_I(q_np1)` of the pairs that
-    /// restore what closing cost. `p` has neither resultant nor moment about `q_np1`, so both momenta stay. Returns the energy that they got.
-    fn give_back(&mut self, iterate: &Iterate, loss: f64, dt: f64, next: &mut State) -> Result<f64, StepError> {
-        if loss <= 0.0 {
-            return Ok(0.0);
-        }
-        let State { q, v, .. } = next;
-        let mut impulse = vec![0.0; v.len()];
-        for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restores) {
-            let Some(method) = pair.method.as_contact() else { continue };
-            let pressures = &iterate.pressures[c];
-            let mut add = |slot: usize, nodes: &[u32], gradient: &[f64]| {
-                for (&node, g) in nodes.iter().zip(gradient.chunks_exact(3)) {
-                    let at = 3 * node as usize;
-                    impulse[at..at + 3].iter_mut().zip(g).for_each(|(p, g)| *p += dt * pressures[slot] * g);
-                }
-            };
-            self.timings.measure(Phase::Contact, || method.constraint_gradients(q, &iterate.active[c], &mut add))?;
-        }
-        self.model.embedding.pull_back(&mut impulse);
-        let mut change = vec![0.0; v.len()];
-        let Self { model, system, .. } = self;
-        let Iterate { pressures, auxiliaries, active, .. } = iterate;
-        let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
-        fe.solve_mass(&impulse, &mut change)?;
-        let mut momentum = vec![0.0; v.len()];
-        fe.add_mass_product(1.0, &change, &mut momentum);
-        // 1/2 a beta^2 + b beta = loss
-        let (a, b) = (vector::dot(&momentum, &change), vector::dot(&momentum, v));
-        let root = (b * b + 2.0 * a * loss).sqrt();
-        let beta = if b > 0.0 { 2.0 * loss / (b + root) } else { (root - b) / a };
-        if !beta.is_finite() {
-            return Ok(0.0);
-        }
-        vector::axpy(beta, &change, v);
-        self.model.embedding.follow(v);
-        Ok(loss)
-    }
-
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
         self.warn_inside_out(&completed.inside_out);
         self.warn_dependent();
-        let Completed {
-            attempt, next, rule, strain, mut contact, stored, closing, restored, inside_out, solves, ..
-        } = completed;
+        let Completed { attempt, next, rule, strain, mut contact, stored, closing, impact, inside_out, solves, .. } =
+            completed;
         self.moved = contact.as_mut().map(|contact| std::mem::take(&mut contact.moved)).unwrap_or_default();
         let contact_work = completed.work;
         let Attempt { iterate, newton, unstable, .. } = attempt;
@@ -496,6 +468,10 @@ impl Simulation {
                 self.contact_force[range.clone()].copy_from_slice(&buffers.constraint[range.clone()]);
             }
             self.pushed.extend_from_slice(touched);
+            if let Some(impact) = &impact {
+                let forces = impact.mean.forces.iter().flatten();
+                forces.for_each(|&(c, force)| self.contact_force[c as usize] += force);
+            }
             // Vertices of traces belong to no body: its nodes have the forces on its faces.
             if !self.model.traces.is_empty() {
                 let traces = &self.model.traces;
@@ -503,8 +479,15 @@ impl Simulation {
                 self.model.embedding.pull_back_of(&vertices, &mut self.contact_force);
             }
         }
+        let impact = impact.unwrap_or_default();
+        for &(c, force) in &impact.mean.reactions {
+            self.reactions[c as usize] += force;
+        }
+        self.impacts.largest_rate = self.impacts.largest_rate.max(impact.largest_rate);
+        work += impact.external;
         self.stored = stored;
         self.pressures = iterate.pressures;
+        self.mean_pressures = impact.mean.pressures;
         self.active = iterate.active;
         self.take_sliding_supports_from_contact_force();
         let balance = self.measure_balance(strain, self.balance.external_work + work + contact_work.driven);
@@ -517,17 +500,22 @@ impl Simulation {
                 - stored_by_normal(before.contact, before.friction_stored);
             work + contact_work.friction_work + contact_work.damped + stored - contact_work.driven
         });
+        // Friction of the law of impact in the place of that of the step.
+        let of_impact: f64 = impact.friction.iter().sum();
         self.balance = Balance {
             contact: contact_work.stored,
-            dissipation: self.balance.dissipation + contact_work.dissipated + damped + damped_bodies,
+            dissipation: self.balance.dissipation + contact_work.dissipated + of_impact + damped + damped_bodies,
             damping: self.balance.damping + damped_bodies,
             stabilisation: self.balance.stabilisation + stabilised,
-            friction_work: self.balance.friction_work + contact_work.friction_work + damped,
+            friction_work: self.balance.friction_work + contact_work.friction_work + of_impact + damped,
             friction_stored: contact_work.friction_stored,
-            closing_loss: self.balance.closing_loss - normal_work,
+            closing_loss: self.balance.closing_loss - normal_work - impact.closing,
             contact_remainder: self.balance.contact_remainder
                 + if quasi_static { 0.0 } else { contact_work.closing.map_or(0.0, |closing| -normal_work - closing) },
-            restored: self.balance.restored + restored,
+            impact_loss: self.balance.impact_loss + impact.loss,
+            impact_deformable: self.balance.impact_deformable + impact.deformable,
+            impacts: self.balance.impacts + impact.closed,
+            impact_capped: self.balance.impact_capped + impact.excess,
             ..balance
         };
         self.step += 1;
@@ -565,6 +553,7 @@ impl Simulation {
             decisions: self.decisions[first_decision..].to_vec(),
             unstable,
             closing,
+            impact_losses: impact.losses,
             stabilising,
             inside_out: inside_out.iter().flatten().map(|found| found.count).sum(),
             contact,

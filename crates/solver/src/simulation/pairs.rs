@@ -1,6 +1,7 @@
 //! What the contact pairs did in a step: work, and the rows of the tables.
 
 use super::Simulation;
+use super::impact::Mean;
 use crate::assembly::Iterate;
 use crate::rotation::cross;
 use crate::step::Attempt;
@@ -9,6 +10,9 @@ use crate::{ContactSummary, Model, PairSummary, Phase, StepError};
 use std::collections::BTreeMap;
 use stoss_contact::{ContactWork, StepConfiguration, SurfaceForce};
 use stoss_integrators::StepRule;
+
+/// Of each contact the node of every slot, and its pressure on the present area over that of the slot.
+type Slaves = Vec<Vec<(u32, f64)>>;
 
 fn add_force(sums: &mut BTreeMap<u32, SurfaceForce>, of: SurfaceForce) {
     let none = SurfaceForce { node: of.node, force: [0.0; 3], moment: [0.0; 3] };
@@ -26,30 +30,26 @@ fn share(model: &Model, node: u32, mut add: impl FnMut(u32, f64)) {
 }
 
 impl Simulation {
-    /// What the contacts store and dissipate in the step, all and each, and what of the cost of closing gaps is to be restored.
-    pub(super) fn contact_work(
-        &mut self,
-        iterate: &Iterate,
-    ) -> Result<(ContactWork, Vec<ContactWork>, f64), StepError> {
-        let (mut total, mut loss) = (ContactWork::default(), 0.0);
+    /// What the contacts store and dissipate in the step, all and each.
+    pub(super) fn contact_work(&mut self, iterate: &Iterate) -> Result<(ContactWork, Vec<ContactWork>), StepError> {
+        let mut total = ContactWork::default();
         let mut of_pairs = Vec::with_capacity(self.model.contacts.len());
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
             let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
             total += work;
-            loss += work.closing.filter(|_| pair.restores).map_or(0.0, |closing| closing.max(0.0));
             of_pairs.push(work);
         }
-        Ok((total, of_pairs, loss))
+        Ok((total, of_pairs))
     }
 
-    /// What the contact pairs do at the end of the step, with the work of each.
+    /// What the contact pairs do at the end of the step, with the work of each, without the impulses of the law of impact.
     pub(super) fn contact_summary(
         &mut self,
         attempt: &Attempt,
         rule: StepRule,
         of_pairs: &[ContactWork],
-    ) -> Result<Option<ContactSummary>, StepError> {
+    ) -> Result<Option<(ContactSummary, Slaves)>, StepError> {
         if !self.model.has_contact_pairs() {
             return Ok(None);
         }
@@ -57,6 +57,7 @@ impl Simulation {
         let Iterate { q, pressures, auxiliaries, active, .. } = iterate;
         let mut summary = ContactSummary { repaired: *repaired, min_gap: f64::INFINITY, ..ContactSummary::default() };
         let mut is_slave = vec![false; self.model.node_count()];
+        let mut slaves: Slaves = vec![Vec::new(); self.model.contacts.len()];
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let mut of_pair = PairSummary { friction_work: of_pairs[c].friction_work, ..PairSummary::default() };
             if pair.method.is_bilateral() || pair.method.is_off() {
@@ -121,6 +122,7 @@ impl Simulation {
             for report in &reports {
                 is_slave[report.node as usize] = false;
             }
+            slaves[c] = reports.iter().map(|report| (report.node, report.per_current_area)).collect();
             summary.active += of_pair.active;
             summary.min_gap = summary.min_gap.min(of_pair.min_gap);
             summary.max_pressure = summary.max_pressure.max(of_pair.max_pressure);
@@ -129,6 +131,37 @@ impl Simulation {
             }
             summary.pairs.push(of_pair);
         }
-        Ok(Some(summary))
+        Ok(Some((summary, slaves)))
+    }
+
+    /// Adds the impulses of the law of impact, over the step size, to what the contact pairs do.
+    pub(super) fn add_impulses(
+        &self,
+        mean: &Mean,
+        slaves: &Slaves,
+        active: &[Vec<bool>],
+        q: &[f64],
+        summary: &mut ContactSummary,
+    ) {
+        let is_contact = |c: usize| self.model.contacts[c].method.as_contact().is_some();
+        for c in (0..slaves.len()).filter(|&c| is_contact(c) && !mean.forces[c].is_empty()) {
+            let of_pair = &mut summary.pairs[c];
+            let mut nodes: Vec<u32> = slaves[c].iter().map(|slave| slave.0).collect();
+            nodes.sort_unstable();
+            for &(component, force) in &mean.forces[c] {
+                let (node, i) = (component / 3, component as usize % 3);
+                if nodes.binary_search(&node).is_ok() {
+                    let vector: [f64; 3] = std::array::from_fn(|d| if d == i { force } else { 0.0 });
+                    let moment = cross([0, 1, 2].map(|d| q[3 * node as usize + d]), vector);
+                    of_pair.force[i] += force;
+                    of_pair.moment.iter_mut().zip(moment).for_each(|(sum, m)| *sum += m);
+                    summary.force_on_slave[i] += force;
+                }
+            }
+            let of_slots = slaves[c].iter().zip(&mean.pressures[c]).zip(&active[c]);
+            let pressures = of_slots.filter(|(_, active)| **active).map(|((slave, p), _)| p * slave.1);
+            of_pair.max_pressure = pressures.fold(0.0, f64::max);
+        }
+        summary.max_pressure = summary.pairs.iter().map(|pair| pair.max_pressure).fold(0.0, f64::max);
     }
 }

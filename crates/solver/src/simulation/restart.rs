@@ -23,6 +23,7 @@ impl Simulation {
             a: self.state.a.clone(),
             history: self.state.history.clone(),
             pressures: self.pressures.clone(),
+            mean_pressures: self.mean_pressures.clone(),
             active: self.active.clone(),
             histories: self.histories(),
             reactions: self.reactions.clone(),
@@ -31,6 +32,7 @@ impl Simulation {
             timings: self.timings,
             decisions: self.decisions.clone(),
             solves: self.solves,
+            largest_rate: self.impacts.largest_rate,
             attachments,
         }
     }
@@ -133,6 +135,7 @@ impl Simulation {
             history: checkpoint.history,
         };
         self.pressures = checkpoint.pressures;
+        self.mean_pressures = checkpoint.mean_pressures;
         self.active = checkpoint.active;
         self.reactions = checkpoint.reactions;
         self.contact_force = checkpoint.contact_force;
@@ -143,6 +146,7 @@ impl Simulation {
         self.timings = checkpoint.timings;
         self.decisions = checkpoint.decisions;
         self.solves = checkpoint.solves;
+        self.impacts.largest_rate = checkpoint.largest_rate;
         Ok(checkpoint.attachments)
     }
 

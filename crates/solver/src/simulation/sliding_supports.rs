@@ -78,6 +78,7 @@ impl Simulation {
         for (c, slot) in dropped {
             self.active[c][slot] = false;
             self.pressures[c][slot] = 0.0;
+            self.mean_pressures.get_mut(c).into_iter().for_each(|pressures| pressures[slot] = 0.0);
         }
     }
 
@@ -116,7 +117,7 @@ impl Simulation {
         for (c, slot, held) in self.supported_nodes(0.0) {
             let first = 3 * held.node as usize;
             for i in (0..3).filter(|i| self.system.numbering.equation[first + i] != NONE) {
-                force[first + i] -= self.pressures[c][slot] * held.direction[i];
+                force[first + i] -= self.mean_pressures()[c][slot] * held.direction[i];
             }
         }
         self.contact_force = force;
@@ -131,7 +132,7 @@ impl Simulation {
             if all.is_empty() {
                 all.resize(self.state.q.len(), 0.0);
             }
-            let force = self.pressures[c][slot];
+            let force = self.mean_pressures()[c][slot];
             (0..3).for_each(|i| all[3 * held.node as usize + i] += force * held.direction[i]);
         }
         all

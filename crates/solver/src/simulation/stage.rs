@@ -79,6 +79,7 @@ struct Saved {
     has_rates: bool,
     state: State,
     pressures: Vec<Vec<f64>>,
+    mean_pressures: Vec<Vec<f64>>,
     active: Vec<Vec<bool>>,
     reactions: Vec<f64>,
     stored: Vec<[f64; 2]>,
@@ -233,6 +234,7 @@ impl Simulation {
             has_rates: self.system.has_rates,
             state: self.state.clone(),
             pressures: self.pressures.clone(),
+            mean_pressures: self.mean_pressures.clone(),
             active: self.active.clone(),
             reactions: self.reactions.clone(),
             stored: self.stored.clone(),
@@ -258,6 +260,7 @@ impl Simulation {
         self.sudden = saved.sudden;
         self.state = saved.state;
         self.pressures = saved.pressures;
+        self.mean_pressures = saved.mean_pressures;
         self.active = saved.active;
         self.reactions = saved.reactions;
         self.stored = saved.stored;
@@ -280,6 +283,7 @@ impl Simulation {
         for c in changed {
             let (acts, method) = (acting.contacts[c], &self.model.contacts[c].method);
             self.pressures[c].fill(0.0);
+            self.mean_pressures.get_mut(c).into_iter().for_each(|pressures| pressures.fill(0.0));
             self.active[c].fill(acts && method.is_bilateral());
             self.stored[c] = [0.0; 2];
             if acts {

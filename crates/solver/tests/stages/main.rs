@@ -161,7 +161,7 @@ fn contact_carries_over_from_statics() {
             name: "floor".into(),
             method: Coupling::contact(method),
             complementarity: 2000.0,
-            restores: false,
+            restitution: None,
         };
         model.contacts.push(pair);
         let mut simulation = Simulation::staged(model, settings(None, 1.0, 1.0), later(Switches::default())).unwrap();
@@ -316,7 +316,7 @@ fn pendulum(mass: RigidMass, spin: [f64; 3]) -> (Model, RigidBody) {
     let couplings = [("rigidity", body.constraints()), ("pin", pin)];
     for (name, constraints) in couplings {
         let method = Coupling::bilateral(constraints);
-        model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restores: false });
+        model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restitution: None });
     }
     let kind = LoadKind::Dead { patterns: vec![vec![(2, body.mass().mass)]] };
     model.loads.push(Load { name: "gravity".into(), kind, magnitude: Table::constant(&[-GRAVITY]) });
@@ -587,7 +587,7 @@ fn potentials_are_switched_with_their_energy() {
     let spring = Spring { node: 0, anchor: [0.3, 0.0, 0.0], stiffness };
     let couplings = [("rigidity", Coupling::bilateral(body.constraints())), ("spring", Coupling::potential(spring))];
     for (name, method) in couplings {
-        model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restores: false });
+        model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restitution: None });
     }
     model.parts.push(Box::new(body));
     let off = || Switches { contacts: vec![1], ..Switches::default() };
@@ -633,7 +633,7 @@ fn contact_comes_back() {
     let method =
         NodeToSurface::new("floor", &slave, &master, &model.reference, NodeToSurfaceOptions::default()).unwrap();
     let method = Coupling::contact(method);
-    model.contacts.push(ContactPair { name: "floor".into(), method, complementarity: 2000.0, restores: false });
+    model.contacts.push(ContactPair { name: "floor".into(), method, complementarity: 2000.0, restitution: None });
     let scheme = || -> Option<Box<dyn Scheme>> { Some(Box::new(EnergyMomentum)) };
     let off = Switches { contacts: vec![0], ..Switches::default() };
     let mut simulation = Simulation::staged(model, settings(scheme(), 0.01, 0.05), later(off)).unwrap();

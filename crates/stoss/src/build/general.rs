@@ -124,7 +124,7 @@ fn contact(
     match GeneralContact::new(NAME, skin, rules.clone(), options) {
         Ok(contact) => {
             let method = Coupling::potential(contact);
-            model.contacts.push(ContactPair { name: NAME.to_owned(), method, complementarity: 0.0, restores: false });
+            model.contacts.push(ContactPair { name: NAME.to_owned(), method, complementarity: 0.0, restitution: None });
         }
         Err(error) => {
             problems.add(
@@ -154,6 +154,8 @@ fn contact(
         enforcement: format!("layer of thickness {thickness:.4e}"),
         slots: points,
         unknowns_per_slot: 0,
+        restitution: None,
+        is_assumed: false,
         friction: has_friction.then(|| FrictionPlan {
             law: "coulomb".to_owned(),
             parameters: coefficients,

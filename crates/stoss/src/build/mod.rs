@@ -42,8 +42,6 @@ mod placed;
 mod plan;
 mod plausible;
 mod probe;
-#[cfg(feature = "mortar")]
-mod restored;
 #[cfg(feature = "general")]
 mod rigid_inset;
 mod round;
@@ -193,8 +191,6 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             plans.extend(general::general(scene, &placed, &ties, joined, &mut model, &mut problems, &mut warnings));
         }
         multibody::constraints(scene, &placed, &phases, &mut parts, &mut model, &mut problems, &mut warnings);
-        #[cfg(feature = "mortar")]
-        restored::check(scene, &model, &mut problems);
         if problems.list.is_empty() {
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
         }

@@ -2,7 +2,7 @@
 
 use super::pair::PairInput;
 use super::{ContactPlan, Problems};
-use crate::scene::{Closing, Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Slip};
+use crate::scene::{Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Slip};
 use crate::solver::{ContactPair, Coupling, Model};
 use stoss_contact::friction::Stick;
 use stoss_contact::{Report as _, Support};
@@ -38,6 +38,7 @@ pub(super) fn contact(
             Some(Chosen::Moving) | None => Integrals::Moving,
         },
         nearness: item.nearness,
+        hold: pair.hold(model),
         overclosure: match item.enforcement {
             Enforcement::Penalty(stiffness) => Some(stiffness),
             Enforcement::Multiplier | Enforcement::Augmented(_) => None,
@@ -60,19 +61,7 @@ pub(super) fn contact(
         );
         return None;
     }
-    let restores = item.closing == Some(Closing::Restore);
-    let does_their_work = |rule: GradientRule| matches!(rule, GradientRule::Midpoint | GradientRule::DiscreteGradient);
-    let mut dynamics = phases().filter(|phase| phase.has_rates()).peekable();
-    if restores && (dynamics.peek().is_none() || dynamics.any(|phase| !does_their_work(phase.rule()))) {
-        let message = "is for schemes whose contact forces do the work of the gaps: `energy-momentum`, and `midpoint`";
-        problems.add(format!("{}.closing", pair.key), "restore", message, "remove it, or use `energy-momentum`");
-        return None;
-    }
-    if restores && options.integrals == Integrals::Frozen {
-        let message = "needs gaps that are functions of the positions; with frozen integrals they differ from one step to the next";
-        problems.add(format!("{}.closing", pair.key), "restore", message, "remove it or `integrals`");
-        return None;
-    }
+    pair.warn_of_restitution(warnings);
     // True if an entry cannot be had, which is said.
     let refuse = |entry: &str, value: &str, remedy: &str, problems: &mut Problems<'_>| {
         if let Some(scheme) = within {
@@ -153,7 +142,7 @@ pub(super) fn contact(
                 name: item.label(),
                 method: Coupling::contact(method),
                 complementarity,
-                restores,
+                restitution: pair.restitution(),
             });
             Some(plan)
         }

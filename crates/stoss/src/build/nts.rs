@@ -25,7 +25,9 @@ pub(super) fn contact(
         Enforced::Penalty(stiffness) => Enforcement::Penalty(stiffness),
         Enforced::Augmented(stiffness) => Enforcement::Augmented(stiffness),
     };
-    let options = NodeToSurfaceOptions { constraint: form, enforcement, ..NodeToSurfaceOptions::default() };
+    pair.warn_of_restitution(warnings);
+    let hold = pair.hold(model);
+    let options = NodeToSurfaceOptions { constraint: form, enforcement, hold, ..NodeToSurfaceOptions::default() };
     let [slave, master] = pair.facets;
     let made = if pair.line.is_empty() {
         NodeToSurface::new(&item.label(), slave, master, &model.reference, options)
@@ -72,7 +74,7 @@ pub(super) fn contact(
         _ => Coupling::contact(method),
     };
     let plan = pair.plan(&*method, constraint, plan);
-    model.contacts.push(ContactPair { name: item.label(), method, complementarity, restores: false });
+    model.contacts.push(ContactPair { name: item.label(), method, complementarity, restitution: pair.restitution() });
     Some(plan)
 }
 

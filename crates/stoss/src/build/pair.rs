@@ -4,7 +4,7 @@ use super::phase::{Phase, Phases};
 use super::young;
 use super::{ContactPlan, FrictionPlan, OwnLaws, Placed, Problems};
 use crate::points::Points;
-use crate::scene::{Constraint, ContactMethod, Enforcement, Scene};
+use crate::scene::{Closing, Constraint, ContactMethod, Enforcement, GapAtClosing, Integrals, Scene, split_set};
 use crate::solver::{Model, contact_rule};
 use std::collections::BTreeSet;
 use stoss_contact::{Auxiliary, Hold, Step, Support};
@@ -72,6 +72,8 @@ impl PairInput<'_> {
                 Enforcement::Augmented(stiffness) => format!("augmented Lagrangian {stiffness:e}"),
             },
             slots: method.slot_count() as u64,
+            restitution: self.restitution().filter(|_| self.phases.all().any(Phase::has_rates) && self.is_rigid()),
+            is_assumed: self.given_restitution().is_none(),
             unknowns_per_slot: 1 + Auxiliary::equations(method.auxiliaries()) as u64,
             friction,
         }
@@ -174,6 +176,81 @@ impl PairInput<'_> {
     /// True for contact of two rigid bodies (a line is none): of more than three nodes that stick their tractions are not determined.
     pub fn is_rigid(&self) -> bool {
         self.line.is_empty() && self.bodies.iter().all(|&b| self.placed[b].mesh().is_none())
+    }
+}
+
+/// Steps after which a gap that was held comes down, if the scene does not say.
+const SETTLE: u32 = 500;
+
+/// Gaps are closed, if the scene does not say, where a wave passes through more elements than this in a step: the motion is slow against waves, and a gap that is held is a part of the depth.
+const RESOLVED: f64 = 12.0;
+
+impl PairInput<'_> {
+    /// Restitution of the law of impact, if the contact has it.
+    pub fn restitution(&self) -> Option<f64> {
+        let item = self.item;
+        let is_exact = item.constraint != Some(Constraint::Modified)
+            && !matches!(item.enforcement, Enforcement::Penalty(_))
+            && item.integrals != Some(Integrals::Frozen);
+        let has_law = match item.closing {
+            Some(closing) => closing == Closing::Impact,
+            // The tangential impulses of the step go with its normal ones. Rigid bodies that touch have them right; the nodes of a mesh open and close as it slides.
+            None => {
+                item.method != ContactMethod::Cat
+                    && (item.friction.is_none() || self.is_rigid() || item.restitution.is_some())
+            }
+        };
+        (is_exact && has_law).then(|| self.given_restitution().unwrap_or(0.0))
+    }
+
+    /// The restitution of the contact, or the larger one of its rigid bodies.
+    fn given_restitution(&self) -> Option<f64> {
+        let of_body = |set: &str| {
+            let name = split_set(set).map_or(set, |(part, _)| part);
+            self.scene.rigids.iter().find(|body| body.name == name)?.restitution
+        };
+        let of_bodies = self.item.surfaces().into_iter().filter_map(of_body);
+        self.item.restitution.or_else(|| of_bodies.max_by(f64::total_cmp))
+    }
+
+    /// Whether a deformable solid is on a side.
+    fn is_deformable(&self) -> bool {
+        self.bodies.iter().any(|&b| self.placed[b].mesh().is_some())
+    }
+
+    /// After how many steps a gap that is held in the step in which it closes comes down; `None` if gaps are closed.
+    pub fn hold(&self, model: &Model) -> Option<u32> {
+        let holds = match self.item.gap {
+            GapAtClosing::Auto => {
+                self.line.is_empty() && self.item.method != ContactMethod::Cat && self.courant(model) <= RESOLVED
+            }
+            GapAtClosing::Close => false,
+            GapAtClosing::Hold => true,
+        };
+        (holds && self.restitution().is_some()).then(|| self.item.settle.unwrap_or(SETTLE))
+    }
+
+    /// Elements that a wave passes through in a step, in the solid where they are fewest; infinite without a solid.
+    fn courant(&self, model: &Model) -> f64 {
+        let label = self.item.label();
+        let dynamic = self.phases.with(&label).find(|phase| phase.has_rates());
+        let step = dynamic.map_or(self.scene.time.step, Phase::step);
+        let of = |&b: &usize| {
+            let body = model.bodies.get(b)?;
+            Some((young(model, b) / body.density?).sqrt() * step / body.solid.characteristic_length())
+        };
+        self.bodies.iter().filter_map(of).fold(f64::INFINITY, f64::min)
+    }
+
+    /// What to know of the restitution of deformable bodies.
+    pub fn warn_of_restitution(&self, warnings: &mut Vec<String>) {
+        if (self.is_deformable() || !self.line.is_empty()) && self.restitution().is_some_and(|e| e > 0.0) {
+            warnings.push(format!(
+                "{}: a side is deformable, and its rebound comes from its elasticity: `restitution` says only what becomes of the energy of the nodes at the surface. With more than 0 they chatter; \
+                 remove it",
+                self.item.label()
+            ));
+        }
     }
 }
 

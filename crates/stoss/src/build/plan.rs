@@ -27,6 +27,12 @@ pub struct ContactPlan {
     pub unknowns_per_slot: u64,
     /// Friction, if there is any.
     pub friction: Option<FrictionPlan>,
+    /// Restitution of the law of impact between rigid bodies, and whether it was assumed because the scene gives none.
+    #[cfg_attr(feature = "output", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub restitution: Option<f64>,
+    /// See there.
+    #[cfg_attr(feature = "output", serde(default, skip_serializing_if = "std::ops::Not::not"))]
+    pub is_assumed: bool,
 }
 
 /// Friction of a contact as it will be computed.
@@ -51,7 +57,18 @@ pub struct FrictionPlan {
 
 impl fmt::Display for ContactPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, slave, method, constraint, enforcement, slots, unknowns_per_slot, friction } = self;
+        let Self {
+            name,
+            slave,
+            method,
+            constraint,
+            enforcement,
+            slots,
+            unknowns_per_slot,
+            friction,
+            restitution,
+            is_assumed,
+        } = self;
         if *unknowns_per_slot == 0 {
             write!(f, "{name}: {constraint}, {enforcement}, {slots} points without unknowns")?;
         } else {
@@ -61,6 +78,11 @@ impl fmt::Display for ContactPlan {
         match friction {
             Some(friction) => write!(f, "; friction {friction}")?,
             None => write!(f, "; no friction")?,
+        }
+        match restitution {
+            Some(e) if *is_assumed => write!(f, "; restitution {e}, assumed")?,
+            Some(e) => write!(f, "; restitution {e}")?,
+            None => {}
         }
         slave.as_ref().map_or(Ok(()), |slave| write!(f, "; slave {slave}"))
     }

@@ -198,7 +198,7 @@ impl Probe {
     /// What the joint does; nothing once it is released or switched off.
     fn joint(&self, simulation: &Simulation) -> Option<JointReport> {
         let ProbeTarget::Joint(place) = self.target else { return None };
-        simulation.model().contacts[place].method.joint(&simulation.state().q, &simulation.pressures()[place])
+        simulation.model().contacts[place].method.joint(&simulation.state().q, &simulation.mean_pressures()[place])
     }
 
     /// Of a rigid body.

@@ -50,7 +50,7 @@ pub(super) fn add(
             name,
             method: Coupling::bilateral(support),
             complementarity: 1.0,
-            restores: false,
+            restitution: None,
         });
     }
     if problems.list.len() > before { Vec::new() } else { names }

@@ -175,7 +175,7 @@ fn made(
             name: item.label(),
             method: Coupling::bilateral(tie),
             complementarity: 1.0,
-            restores: false,
+            restitution: None,
         });
     }
     (ties, is_stale)

@@ -55,7 +55,7 @@ impl ContactFields {
             has_slip |= method.has_friction();
             for (slot, report) in simulation.contact_report(c)?.iter().enumerate() {
                 let node = report.node as usize;
-                fields.pressure[node] += simulation.pressures()[c][slot] * report.per_current_area;
+                fields.pressure[node] += simulation.mean_pressures()[c][slot] * report.per_current_area;
                 if let Some(g) = report.gap {
                     // The first comparison is with no number.
                     fields.gap[node] = fields.gap[node].min(g);

@@ -1,6 +1,6 @@
 //! What scheme, loads, supports and contacts of a scene together promise of momenta and energy.
 
-use crate::scene::{Constraint, Contact, ContactMethod, Integrals, Scene, split_set};
+use crate::scene::{Constraint, Contact, ContactMethod, Integrals, Mass, Scene, split_set};
 use stoss_integrators::Scheme;
 use stoss_solver::{LoadKind, Model, Simulation};
 use stoss_watch::{Closing, Promises};
@@ -48,7 +48,8 @@ fn slowed(model: &Model) -> bool {
 fn closing(scene: &Scene, order: u32) -> Closing {
     let is_line = |set: &str| {
         let part = split_set(set).map_or(set, |(part, _)| part);
-        scene.strings.iter().any(|line| line.name == part) || scene.beams.iter().any(|line| line.name == part)
+        scene.strings.iter().any(|line| line.name == part && line.mass_matrix == Mass::Consistent)
+            || scene.beams.iter().any(|line| line.name == part)
     };
     if scene.contacts.iter().any(|contact| contact.surfaces().into_iter().any(is_line)) {
         return Closing::Lines;

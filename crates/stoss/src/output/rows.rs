@@ -10,7 +10,7 @@ use stoss_solver::{BodyPair, Simulation, StepRecord};
 
 const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
 /// Columns that follow where there is contact or a joint with limits.
-const CLOSING: &str = "closing_loss,contact_remainder,restored";
+const CLOSING: &str = "closing_loss,contact_remainder,impact_loss,impact_deformable,impacts,impact_capped";
 /// Columns that follow where there is friction.
 const FRICTION: &str = "friction_work,friction_stored";
 /// Column that follows where a body is damped.
@@ -166,7 +166,8 @@ impl Tables {
             .numbers(&b.angular_momentum)
             .numbers(&[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()]);
         if simulation.model().has_gaps() {
-            self.balance.numbers(&[b.closing_loss, b.contact_remainder, b.restored]);
+            let losses = [b.closing_loss, b.contact_remainder, b.impact_loss, b.impact_deformable];
+            self.balance.numbers(&losses).integer(b.impacts).number(b.impact_capped);
         }
         if settings.has_friction() {
             self.balance.numbers(&[b.friction_work, b.friction_stored]);
@@ -238,7 +239,7 @@ impl Tables {
                 // Two columns are there also of a joint without any.
                 let coordinates = coordinates.max(1);
                 let pair = &simulation.model().contacts[place];
-                match pair.method.joint(&simulation.state().q, &simulation.pressures()[place]) {
+                match pair.method.joint(&simulation.state().q, &simulation.mean_pressures()[place]) {
                     Some(joint) => {
                         table.numbers(&joint.force).numbers(&joint.moment);
                         for k in 0..coordinates {

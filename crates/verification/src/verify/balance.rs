@@ -16,6 +16,8 @@ pub struct Balance {
     pub angular: Vec<[f64; 3]>,
     /// Total energy.
     pub total: Vec<f64>,
+    /// What the law of impact has taken since the start; it also takes a little in steps in which nothing closes and a closed slot moves on. Empty: nothing.
+    pub impact_loss: Vec<f64>,
 }
 
 impl Balance {
@@ -27,6 +29,8 @@ impl Balance {
             linear: table.vectors(["lx", "ly", "lz"])?,
             angular: table.vectors(["jx", "jy", "jz"])?,
             total: table.column("total")?.to_vec(),
+            // Only where there are gaps.
+            impact_loss: table.column("impact_loss").map(<[f64]>::to_vec).unwrap_or_default(),
         })
     }
 
@@ -58,22 +62,31 @@ impl Balance {
         self.total.windows(2).map(|pair| (pair[1] - pair[0]) / scale).collect()
     }
 
-    /// Largest change of the energy, without its sign, in the steps whose mark is `wanted`; see
+    /// The energy with what the law of impact has taken.
+    fn with_losses(&self) -> Vec<f64> {
+        let loss = self.impact_loss.iter().copied().chain(std::iter::repeat(0.0));
+        self.total.iter().zip(loss).map(|(total, loss)| total + loss).collect()
+    }
+
+    /// Largest change of the energy, without its sign, in the steps whose mark is `wanted`, with what the law of impact has taken in those that are not marked; see
     /// [`Self::energy_changes`]. `marked[i]` belongs to row `i`, the end of a step.
     pub fn largest_change(&self, marked: &[bool], wanted: bool, scale: Option<f64>) -> f64 {
-        let changes = self.energy_changes(scale).into_iter().zip(marked.iter().skip(1));
+        let scale = scale.unwrap_or_else(|| unit(&scalars(&self.total)));
+        let energy = if wanted { self.total.clone() } else { self.with_losses() };
+        let changes = energy.windows(2).map(|pair| (pair[1] - pair[0]) / scale).zip(marked.iter().skip(1));
         changes.filter(|(_, marked)| **marked == wanted).fold(0.0, |worst, (change, _)| larger(worst, change.abs()))
     }
 
-    /// Largest drift of the energy within stretches of steps that are not marked, over the largest `|H|` of the run.
+    /// Largest drift of the energy, with what the law of impact has taken, within stretches of steps that are not marked, over the largest `|H|` of the run.
     ///
     /// `marked[i]` belongs to row `i`, the end of a step. A stretch begins at the start or behind a marked step, and its
     /// first value is the reference for all others in it: many small changes of one sign do not hide.
     pub fn energy_drift_between(&self, marked: &[bool]) -> f64 {
         let scale = unit(&scalars(&self.total));
-        let mut reference = self.total.first().copied().unwrap_or(0.0);
+        let energies = self.with_losses();
+        let mut reference = energies.first().copied().unwrap_or(0.0);
         let mut worst = 0.0_f64;
-        for (energy, marked) in self.total.iter().zip(marked) {
+        for (energy, marked) in energies.iter().zip(marked) {
             if *marked {
                 reference = *energy;
             }

@@ -6,7 +6,7 @@ const BALANCE = [
   ['Linear momentum', ['lx', 'ly', 'lz']],
   ['Angular momentum', ['jx', 'jy', 'jz']],
   ['Energy', ['kinetic', 'strain', 'potential', 'contact', 'total']],
-  ['Work and losses', ['external_work', 'dissipation', 'closing_loss', 'contact_remainder', 'restored', 'friction_work', 'friction_stored']],
+  ['Work and losses', ['external_work', 'dissipation', 'closing_loss', 'contact_remainder', 'impact_loss', 'friction_work', 'friction_stored']],
 ];
 const CONTACT = [
   ['Contact force', ['contact_force_x', 'contact_force_y', 'contact_force_z']],

@@ -4,7 +4,7 @@ use super::Parts;
 use super::extent::extent;
 use crate::build::placed::{Placed, Shape};
 use crate::build::{DrawnLine, DrawnPoint, Problems};
-use crate::scene::{Beam as SceneBeam, Scene, Section as SceneSection, SectionShape};
+use crate::scene::{Beam as SceneBeam, Mass, Scene, Section as SceneSection, SectionShape};
 use crate::solver::Model;
 use std::collections::BTreeMap;
 use stoss_multibody::{
@@ -207,6 +207,7 @@ fn string(item: &crate::scene::ElasticString, first: u32) -> Result<ElasticStrin
     let material = StringMaterial {
         stiffness: item.axial_stiffness(),
         mass: item.mass_per_length().unwrap_or(0.0),
+        lumped: item.mass_matrix == Mass::Lumped,
         tension_only: item.tension_only,
     };
     ElasticString::new(&item.name, first, order, nodes, material, present / item.natural_length())

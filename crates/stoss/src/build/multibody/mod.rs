@@ -17,7 +17,7 @@ use super::{Drawing, Problems};
 use crate::scene::{Coupling, Kind, Scene};
 use crate::solver::{ContactPair, Model};
 use std::collections::BTreeMap;
-use stoss_contact::Bilateral;
+use stoss_contact::{Bilateral, Report as _};
 use stoss_multibody::{Beam, ConstraintSet, ElasticString, PointMass, RigidBody};
 use stoss_part::Part as _;
 
@@ -103,7 +103,12 @@ pub(super) fn constraints(
     rigidity.into_iter().chain(couplings).for_each(|set| push(model, set));
     for joint in joints {
         parts.joints.push(joint.map(|joint| {
+            let has_limits = joint.has_limits();
             push(model, joint);
+            if let Some(pair) = model.contacts.last_mut().filter(|_| has_limits) {
+                let item = scene.joints.iter().find(|item| item.name == pair.name);
+                pair.restitution = Some(item.and_then(|item| item.restitution).unwrap_or(0.0));
+            }
             model.contacts.len() - 1
         }));
     }
@@ -114,5 +119,5 @@ pub(super) fn constraints(
 fn push(model: &mut Model, constraint: impl Bilateral + 'static) {
     let name = constraint.name().to_owned();
     let method = crate::solver::Coupling::bilateral(constraint);
-    model.contacts.push(ContactPair { name, method, complementarity: 1.0, restores: false });
+    model.contacts.push(ContactPair { name, method, complementarity: 1.0, restitution: None });
 }

@@ -146,7 +146,10 @@ fn stored_balance(folder: &Path) -> Result<Vec<(u64, f64, BalanceState)>, Output
                 energy: value("kinetic")? + value("strain")?,
                 total: value("total")?,
                 // A scene without contact has no such column.
-                closing_loss: value("closing_loss").unwrap_or(0.0) - value("restored").unwrap_or(0.0),
+                closing_loss: value("closing_loss").unwrap_or(0.0),
+                impact_loss: value("impact_loss").unwrap_or(0.0),
+                impact_deformable: value("impact_deformable").unwrap_or(0.0),
+                impact_capped: value("impact_capped").unwrap_or(0.0),
                 // Nor has one without damping that.
                 damping: value("damping").unwrap_or(0.0),
             };

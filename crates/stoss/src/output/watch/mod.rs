@@ -196,6 +196,7 @@ impl RunWatch {
             }
         }
         self.closed.iter_mut().zip(&record.closing).for_each(|(sum, closing)| *sum += closing);
+        self.closed.iter_mut().zip(&record.impact_losses).for_each(|(sum, loss)| *sum += loss);
         if let Some([force, others]) = record.stabilising {
             self.judge.observe_stabilisation(record.step, record.time, force, others);
         }
@@ -427,7 +428,10 @@ fn balance_state(balance: &Balance) -> BalanceState {
         angular: balance.angular_momentum,
         energy: balance.kinetic + balance.strain,
         total: balance.total(),
-        closing_loss: balance.closing_loss - balance.restored,
+        closing_loss: balance.closing_loss,
+        impact_loss: balance.impact_loss,
+        impact_deformable: balance.impact_deformable,
+        impact_capped: balance.impact_capped,
         damping: balance.damping,
     }
 }

@@ -272,7 +272,7 @@ fn impacts(findings: &mut Findings, quick: bool) -> Outcome<()> {
                 let scale = norm(start.linear_momentum);
                 drift[0] = larger(drift[0], distance(balance.linear_momentum, start.linear_momentum) / scale);
                 drift[1] = larger(drift[1], distance(balance.angular_momentum, start.angular_momentum) / scale);
-                let energy = balance.total() + balance.closing_loss - balance.restored;
+                let energy = balance.total() + balance.closing_loss + balance.impact_loss;
                 drift[2] = larger(drift[2], (energy / start.total() - 1.0).abs());
                 let general = record.contact.is_some_and(|contact| contact.bodies.iter().any(|pair| pair.active > 0));
                 touched += usize::from(general || simulation.active().iter().flatten().any(|active| *active));

@@ -63,7 +63,7 @@ pub fn add_constraint(model: &mut Model, name: &str, constraint: impl Bilateral 
         name: name.to_owned(),
         method: Coupling::bilateral(constraint),
         complementarity: 1.0,
-        restores: false,
+        restitution: None,
     });
     model.contacts.len() - 1
 }

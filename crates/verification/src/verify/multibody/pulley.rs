@@ -217,7 +217,7 @@ fn free_pulley(quick: bool, findings: &mut Findings) -> Outcome<()> {
         run(&thrown(rule, if quick { 0.2 } else { 0.4 })?, "free-pulley", |_, _, record| {
             let b = record.balance;
             // What closing gaps cost is reported, and no dissipation.
-            let now = (b.linear_momentum, b.angular_momentum, b.total() + b.closing_loss);
+            let now = (b.linear_momentum, b.angular_momentum, b.total() + b.closing_loss + b.impact_loss);
             let start = first.get_or_insert(now);
             drift[0] = larger(drift[0], apart(now.0, start.0));
             drift[1] = larger(drift[1], apart(now.1, start.1));

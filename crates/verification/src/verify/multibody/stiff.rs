@@ -193,7 +193,7 @@ fn masses(stiffness: f64, dt: f64, steps: f64) -> Outcome<(Simulation, Sizes)> {
 /// A rope from a support with a mass at its end that swings around; only the vertical angular momentum stays, and that is in the row of the energy's fellow.
 fn rope(stiffness: f64, dt: f64, steps: f64) -> Outcome<(Simulation, Sizes)> {
     let nodes = ElasticString::straight_nodes([0.0; 3], [1.0, 0.0, 0.0], 4, 2)?;
-    let material = StringMaterial { stiffness, mass: 0.1, tension_only: false };
+    let material = StringMaterial { stiffness, mass: 0.1, lumped: false, tension_only: false };
     let string = ElasticString::new("rope", 0, 2, nodes, material, 1.0)?;
     let last = string.node_count() - 1;
     let velocity = string.rigid_velocity([0.0; 3], [0.0, -0.3, 1.0], [0.0; 3]);

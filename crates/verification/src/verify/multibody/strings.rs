@@ -33,7 +33,7 @@ fn hanging(findings: &mut Findings) -> Outcome<()> {
             [0.5 * span * t, 0.0, 0.9 * sag * (t * t - 1.0)]
         };
         let nodes: Vec<[f64; 3]> = (0..=n).map(node).collect();
-        let material = StringMaterial { stiffness, mass: 1.0, tension_only: false };
+        let material = StringMaterial { stiffness, mass: 1.0, lumped: false, tension_only: false };
         let unstretched = ElasticString::new("string", 0, order, nodes.clone(), material, 1.0)?;
         let string = ElasticString::new("string", 0, order, nodes, material, unstretched.natural_length() / length)?;
         let mut model = Model::default();
@@ -96,7 +96,7 @@ fn pendulum(findings: &mut Findings) -> Outcome<()> {
     let case = "string pendulum";
     let (length, amplitude) = (1.5, 1.0_f64);
     let (s, c) = amplitude.sin_cos();
-    let material = StringMaterial { stiffness: 1e5, mass: 1e-4, tension_only: false };
+    let material = StringMaterial { stiffness: 1e5, mass: 1e-4, lumped: false, tension_only: false };
     let e = GRAVITY * c / material.stiffness;
     let exact = 4.0 * quarter_period((0.5 * amplitude).sin().powi(2)) * (length / GRAVITY).sqrt();
     let period = |steps: f64| -> Outcome<(f64, f64)> {
@@ -126,7 +126,7 @@ fn pendulum(findings: &mut Findings) -> Outcome<()> {
 /// A bob that is thrown up on a string without compression: it falls slack, and is caught again.
 fn slack(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let case = "slack and taut";
-    let material = StringMaterial { stiffness: 500.0, mass: 0.05, tension_only: true };
+    let material = StringMaterial { stiffness: 500.0, mass: 0.05, lumped: false, tension_only: true };
     let (model, bob) = with_bob([0.9, 0.0, -1.2], [0.5, 0.8, 4.5], material, 1.01, 4)?;
     let mut run = dynamic(model, 0.002, if quick { 1.6 } else { 6.0 })?;
     let first = *run.balance();

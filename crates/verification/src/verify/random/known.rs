@@ -14,8 +14,8 @@ pub struct Known {
     pub mirrored: bool,
     /// Nothing moves.
     pub rest: bool,
-    /// Speed with which a rigid body comes back, if no energy is lost.
-    pub rebound: Option<f64>,
+    /// Speeds with which a rigid body comes, and with which it goes back by its restitution.
+    pub rebound: Option<[f64; 2]>,
     /// Force on the part `tool` at the end.
     pub force: Option<f64>,
     /// Way of a tool beyond the gap.

@@ -72,7 +72,7 @@ fn impact((kind, integration): (CellKind, Integration), n: usize) -> Outcome<Run
          mesh = {{ generator = \"block\", min = [0, 0, 0.01], max = [0.5, 0.5, 2.01], divisions = [{n}, {n}, {}] }}\n\
          [[body]]\nname = \"wall\"\nmaterial = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\ndensity = 1.0\n\
          mesh = {{ generator = \"block\", min = [-1, -1, -1], max = [2, 2, 0], divisions = [1, 1, 1] }}\n\
-         [[contact]]\nmethod = \"mortar\"\nslave = \"bar.bottom\"\nmaster = \"wall.top\"\n{}{}{}",
+         [[contact]]\nmethod = \"mortar\"\nclosing = \"keep\"\nslave = \"bar.bottom\"\nmaster = \"wall.top\"\n{}{}{}",
         keys(kind, integration),
         4 * n,
         support("wall.all", "\"x\", \"y\", \"z\""),

@@ -1,6 +1,7 @@
 //! The books of a dynamic run: energy, and the tables against the frames.
 
 use super::extremes::worst;
+use super::model::Kind;
 use super::motion::at_rest;
 use super::vector::{minus, norm};
 use super::{Criterion, Evidence, is_worse};
@@ -27,7 +28,7 @@ pub fn judge(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
     }
     let total = evidence.column("total");
     let loss: Vec<f64> =
-        evidence.column("closing_loss").iter().zip(evidence.column("restored")).map(|(l, r)| l - r).collect();
+        evidence.column("closing_loss").iter().zip(evidence.column("impact_loss")).map(|(l, r)| l + r).collect();
     let step = |row: usize| format!("step {row}");
     // Coordinate augmentation is the midpoint rule for the contact (guide, [[contact]]).
     let conserves = evidence.case.claims().is_some_and(|claims| claims.energy) && evidence.case.method != "cat";
@@ -50,7 +51,10 @@ pub fn judge(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
     // A scheme of the first order takes energy by itself, in impacts most of all: what is lost there decides nothing.
     let dissipates = evidence.case.claims().is_some_and(|claims| claims.order < 2);
     let bounds = if dissipates { [LOSS[0], f64::INFINITY] } else { LOSS };
-    let (row, worst_loss) = worst(loss.iter().map(|l| (l - loss[0]).abs() / scale));
+    // What a law of impact takes from rigid bodies alone is their restitution, an entry of the scene: the speed of the rebound judges it.
+    let is_rigid = evidence.model.parts.iter().all(|part| part.driven || part.kind != Kind::Solid);
+    let taken = if is_rigid { evidence.column("closing_loss") } else { loss };
+    let (row, worst_loss) = worst(taken.iter().map(|l| (l - taken[0]).abs() / scale));
     all.push(Criterion::new("energy that contact took or gave", worst_loss, bounds).at(step(row)));
     if !evidence.has("friction") && !evidence.has("damping") {
         let (row, lost) = worst(evidence.column("dissipation").iter().map(|d| d.abs() / scale));

@@ -117,14 +117,14 @@ fn momenta(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
         let (row, worst) = worst(side);
         all.push(Criterion::new("push along a flat floor without friction", worst, SIDEWAYS).at(step(row)));
     }
-    // A rigid body without losses comes back with its speed; any other law of impact loses energy, which is to be told.
-    if let (Some(speed), true) = (known.rebound, claims.energy)
+    // A rigid body comes back with its restitution, or without a law of impact with its speed; anything else loses energy, which is to be told.
+    if let (Some([speed, back]), true) = (known.rebound, claims.energy)
         && let [.., before, last] = pushed[..]
         && push > 1e-6 * scale
         && (last - before).abs() < 1e-9 * push
     {
         let came_back = linear[linear.len() - 1][2] / mass;
-        all.push(Criterion::new("speed of the rebound", (came_back / speed - 1.0).abs(), [0.003, 0.01]));
+        all.push(Criterion::new("speed of the rebound", (came_back - back).abs() / speed, [0.003, 0.01]));
     }
 }
 
