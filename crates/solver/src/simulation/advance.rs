@@ -1,7 +1,7 @@
 //! One step of a simulation: attempts, acceptance, work.
 
 use super::{InsideOutRule, Simulation};
-use crate::anchor::attempt_anchored;
+use crate::anchored::attempt_anchored;
 use crate::assembly::{Iterate, System, no_auxiliaries};
 use crate::failure::{AttemptLog, FailedAttempt};
 use crate::rows::Rows;
