@@ -17,6 +17,7 @@
 #![doc = include_str!("../README.md")]
 
 mod anchor;
+mod anchored;
 mod assembly;
 mod balance;
 mod centrifugal;

@@ -2,7 +2,7 @@
 
 use super::impact::Impact;
 use super::{InsideOutRule, Simulation};
-use crate::anchor::attempt_anchored;
+use crate::anchored::attempt_anchored;
 use crate::assembly::{Iterate, System, no_auxiliaries};
 use crate::failure::{AttemptLog, FailedAttempt};
 use crate::rows::Rows;
