@@ -13,6 +13,7 @@ mod failing_step;
 mod friction;
 mod general_blocked;
 mod general_contact;
+mod general_corners;
 mod general_defaults;
 mod general_joints;
 mod general_round;
