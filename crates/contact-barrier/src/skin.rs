@@ -299,6 +299,21 @@ impl Skin {
         (point as usize).checked_sub(self.vertex_count).map(|k| (k / GAUSS.len()) as u32)
     }
 
+    /// Reference area that belongs to a point.
+    pub(crate) fn area_of_point(&self, point: u32) -> f64 {
+        self.point_area[point as usize]
+    }
+
+    /// Reference area of a facet.
+    pub(crate) fn area_of_facet(&self, facet: u32) -> f64 {
+        self.triangles_of(facet).iter().map(|&t| self.reference_area(t)).sum()
+    }
+
+    /// The facet by which a point is found.
+    pub(crate) fn facet_of_point(&self, point: u32) -> u32 {
+        self.point_facet[point as usize]
+    }
+
     /// Reference area of a triangle.
     pub(crate) fn reference_area(&self, triangle: u32) -> f64 {
         GAUSS.len() as f64 * self.point_area[self.integration_points(triangle).start as usize]

@@ -16,6 +16,7 @@ mod general_contact;
 mod general_corners;
 mod general_defaults;
 mod general_joints;
+mod general_pressures;
 mod general_round;
 mod general_sizes;
 mod general_start;

@@ -35,6 +35,15 @@ pub(super) struct Scene<'a> {
     pub between_states: bool,
 }
 
+/// Whether the place where a point meets a triangle is on an edge or a corner of its body, which have points of their own.
+pub(super) fn is_at_sharp(skin: &Skin, c: &Candidate, close: &ClosestPair) -> bool {
+    match close.feature() {
+        PairFeature::VertexVertex([_, b]) => skin.is_sharp(c.points[b]),
+        PairFeature::VertexEdge(_, [a, b]) => skin.is_sharp_edge(c.points[a], c.points[b]),
+        _ => false,
+    }
+}
+
 /// The lowest place of a surface above another one.
 struct End {
     height: f64,
@@ -87,12 +96,7 @@ impl Scene<'_> {
         if !skin.is_integration_point(p) && skin.is_sharp(p) {
             return Some([weight, if self.is_flush(c, close, &to_foot, x) { LAST } else { 1.0 }]);
         }
-        // Corners and edges of the body have points of their own.
-        let is_sharp = match close.feature() {
-            PairFeature::VertexVertex([_, b]) => skin.is_sharp(c.points[b]),
-            PairFeature::VertexEdge(_, [a, b]) => skin.is_sharp_edge(c.points[a], c.points[b]),
-            _ => false,
-        };
+        let is_sharp = is_at_sharp(skin, c, close);
         let faces = |own: u32| {
             let normal = self.normal(own, x);
             normal.dot(&to_foot) >= FACING * normal.norm() * to_foot.norm()
