@@ -27,11 +27,9 @@ fn pressed(cell: &str, divisions: [u32; 2], plate: [f64; 2], shift: f64) -> [f64
 
 #[test]
 fn a_uniform_pressure_is_reported_as_it_is() {
-    for (cell, divisions, plate, shift) in [
-        ("hex8", [3, 4], [1.0, 1000.0], 0.0),
-        ("hex8", [2, 4], [2.0, 1e5], 0.0),
-        ("hex8", [4, 7], [2.0, 1e5], 0.07),
-    ] {
+    for (cell, divisions, plate, shift) in
+        [("hex8", [3, 4], [1.0, 1000.0], 0.0), ("hex8", [2, 4], [2.0, 1e5], 0.0), ("hex8", [4, 7], [2.0, 1e5], 0.07)]
+    {
         let [pressure, area] = pressed(cell, divisions, plate, shift);
         println!("{cell}, {divisions:?} on {plate:?}: {pressure:.3} of 51, area {area:.6}");
         assert!((pressure / 51.0 - 1.0).abs() < 0.04, "{cell}, {divisions:?}, {plate:?}: {pressure}");
