@@ -17,15 +17,15 @@ pub struct Interaction {
 #[derive(Clone, Debug, Default)]
 pub struct Interactions {
     bodies: Vec<u32>,
-    rigid: Vec<bool>,
+    stiffness: Vec<f64>,
     table: Vec<Option<Interaction>>,
 }
 
 impl Interactions {
-    /// No interactions between classes that belong to these bodies, each given with whether it is rigid.
-    pub fn none(classes: &[(u32, bool)]) -> Self {
-        let (bodies, rigid): (Vec<u32>, Vec<bool>) = classes.iter().copied().unzip();
-        Self { table: vec![None; bodies.len() * bodies.len()], bodies, rigid }
+    /// No interactions between classes that belong to these bodies, each given with its Young's modulus: infinite if it is rigid.
+    pub fn none(classes: &[(u32, f64)]) -> Self {
+        let (bodies, stiffness): (Vec<u32>, Vec<f64>) = classes.iter().copied().unzip();
+        Self { table: vec![None; bodies.len() * bodies.len()], bodies, stiffness }
     }
 
     /// Lets two classes act on each other; `None`: not.
@@ -94,14 +94,11 @@ impl Interactions {
         self.bodies[class as usize]
     }
 
-    /// Share of the surface of `point`'s class that is summed against facets of the other that are as large: one half, because the other is summed too; one against rigid bodies, whose
-    /// points are not summed. What larger, smaller and rougher facets have is in [`Skin::point_weight`](crate::Skin::point_weight).
+    /// Share of the surface of `point`'s class that is summed against facets of the other that are as large: one half if both are as stiff, because the other is summed too; more of the softer one, which takes the
+    /// shape of the stiffer one; one against rigid bodies. What larger, smaller and rougher facets have is in [`Skin::point_weight`](crate::Skin::point_weight).
     pub fn share(&self, point: u32, facet: u32) -> f64 {
-        match (self.rigid[point as usize], self.rigid[facet as usize]) {
-            (false, true) => 1.0,
-            (true, false) => 0.0,
-            _ => 0.5,
-        }
+        let [own, other] = [point, facet].map(|class| self.stiffness[class as usize]);
+        if own == other { 0.5 } else { 1.0 / (1.0 + own / other) }
     }
 
     /// Whether no classes act on each other.

@@ -299,6 +299,21 @@ impl Skin {
         (point as usize).checked_sub(self.vertex_count).map(|k| (k / GAUSS.len()) as u32)
     }
 
+    /// Reference area that belongs to a point.
+    pub(crate) fn area_of_point(&self, point: u32) -> f64 {
+        self.point_area[point as usize]
+    }
+
+    /// Reference area of a facet.
+    pub(crate) fn area_of_facet(&self, facet: u32) -> f64 {
+        self.triangles_of(facet).iter().map(|&t| self.reference_area(t)).sum()
+    }
+
+    /// The facet by which a point is found.
+    pub(crate) fn facet_of_point(&self, point: u32) -> u32 {
+        self.point_facet[point as usize]
+    }
+
     /// Reference area of a triangle.
     pub(crate) fn reference_area(&self, triangle: u32) -> f64 {
         GAUSS.len() as f64 * self.point_area[self.integration_points(triangle).start as usize]
@@ -394,16 +409,18 @@ impl Skin {
     ///
     /// `share` is the part of its area that a point of integration has against a surface like its own: one half where both sides are summed. Against much larger triangles it has more and against much
     /// smaller ones less, and more where its own surface is rougher. The parts of two surfaces at one place have the sum one, and they depend continuously on it: `shares` are those of the corners of the triangle.
+    /// `corners`, from 0 to 1, are by how much the point's surface and the other one meet each other there with an edge or a corner of their body, which has all of the points then.
     /// A vertex has a small part of its area, and not more than of a few of the largest at the triangle's corners; it has none opposite a surface that is much rougher than its own.
-    pub fn point_weight(&self, point: u32, triangle: u32, shares: [f64; 3], share: f64) -> f64 {
+    pub fn point_weight(&self, point: u32, triangle: u32, shares: [f64; 3], share: f64, corners: [f64; 2]) -> f64 {
         let area = self.point_area[point as usize];
         let other = self.shape.around(triangle, shares);
+        let ends = (corners[0] - corners[1]).clamp(-1.0, 1.0);
         if (point as usize) < self.vertex_count {
             let corners = self.triangles[triangle as usize].map(|v| self.point_area[v as usize]);
             let most = UNEVEN * corners.into_iter().fold(0.0, f64::max);
             // Areas of vertices are a third of those of some six triangles.
             let own = Around { size: 0.5 * area, roughness: self.shape.vertex_angle(point) };
-            return 0.5 * GUARD * area.min(most) * (1.0 - rougher(&other, &own));
+            return 0.5 * GUARD * area.min(most) * (1.0 - rougher(&other, &own).max(-ends));
         }
         let place = point as usize - self.vertex_count;
         let own = self.shape.around((place / GAUSS.len()) as u32, GAUSS[place % GAUSS.len()]);
@@ -412,7 +429,8 @@ impl Skin {
         let [a, b] = [own.size.max(bound), other.size.max(bound)];
         let (by_own, by_other) = ((1.0 - share) * a * a, share * b * b);
         let by_size = if by_other > 0.0 { by_other / (by_own + by_other) } else { 0.0 };
-        area * (by_size + rougher(&own, &other) * (1.0 - by_size) - rougher(&other, &own) * by_size)
+        let by_shape = by_size + rougher(&own, &other) * (1.0 - by_size) - rougher(&other, &own) * by_size;
+        area * if ends > 0.0 { by_shape + ends * (1.0 - by_shape) } else { by_shape + ends * by_shape }
     }
 
     /// Weight of two edges, an area, and the factor that fades them out where they are parallel. It is a small part of the mean of the areas that belong to them, and not more than of a few of the smaller one.

@@ -71,7 +71,7 @@ fn enter(contact: &mut GeneralContact, upper: &std::ops::Range<usize>, rule: Con
 }
 
 fn rules(friction: f64) -> Interactions {
-    let mut rules = Interactions::none(&[(0, false), (1, false)]);
+    let mut rules = Interactions::none(&[(0, 1.0), (1, 1.0)]);
     for (a, b) in [(0, 0), (0, 1), (1, 1)] {
         rules.set(a, b, Some(Interaction { modulus: MODULUS, friction, slip_velocity: 0.05 }));
     }
@@ -283,7 +283,7 @@ fn a_layer_between_matching_meshes_has_a_uniform_pressure() {
             let Some((t, points, pair)) = nearest else { continue };
             let r: Vector3<f64> = points.iter().zip(pair.weights).map(|(&p, c)| x[p as usize] * c).sum();
             let [_, slope, _] = layer.evaluate(pair.distance_squared);
-            let weight = skin.point_weight(p, t, [1, 2, 3].map(|i| -pair.weights[i]), 0.5);
+            let weight = skin.point_weight(p, t, [1, 2, 3].map(|i| -pair.weights[i]), 0.5, [0.0; 2]);
             for (&point, c) in points.iter().zip(pair.weights) {
                 for &(node, w) in skin.terms(point) {
                     force[node as usize] += weight * slope * 2.0 * c * r[2] * w;

@@ -13,7 +13,7 @@ pub struct BodyPair {
     pub active: usize,
     /// Smallest distance, a length.
     pub distance: f64,
-    /// Largest pressure, per reference area.
+    /// Largest pressure, per reference area: of means over the facets around a node.
     pub pressure: f64,
     /// Reference area in contact.
     pub area: f64,

@@ -16,6 +16,9 @@ const FLUSH: f64 = 0.9;
 const OUTSIDE: f64 = 0.1;
 const TURN: f64 = 0.1;
 
+/// Angle between two faces, in rad, from which on the edge or corner in which one of them ends has all of the points.
+const TILTED: f64 = 0.02;
+
 /// The part of the thickness in which that acts which is not needed as long as other contacts carry: corners that are flush, and edges of the mesh of flat surfaces.
 const LAST: f64 = 0.3;
 
@@ -30,6 +33,25 @@ pub(super) struct Scene<'a> {
     pub thickness: f64,
     /// Whether forces are those between two states.
     pub between_states: bool,
+}
+
+/// Whether the place where a point meets a triangle is on an edge or a corner of its body, which have points of their own.
+pub(super) fn is_at_sharp(skin: &Skin, c: &Candidate, close: &ClosestPair) -> bool {
+    match close.feature() {
+        PairFeature::VertexVertex([_, b]) => skin.is_sharp(c.points[b]),
+        PairFeature::VertexEdge(_, [a, b]) => skin.is_sharp_edge(c.points[a], c.points[b]),
+        _ => false,
+    }
+}
+
+/// The lowest place of a surface above another one.
+struct End {
+    height: f64,
+    /// Distance from where it was begun, and longest side of the triangle there.
+    way: f64,
+    side: f64,
+    /// Whether it is on an edge or a corner of the body.
+    is_sharp: bool,
 }
 
 impl Scene<'_> {
@@ -66,7 +88,7 @@ impl Scene<'_> {
         let (skin, p) = (self.skin, c.points[0]);
         let shares = [1, 2, 3].map(|i| -close.weights[i]);
         let share = self.rules.share(c.classes[0], c.classes[1]);
-        let weight = skin.point_weight(p, c.of[0], shares, share);
+        let weight = skin.point_weight(p, c.of[0], shares, share, self.corners(p, c.of[0], x));
         if weight <= 0.0 {
             return None;
         }
@@ -74,17 +96,62 @@ impl Scene<'_> {
         if !skin.is_integration_point(p) && skin.is_sharp(p) {
             return Some([weight, if self.is_flush(c, close, &to_foot, x) { LAST } else { 1.0 }]);
         }
-        // Corners and edges of the body have points of their own.
-        let is_sharp = match close.feature() {
-            PairFeature::VertexVertex([_, b]) => skin.is_sharp(c.points[b]),
-            PairFeature::VertexEdge(_, [a, b]) => skin.is_sharp_edge(c.points[a], c.points[b]),
-            _ => false,
-        };
+        let is_sharp = is_at_sharp(skin, c, close);
         let faces = |own: u32| {
             let normal = self.normal(own, x);
             normal.dot(&to_foot) >= FACING * normal.norm() * to_foot.norm()
         };
         (!is_sharp && skin.triangle_of_integration_point(p).is_none_or(faces)).then_some([weight, 1.0])
+    }
+
+    /// By how much, from 0 to 1, the surface of a point and the triangle that it meets touch each other with an edge or a corner of their body: that surface alone has points then, for the direction of the force is the normal of the other one.
+    fn corners(&self, point: u32, triangle: u32, x: &dyn Fn(u32) -> Vector3<f64>) -> [f64; 2] {
+        if !self.skin.is_integration_point(point) && self.skin.is_sharp(point) {
+            return [0.0; 2];
+        }
+        let normal = self.normal(triangle, x).try_normalize(0.0).unwrap_or_default();
+        let cosine = |t: u32| -normal.dot(&self.normal(t, x).try_normalize(0.0).unwrap_or_default());
+        // Of the triangles around a vertex the one that is opposite most of all.
+        let opposite = || {
+            let around = self.skin.triangles_at(point).iter().copied();
+            around.max_by(|&s, &t| cosine(s).total_cmp(&cosine(t)))
+        };
+        let Some(own) = self.skin.triangle_of_integration_point(point).or_else(opposite) else { return [0.0; 2] };
+        let own_normal = self.normal(own, x).try_normalize(0.0).unwrap_or_default();
+        let sine = own_normal.cross(&normal).norm();
+        let angle = sine.atan2(-own_normal.dot(&normal));
+        if angle == 0.0 {
+            return [0.0; 2];
+        }
+        let ends = [self.lowest(own, triangle, point, x), self.lowest(triangle, own, point, x)];
+        // The one that ends first, on the way on which the gap closes.
+        let reach = self.thickness / sine;
+        std::array::from_fn(|i| {
+            let (end, other) = (&ends[i], &ends[1 - i]);
+            let is_first = end.is_sharp && end.way < reach + end.side && end.way < other.way + end.side;
+            let before = ((end.height - other.height) / (self.thickness * sine)).clamp(0.0, 1.0);
+            if is_first { before * (angle / TILTED).min(1.0) } else { 0.0 }
+        })
+    }
+
+    /// Where a surface is lowest above the plane of a triangle of another one, going down from one of its own triangles; not beyond that plane.
+    fn lowest(&self, from: u32, towards: u32, place: u32, x: &dyn Fn(u32) -> Vector3<f64>) -> End {
+        let (skin, normal) = (self.skin, self.normal(towards, x).try_normalize(0.0).unwrap_or_default());
+        let origin = x(skin.triangles()[towards as usize][0]);
+        let height = |v: u32| (x(v) - origin).dot(&normal);
+        let corners @ [a, b, c] = skin.triangles()[from as usize];
+        let lower = |least: (f64, u32), v: u32| if height(v) < least.0 { (height(v), v) } else { least };
+        let mut least = [b, c].into_iter().fold((height(a), a), lower);
+        while least.0 > -self.thickness {
+            let around = skin.triangles_at(least.1).iter().flat_map(|&t| skin.triangles()[t as usize]);
+            let next = around.fold(least, lower);
+            if next.1 == least.1 {
+                break;
+            }
+            least = next;
+        }
+        let side = corners.map(x).map(|p| (p - x(a)).norm()).into_iter().fold((x(b) - x(c)).norm(), f64::max);
+        End { height: least.0, way: (x(least.1) - x(place)).norm(), side, is_sharp: skin.is_sharp(least.1) }
     }
 
     /// Twice the area of a triangle, along its normal.

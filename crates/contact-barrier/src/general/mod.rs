@@ -11,6 +11,7 @@ mod history;
 mod joint;
 mod output;
 mod pieces;
+mod pressure;
 mod scatter;
 
 use crate::proximity::Proximity;

@@ -4,6 +4,7 @@ use super::GeneralContact;
 use super::act::Act;
 use super::areas::{Areas, Meeting, areas_of_triangles};
 use super::joint::Joint;
+use super::pressure::Pressures;
 use crate::inset::OPPOSITE;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
@@ -62,8 +63,7 @@ impl GeneralContact {
     /// Forces, pressures and areas of each pair of bodies that act on each other.
     pub(super) fn pairs_of_bodies(&self) -> Vec<BodyPair> {
         let mut list: BTreeMap<[u32; 2], BodyPair> = BTreeMap::new();
-        // Points of integration with their weights and forces: one may act on several patches.
-        let mut points: BTreeMap<([u32; 2], u32), (f64, Vector3<f64>)> = BTreeMap::new();
+        let mut pressures = Pressures::default();
         let mut joint = Joint::default();
         for act in &self.acts {
             let force = self.force(act, &mut joint, false);
@@ -75,11 +75,7 @@ impl GeneralContact {
             pair.friction_work += force.work;
             if distance < act.thickness {
                 pair.active += 1;
-                if act.end.is_integration_point {
-                    let point = points.entry((bodies, act.end.points[0])).or_default();
-                    point.0 = act.weight.max(point.0);
-                    point.1 += joint.barrier[0];
-                }
+                pressures.add(self, bodies, act, &joint, force.first);
             }
             // Forces on the points of the first body; of a body on itself they cancel.
             let points = if a <= b { 0..force.first } else { force.first..joint.points.len() };
@@ -92,11 +88,12 @@ impl GeneralContact {
                 }
             }
         }
-        for ((bodies, _), (weight, force)) in points {
-            if let Some(pair) = list.get_mut(&bodies) {
-                pair.area += weight;
-                pair.pressure = pair.pressure.max(force.norm() / weight);
-            }
+        let areas = self.areas_in_contact();
+        for (&bodies, &area) in &areas {
+            list.entry(bodies).and_modify(|pair| pair.area = area);
+        }
+        for (bodies, pressure) in pressures.largest(self, &areas) {
+            list.entry(bodies).and_modify(|pair| pair.pressure = pressure);
         }
         list.into_values().collect()
     }

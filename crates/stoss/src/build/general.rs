@@ -16,8 +16,11 @@ use stoss_mesh::BOUNDARY;
 /// Speed of slip below which friction of two bodies falls, in parts of their largest relative speed at the start.
 const SLIP: f64 = 0.01;
 
-/// The same of bodies that do not move relative to each other: part of the thickness that they creep at most in the run, or in the first of its stages with inertia: those that follow do not change it.
-const CREEP: f64 = 0.1;
+/// The same of bodies that do not move relative to each other, in parts of the speed of a fall through the layer.
+const OF_FALL: f64 = 1e-3;
+
+/// The same without gravity: part of the thickness in a nominal step.
+const OF_STEP: f64 = 1e-4;
 
 /// Relative speeds that are round-off, in parts of the speeds.
 const NO_SPEED: f64 = 1e-9;
@@ -120,6 +123,7 @@ fn contact(
         slips.insert(if a == b { format!("{a} with itself") } else { format!("{a} and {b}") }, value);
         value
     });
+    warnings.extend(without_effect(scene, table, placed, has_rates, has_friction));
     let options = GeneralOptions { thickness, damping: table.damping };
     match GeneralContact::new(NAME, skin, rules.clone(), options) {
         Ok(contact) => {
@@ -169,6 +173,30 @@ fn contact(
     Some((plan, rules))
 }
 
+/// Keys that are given and change nothing.
+fn without_effect(
+    scene: &Scene,
+    table: &Table,
+    placed: &[Placed],
+    has_rates: bool,
+    has_friction: bool,
+) -> impl Iterator<Item = String> {
+    let rigid = placed.iter().filter(|part| part.mesh().is_none());
+    let movable = rigid.clone().any(|part| !scene.rigids.iter().any(|r| r.name == part.name && r.fixed));
+    let list = [
+        (table.damping > 0.0 && !has_rates, "damping", "without inertia the layer has no rates"),
+        (table.slip_velocity.is_some() && !has_rates, "slip_velocity", "without inertia friction sticks like a spring"),
+        (table.slip_velocity.is_some() && has_rates && !has_friction, "slip_velocity", "there is no friction"),
+        (
+            table.modulus.is_some() && (rigid.count() < 2 || !movable),
+            "modulus",
+            "it is for two rigid bodies that act on each other",
+        ),
+    ];
+    let told = list.into_iter().filter(|(has_none, ..)| *has_none);
+    told.map(|(_, key, why)| format!("general_contact.{key} has no effect: {why}; remove it"))
+}
+
 /// Speed of slip below which friction of two bodies falls.
 ///
 /// It depends on the motion of the two relative to each other alone: not on a velocity that all have, nor on what others do.
@@ -206,10 +234,15 @@ fn slip_velocities(
         let (speed, all) = (f64::sqrt(squares.0), f64::sqrt(squares.1));
         if speed <= NO_SPEED * all { 0.0 } else { speed }
     };
-    let length = super::phase::first_dynamics(scene);
+    let gravity =
+        scene.gravity.as_ref().map_or(0.0, |gravity| gravity.acceleration.iter().map(|a| a * a).sum::<f64>().sqrt());
+    let at_rest = match gravity > 0.0 {
+        true => OF_FALL * (2.0 * gravity * thickness).sqrt(),
+        false => OF_STEP * thickness / super::phase::first_dynamic_step(scene),
+    };
     move |a: u32, b: u32| {
         given.unwrap_or_else(|| match relative(a, b) {
-            0.0 => CREEP * thickness / length,
+            0.0 => at_rest,
             speed => SLIP * speed,
         })
     }
@@ -291,9 +324,9 @@ mod tests {
         assert!(told(&[fast, with(slow)], "self = false\n").starts_with("creeps below 5.0000e-3"));
         let three = told(&[rest, slow, fast], "self = false\n");
         assert!(three.contains("5.0000e-3 (a and b)") && three.contains("3.3166e4 (a and c)"), "{three}");
-        // At rest against each other: a tenth of the thickness in the time of the run.
+        // At rest against each other without gravity: 1e-4 of the thickness in a step.
         let three = told(&[slow, slow, rest], "self = false\n");
-        assert!(three.contains("5.0000e-4 (a and b)") && three.contains("5.0000e-3 (a and c)"), "{three}");
+        assert!(three.contains("2.0000e-5 (a and b)") && three.contains("5.0000e-3 (a and c)"), "{three}");
         assert_eq!(told(&[rest, slow], "self = false\nslip_velocity = 0.7\n"), "creeps below 7.0000e-1");
         // A rigid body moves, or spins.
         let rigid = |motion: &str| {
@@ -308,7 +341,10 @@ mod tests {
         assert_eq!(rigid("angular_velocity = [0, 0, 4]"), "creeps below 2.8284e-2");
         // Where nothing moves at the start, every pair is such a pair.
         for v in [rest, slow] {
-            assert_eq!(told(&[v, v], "self = false\n"), "creeps below 5.0000e-4");
+            assert_eq!(told(&[v, v], "self = false\n"), "creeps below 2.0000e-5");
+            // 1e-3 of the speed of a fall through the layer, the root of 2 * 9 * 0.02.
+            let heavy = told(&[v, v], "self = false\n[gravity]\nacceleration = [0, 0, -9]\n");
+            assert_eq!(heavy, "creeps below 6.0000e-4");
         }
     }
 }

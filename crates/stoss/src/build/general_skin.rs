@@ -150,13 +150,19 @@ pub(super) fn skin(
         }
         if nearest.distance <= thickness || thickness < THINNEST * shortest {
             let message = format!(
-                "two parts of the surface of `{}` that are not adjacent are only {:.3e} apart near {}, so that the contact layer would act there all the time",
+                "two parts of the surface of `{}` that are not adjacent are only {:.3e} apart near {}, so that the contact layer{} would act there all the time",
                 name(*body),
                 nearest.distance,
-                point(nearest.place, edge)
+                point(nearest.place, edge),
+                table.thickness.map_or(String::new(), |given| format!(" of the given thickness {given:.3e}"))
             );
             let remedy = if nearest.distance > 2.0 * THINNEST * shortest {
-                "make `thickness` smaller, correct the mesh there, or set `self = false`"
+                match table.thickness {
+                    Some(_) => {
+                        "make `thickness` smaller than that distance, or leave it out: it then follows from it; or set `self = false`"
+                    }
+                    None => "correct the mesh there, or set `self = false`",
+                }
             } else {
                 "correct the mesh there, or set `self = false`: no layer is thin enough, as between the faces of a closed crack"
             };
@@ -254,8 +260,14 @@ pub(super) fn skin(
                     continue;
                 }
                 let at = std::array::from_fn(|i| model.reference[3 * node as usize + i]);
+                // What does not touch goes inside because of the thickness that is given.
+                let touching = touches.iter().any(|t| t.bodies.contains(&body) && t.gap < TOUCH * thickness);
+                let why = match touching {
+                    true => "touches another body at the start".to_owned(),
+                    false => format!("is nearer to another body than the given thickness {thickness:.3e}"),
+                };
                 let message = format!(
-                    "`{}` touches another body at the start, and its surface cannot be inset by {depth:.3e} near {}: {reason}",
+                    "`{}` {why}, and its surface cannot be inset by {depth:.3e} near {}: {reason}",
                     name(body),
                     point(at, edge)
                 );

@@ -187,7 +187,7 @@ pub(super) fn interactions(
     let is_rigid = |part: usize| placed[part].mesh().is_none();
     let is_held = |part: usize| is_rigid(part) && scene.rigids.iter().any(|r| r.name == placed[part].name && r.fixed);
     let (connected, of_contacts) = (connected(scene), of_contacts(scene, placed, warnings));
-    let bodies: Vec<(u32, bool)> = classes.iter().map(|&part| (part as u32, is_rigid(part))).collect();
+    let bodies: Vec<(u32, f64)> = classes.iter().map(|&part| (part as u32, young(model, part))).collect();
     let mut rules = Interactions::none(&bodies);
     let by_weight = |parts: &[usize; 2]| {
         let movable = parts.iter().copied().filter(|&part| !is_held(part));

@@ -82,7 +82,12 @@ pub(super) fn contact(
 fn quadratic(pair: &PairInput<'_>, model: &Model) -> Option<String> {
     let [slave, master] = pair.facets;
     let mut nodes = slave.iter().chain(master).flatten();
-    if !nodes.any(|node| model.traces.contains_key(node)) {
+    // Vertices of round surfaces of linear cells are traces, too.
+    let has_quadratic = |&body: &usize| {
+        let facets = pair.placed[body].mesh().map(|mesh| mesh.facets_of(stoss_mesh::BOUNDARY));
+        facets.is_some_and(|found| found.is_ok_and(|list| list.iter().any(|facet| facet.nodes.kind().is_quadratic())))
+    };
+    if !nodes.any(|node| model.traces.contains_key(node)) || !pair.bodies.iter().any(has_quadratic) {
         return None;
     }
     let is_redundant = pair.item.enforcement == Enforced::Multiplier

@@ -124,10 +124,9 @@ impl Phases {
     }
 }
 
-/// Length of the first stage with inertia, a time; of a run without stages, or without inertia, the end of the run.
+/// Nominal step of the first stage with inertia, a time; of a run without stages, or without inertia, that of the run.
 #[cfg(feature = "general")]
-pub(super) fn first_dynamics(scene: &Scene) -> f64 {
-    let starts = std::iter::once(0.0).chain(scene.stages.iter().map(|stage| stage.until));
-    let mut dynamics = scene.stages.iter().zip(starts).filter(|(stage, _)| stage.kind == Kind::Dynamic);
-    dynamics.next().map_or(scene.time.end, |(stage, start)| stage.until - start)
+pub(super) fn first_dynamic_step(scene: &Scene) -> f64 {
+    let first = scene.stages.iter().find(|stage| stage.kind == Kind::Dynamic);
+    first.and_then(|stage| stage.step).unwrap_or(scene.time.step)
 }

@@ -85,7 +85,7 @@ pub(super) fn enclosed(placed: &[Placed], rules: &Interactions, model: &Model) -
     if pairs.is_empty() {
         return None;
     }
-    let mut all = Interactions::none(&(0..count).map(|part| (part, false)).collect::<Vec<_>>());
+    let mut all = Interactions::none(&(0..count).map(|part| (part, 1.0)).collect::<Vec<_>>());
     pairs.iter().for_each(|&[a, b]| {
         all.set(a, b, Some(Interaction { modulus: 1.0, friction: 0.0, slip_velocity: f64::INFINITY }))
     });

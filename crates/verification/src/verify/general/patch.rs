@@ -75,7 +75,7 @@ fn faces(n: [u32; 2], shift: f64) -> Outcome<Faces> {
     block(&mut facets, &mut q, n[0], [0.0, 0.0, -1.0], 0);
     let lower = q.len() / 3;
     block(&mut facets, &mut q, n[1], [shift, shift, 0.5 * THICKNESS], 1);
-    let mut rules = Interactions::none(&[(0, false), (1, false)]);
+    let mut rules = Interactions::none(&[(0, 1.0), (1, 1.0)]);
     rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0, slip_velocity: 1.0 }));
     let skin = Skin::new(facets, &q, &|_| None);
     let options = GeneralOptions { thickness: THICKNESS, damping: 0.0 };
@@ -129,7 +129,7 @@ fn without_guards(faces: &Faces) -> Vec<f64> {
         };
         let gap: f64 = x.iter().zip(pair.weights).map(|(x, c)| c * x[2]).sum();
         let [_, slope, _] = layer.evaluate(pair.distance_squared);
-        let area = skin.point_weight(p, t as u32, [1, 2, 3].map(|i| -pair.weights[i]), 0.5);
+        let area = skin.point_weight(p, t as u32, [1, 2, 3].map(|i| -pair.weights[i]), 0.5, [0.0; 2]);
         for (point, c) in points.into_iter().zip(pair.weights) {
             for &(node, weight) in skin.terms(point) {
                 force[node as usize] += area * slope * 2.0 * c * gap * weight;
