@@ -1,6 +1,6 @@
 //! Blocks on mortar contact stand until the vertical through their centre leaves their base, whichever side is the slave and however its facets lie.
 
-use crate::support::simulation;
+use stoss::run::{RunOptions, run_scene};
 
 /// A block of the width 0.2 and the height 1 on an elastic floor of facets of 0.3, whose gravity is turned slowly to `degrees`; friction holds it. `slave`: of the contact.
 fn tilted(degrees: f64, slave: &str, across: usize, turn: f64) -> f64 {
@@ -54,16 +54,22 @@ method = "mortar"
 slave = "{slave}"
 master = "{master}"
 friction = {{ law = "coulomb", mu = 1.0 }}
+[[probe]]
+name = "top"
+set = "block.top"
+quantity = "displacement"
 "#
     );
-    let mut simulation = simulation(&text);
-    while !simulation.finished() {
-        simulation.advance().unwrap();
-    }
-    // How far the top has moved.
-    let nodes = simulation.model().bodies[0].nodes.clone();
-    let (q, reference) = (&simulation.state().q, &simulation.model().reference);
-    nodes.map(|n| q[3 * n as usize] - reference[3 * n as usize]).fold(0.0, f64::max)
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, text).unwrap();
+    let out = folder.path().join("out");
+    let options = RunOptions { out: out.clone(), ..RunOptions::default() };
+    run_scene(&path, &options, &mut |_| {}).unwrap_or_else(|e| panic!("{e}"));
+    let probes = std::fs::read_to_string(out.join("probes.csv")).unwrap();
+    // How far the top has moved along x.
+    let column = probes.lines().next().unwrap().split(',').position(|name| name == "top.x").unwrap();
+    probes.lines().last().unwrap().split(',').nth(column).unwrap().parse().unwrap()
 }
 
 /// The centre is over the edge at atan(0.2 / 1) = 11.31 degrees.
