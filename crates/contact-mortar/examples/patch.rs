@@ -21,7 +21,7 @@ fn main() -> Result<(), ContactError> {
     let of_master = [0.3, 1.0, 0.7, 0.3, 1.0, 0.7].map(|width| -0.25 * width * pressure);
     let expected: Vec<f64> = [0.25 * pressure; 4].into_iter().chain(of_master).collect();
     for space in [MultiplierSpace::Standard, MultiplierSpace::Dual] {
-        let options = MortarOptions { space: Some(space), ..MortarOptions::default() };
+        let options = MortarOptions { space, ..MortarOptions::default() };
         let (slave, master) = ([[0u32, 1, 2, 3]], [[4u32, 5, 8, 7], [5, 6, 9, 8]]);
         let mut contact = MortarContact::new("patch", &slave, &master, &positions(0.1), options)?;
         let (q, active) = (positions(gap), [true; 4]);

@@ -14,13 +14,15 @@ pub enum MultiplierSpace {
     /// The slave's shape functions: `D` couples the nodes of a facet.
     #[default]
     Standard,
-    /// Functions of which each has its resultant in one point, its node where the facet is wholly covered: biorthogonal to the slave's shape functions there, and `D` is diagonal.
+    /// Functions biorthogonal to the slave's shape functions on the covered part: `D` is diagonal.
     Dual,
+    /// Dual functions whose resultants lie in the covered part of the facet; dual ones where it is wholly covered, and in ties.
+    Centred,
 }
 
 /// Below this smallest eigenvalue of the scaled mass matrix (1/9 for a parallelogram that is wholly covered, 1/4 for a triangle) dual
 /// functions would be larger than 1e7 and their integrals lose all digits.
-const SMALLEST_EIGENVALUE: f64 = 1e-12;
+const SMALLEST_EIGENVALUE: f64 = 1e-7;
 
 /// Multiplier functions `phi_A = sum_i C_Ai N_i` of one facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +56,7 @@ impl MultiplierBasis {
         Self::with_centres(space, integrals, None)
     }
 
-    /// The functions that contact has on a facet with these segments and integrals: where it is partly covered, centres of dual functions lie in the covered part
+    /// The functions that contact has on a facet with these segments and integrals: where it is partly covered, centres of [`MultiplierSpace::Centred`] lie in the covered part
     /// (theory/mortar#centres), so that no pressure acts beside the master. `corners` gives the positions of a master facet.
     pub fn of_contact(
         space: MultiplierSpace,
@@ -178,7 +180,7 @@ pub(crate) fn centres(
 ) -> Option<Centres> {
     let kind = found.frame.kind();
     let covered = found.parametric_area() / kind.area();
-    if space == MultiplierSpace::Standard || found.segments.is_empty() {
+    if space != MultiplierSpace::Centred || found.segments.is_empty() {
         return None;
     }
     let facing = |facet| factors.facing_of(&found.frame, &corners(facet), false).value;

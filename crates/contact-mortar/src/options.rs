@@ -19,8 +19,8 @@ pub enum Integrals {
 /// Options of the method: how it measures. What differs between statics and dynamics it takes from the step ([`crate::MortarContact`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MortarOptions {
-    /// Multiplier space of the pressures. `None`: dual where the master is made of planes that do not face the same slave ([`crate::MortarContact`]), standard where it is curved.
-    pub space: Option<MultiplierSpace>,
+    /// Multiplier space of the pressures.
+    pub space: MultiplierSpace,
     /// Rule of the integrals.
     pub rule: TriangleRule,
     /// Which integrals.

@@ -25,18 +25,6 @@ pub(crate) fn has_sharp_edges(surface: &ContactSurface, normals: &[Vector3<f64>]
     (0..normals.len()).any(|f| surface.neighbours(f as u32).any(|e| is_sharp(normals, e as usize, f)))
 }
 
-/// Cosine of the angle between the normals of neighbours up to which a surface is plane there, 5 degrees.
-const PLANE: f64 = 0.9962;
-
-/// Cosine of that from which on two planes do not face the same slave, 85 degrees.
-const APART: f64 = 0.0872;
-
-/// Whether a surface is made of planes of which no two neighbours face the same slave (they meet at 85 degrees or more); reference normals.
-pub(crate) fn is_plane(surface: &ContactSurface, normals: &[Vector3<f64>]) -> bool {
-    let is_bent = |e: usize, f: usize| (APART..PLANE).contains(&normals[e].dot(&normals[f]));
-    !(0..normals.len()).any(|f| surface.neighbours(f as u32).any(|e| is_bent(e as usize, f)))
-}
-
 /// More smooth parts than this, as a coarse mesh of a round body has, are taken for one.
 const MOST_PARTS: usize = 12;
 

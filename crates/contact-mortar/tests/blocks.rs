@@ -23,7 +23,7 @@ fn positions(at: [f64; 3]) -> Vec<f64> {
 
 fn method(meshes: [Mesh; 2], walls: bool, dual: bool, q: &[f64]) -> MortarContact {
     let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
-    let options = MortarOptions { space: Some(space), nearness: Some(0.0), ..MortarOptions::default() };
+    let options = MortarOptions { space, nearness: Some(0.0), ..MortarOptions::default() };
     let master = [[8, 9, 10, 11], [9, 12, 13, 10]];
     let master = if walls { &master[..] } else { &master[..1] };
     let mut method =

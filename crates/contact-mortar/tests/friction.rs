@@ -117,7 +117,7 @@ fn weighted_gap(
     dual: bool,
 ) -> (Vector3<f64>, f64) {
     let (slave, master) = (method.slave(), method.master());
-    let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
+    let space = if dual { MultiplierSpace::Centred } else { MultiplierSpace::Standard };
     let faces = [0, 1].map(|side| Faces::new(&surfaces[side].pieces(side)));
     let found = segment_surfaces(slave, master, q, GapRange::ALL).unwrap();
     let (mut gap, mut weight) = (Vector3::zeros(), 0.0);

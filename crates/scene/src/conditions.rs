@@ -256,7 +256,7 @@ pub struct Contact {
     /// same. For `cat` with `reduction = "second"` only; `false` if left out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub drop_gap_slope: bool,
-    /// Shape functions of the pressures, for `mortar` only. If left out `dual` where the master is plane (edges of 85 degrees or more do not count), and `standard` where it is curved or chamfered.
+    /// Shape functions of the pressures, for `mortar` only; `standard` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub multipliers: Option<Multipliers>,
     /// Gauss rule of the mortar integrals, for `mortar` only; `seven-point` if left out.

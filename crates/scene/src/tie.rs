@@ -38,6 +38,8 @@ named! {
         Standard = "standard",
         /// Dual: functions that are biorthogonal to the shape functions; the mortar matrix of the slave is diagonal.
         Dual = "dual",
+        /// Dual functions that act inside the overlap where a facet is partly opposite the master; for contact.
+        Centred = "centred",
     }
 }
 

@@ -132,7 +132,7 @@ fn patches_on_all_facets_are_uniform() {
             blocks.prescribe(1, "left", 0, 0.0);
             blocks.prescribe(1, "front", 1, 0.0);
             blocks.prescribe(1, "top", 2, -0.2);
-            let options = MortarOptions { space: Some(space), ..MortarOptions::default() };
+            let options = MortarOptions { space, ..MortarOptions::default() };
             let meshes = if upper_is_slave { [Mesh::Quads, mesh] } else { [mesh, Mesh::Quads] };
             let q = blocks.model.reference.clone();
             let method = mortar(&blocks.surfaces(upper_is_slave), meshes, &q, options);
@@ -187,8 +187,12 @@ fn check_ledger(name: &str, records: &[StepRecord]) {
 fn mortar_impacts_of_all_facets_keep_the_ledger() {
     for (k, meshes) in Mesh::PAIRS.into_iter().enumerate() {
         let blocks = impact();
-        let space = if k % 2 == 0 { MultiplierSpace::Standard } else { MultiplierSpace::Dual };
-        let options = MortarOptions { space: Some(space), ..MortarOptions::default() };
+        let space = match k % 3 {
+            0 => MultiplierSpace::Standard,
+            1 => MultiplierSpace::Dual,
+            _ => MultiplierSpace::Centred,
+        };
+        let options = MortarOptions { space, ..MortarOptions::default() };
         let method = mortar(&blocks.surfaces(k < 3), meshes, &blocks.model.reference, options);
         let (_, records) = run(blocks.simulation(Coupling::contact(method), 2e-3, 0.1));
         check_ledger(&format!("mortar {meshes:?} {space:?}"), &records);

@@ -17,12 +17,12 @@ use crate::friction::SurfaceFriction;
 use crate::options::{Integrals, MortarOptions, NEARNESS};
 use crate::rows::rows;
 use crate::secant::Secant;
-use crate::sharp_edges::{has_sharp_edges, is_plane, smooth_parts, unit_normals};
+use crate::sharp_edges::{has_sharp_edges, smooth_parts, unit_normals};
 use crate::slot::Slot;
 use crate::state::{Integrated, StepState, Surfaces};
 use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickness};
 use crate::weights::Integration;
-use crate::{Faces, MortarError, MultiplierSpace};
+use crate::{Faces, MortarError};
 use nalgebra::Vector3;
 use stoss_contact::{ContactError, ContactRule, ContactSurface, Step, Support, SurfaceTree};
 use stoss_reference_element::FacePiece;
@@ -47,10 +47,6 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 /// The constraint of a closed row is `Phi_A(q_np1) = 0` under every rule. Under [`ContactRule::EndPoint`] the force is `p grad Phi_A(q_np1)`, under
 /// [`ContactRule::Midpoint`] and [`ContactRule::EnergyMomentum`] the discrete gradient about the middle of the step: it has neither resultant nor moment about `q_m`, for
 /// any gap, and its work is the change of the weighted gap. So the energy changes by what closing gaps cost, `p Phi_A(q_n)`, and by nothing else.
-///
-/// Where [`MortarOptions::space`] is not given, multipliers are dual where neighbouring facets of the master are in one plane to 5 degrees, or meet at 85 degrees or more: each row has
-/// its pressure where the rim of the contact is, so that a base carries to its rim (theory/mortar#centres). Where the master is curved the second derivatives of dual functions, which Newton's
-/// method does not have, are large in dynamics, and where two planes beside each other face the slave both have centres on their common edge: standard ones.
 ///
 /// A row of which less than a fiftieth is opposite the master at the start of a step carries no multiplier in it.
 ///
@@ -113,9 +109,7 @@ impl MortarContact {
             deepest: if sharp || thinner.is_finite() { thinner.min(DEEPEST * h) } else { f64::INFINITY },
             nearness: if sharp { options.nearness.unwrap_or_default() / h } else { 0.0 },
         };
-        let plane =
-            || if is_plane(&master, &master_normals) { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
-        let integration = Integration { space: options.space.unwrap_or_else(plane), rule: options.rule, factors };
+        let integration = Integration { space: options.space, rule: options.rule, factors };
         let (smooth_parts, smooth_part_count) = smooth_parts(&master, &master_normals);
         let rows = rows(&slave, &normals, smooth_part_count);
         let without = vec![false; slave.nodes().len()];

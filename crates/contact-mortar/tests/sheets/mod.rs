@@ -96,7 +96,7 @@ pub fn method([slave, master]: [Surface; 2], options: MortarOptions) -> MortarCo
 
 pub fn options(dual: bool) -> MortarOptions {
     MortarOptions {
-        space: Some(if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard }),
+        space: if dual { MultiplierSpace::Centred } else { MultiplierSpace::Standard },
         ..MortarOptions::default()
     }
 }

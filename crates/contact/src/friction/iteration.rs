@@ -199,13 +199,17 @@ impl AugmentationRound {
         carried: Plane,
         start: &mut Plane,
     ) {
-        match iteration.augment(friction, step, at) {
+        let next = match iteration.augment(friction, step, at) {
             Augmentation::Settled => return,
-            Augmentation::Take => *start = carried,
-            Augmentation::Reset => *start = [0.0; 2],
-        }
+            Augmentation::Take => carried,
+            Augmentation::Reset => [0.0; 2],
+        };
         self.unsettled += 1;
         self.far_off += usize::from(!iteration.is_close(friction, step, at));
+        // After the last round nothing is solved any more: the forces stay those of the motion.
+        if !self.is_last {
+            *start = next;
+        }
     }
 
     /// How many multipliers have not settled; none after the last round if all are close.
@@ -281,6 +285,22 @@ mod tests {
             rounds += 1;
         }
         assert!(rounds < 8 && start[0].abs() < 1e-7 && (start[1] - 1.0).abs() < 1e-12, "{rounds} rounds, {start:?}");
+    }
+
+    /// A multiplier that is taken after the last solution would be in the forces and not in the motion.
+    #[test]
+    fn the_last_round_changes_no_multiplier() {
+        let friction =
+            Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 10.0, Stick::Augmented, MidpointFriction::C).unwrap();
+        let step = friction.step(false, &point(2.0, 1e-9));
+        let at = ConvergedPoint { multiplier: [0.0; 2], slip: [1e-9, 0.0], pressure: 2.0, edge: 1.0, far: 1.0 };
+        for is_last in [false, true] {
+            let mut round = AugmentationRound { is_last, unsettled: 0, far_off: 0 };
+            let mut start = [0.0; 2];
+            round.visit(&mut PointIteration::default(), &friction, &step, &at, [0.3, 0.4], &mut start);
+            assert_eq!((round.unsettled, round.far_off), (1, 0));
+            assert_eq!(start, if is_last { [0.0; 2] } else { [0.3, 0.4] });
+        }
     }
 
     #[test]

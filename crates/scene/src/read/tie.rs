@@ -12,8 +12,9 @@ pub(super) fn tie(table: &Table<'_>, world: &World<'_>) -> Option<Tie> {
     let form = table.default("form", Tie::default_form(), |n| n.choice(TieForm::NAMES, TieForm::from_name));
     let interface =
         table.default("interface", Tie::default_interface(), |n| n.choice(Interface::NAMES, Interface::from_name));
-    let multipliers = table
-        .default("multipliers", Tie::default_multipliers(), |n| n.choice(Multipliers::NAMES, Multipliers::from_name));
+    let multipliers = table.default("multipliers", Tie::default_multipliers(), |n| {
+        n.choice(&["standard", "dual"], |name| Multipliers::from_name(name).filter(|m| *m != Multipliers::Centred))
+    });
     let reach = table.optional("reach", Node::positive);
     table.finish();
     let (slave, master) = (slave?, master?);

@@ -28,10 +28,11 @@ pub(super) fn contact(
     let has_end_point = phases().any(|phase| phase.rule() == GradientRule::EndPoint);
     let within = phases().find_map(|phase| phase.scheme_within_step());
     let options = MortarOptions {
-        space: item.multipliers.map(|space| match space {
-            Multipliers::Dual => MultiplierSpace::Dual,
-            Multipliers::Standard => MultiplierSpace::Standard,
-        }),
+        space: match item.multipliers {
+            Some(Multipliers::Dual) => MultiplierSpace::Dual,
+            Some(Multipliers::Centred) => MultiplierSpace::Centred,
+            Some(Multipliers::Standard) | None => MultiplierSpace::Standard,
+        },
         rule,
         integrals: match item.integrals {
             Some(Chosen::Frozen) => Integrals::Frozen,

@@ -106,7 +106,8 @@ fn made(
             },
             space: match item.multipliers {
                 Multipliers::Standard => MultiplierSpace::Standard,
-                Multipliers::Dual => MultiplierSpace::Dual,
+                // The reader refuses `centred`, which is for contact; on what is tied as a whole it is dual.
+                Multipliers::Dual | Multipliers::Centred => MultiplierSpace::Dual,
             },
             interface: match item.interface {
                 SceneInterface::Move => Interface::Move,

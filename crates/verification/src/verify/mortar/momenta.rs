@@ -102,7 +102,7 @@ fn worst(
         let gap = random.between(-0.4, 0.4);
         let mut moved = || base(gap).iter().map(|x| x + random.between(-0.12, 0.12)).collect::<Vec<f64>>();
         let (q_n, q) = (moved(), moved());
-        let options = MortarOptions { space: Some(space), ..MortarOptions::default() };
+        let options = MortarOptions { space, ..MortarOptions::default() };
         let (slave, master) = (sheet(2, 0, false), sheet(3, SLAVE as u32, true));
         let mut method = prepare(MortarContact::new("blocks", &slave, &master, &q_n, options)?)?;
         let pressures: Vec<f64> = (0..SLAVE).map(|_| random.between(0.3, 2.0)).collect();
