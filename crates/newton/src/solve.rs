@@ -189,6 +189,14 @@ impl Iteration<'_> {
                     && problem.is_linearised()
                     && norms.violation <= ROUND_OFF_VIOLATION);
             if !fell && at_round_off {
+                // The last bits may decide between two branches, as of stick and slip: the better iterate is the solution.
+                if norms.measure * o.polish_factor > previous.measure {
+                    problem.update(0.0)?;
+                    problem.assemble()?;
+                    if let Some(rejected) = self.records.last_mut() {
+                        rejected.step_length = 0.0;
+                    }
+                }
                 return Ok(StopReason::ConvergedToRoundOff);
             }
             if norms.measure > divergence {

@@ -225,6 +225,18 @@ fn a_tolerance_below_round_off_is_not_a_failure() {
     assert!(report.iteration_count() < 10);
 }
 
+/// The last bits of the iterate lead to another branch, whose residual is as large as the forces: the iterate before is the solution.
+#[test]
+fn a_jump_within_round_off_is_not_taken() {
+    let jump = |x: f64| if (x - 1.0).abs() < 1e-15 { 1.0 } else { 1e3 * (x - 1.0) };
+    let mut p = Scalar::new(jump, |_| 1e3 * (1.0 + 2.2e-7), 2.0);
+    p.scale = 1e3;
+    let o = NewtonOptions { relative_tolerance: 1e-30, ..NewtonOptions::default() };
+    let report = p.run(&o).unwrap();
+    assert_eq!(report.reason, StopReason::ConvergedToRoundOff);
+    assert!(report.final_residual() < 1e-10 && (p.x - 1.0).abs() < 1e-13, "{} {}", report.final_residual(), p.x);
+}
+
 #[test]
 fn an_exact_start_needs_no_solve() {
     let mut p = Scalar::new(|x| x, |_| 1.0, 0.0);
