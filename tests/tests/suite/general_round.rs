@@ -49,6 +49,21 @@ fn what_is_not_round_is_refused() {
     }
 }
 
+/// Mortar contact has flat facets, and says so.
+#[test]
+fn round_surfaces_that_no_contact_knows_are_told() {
+    let (text, _) = cylinder(ROUND);
+    let other = cube("a", [9.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.0, [0.0; 3], 1);
+    let scene = head("energy-momentum", 0.1, 1.0).replace("[general_contact]", "") + &text + &other;
+    for (contact, expected) in [
+        ("[[contact]]\nmethod = \"mortar\"\nslave = \"c.outer\"\nmaster = \"a.boundary\"\n", true),
+        ("[[contact]]\nmethod = \"nts\"\nslave = \"c.outer\"\nmaster = \"a.boundary\"\n", false),
+    ] {
+        let warnings = try_build(&(scene.clone() + contact)).unwrap().warnings;
+        assert_eq!(warnings.iter().any(|w| w.contains("`round` of body c has no effect")), expected, "{warnings:?}");
+    }
+}
+
 /// Points beside the elements are linear in the nodes: energy and momenta are exact in an impact as with any others.
 #[test]
 fn round_surfaces_conserve() {

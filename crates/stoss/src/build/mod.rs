@@ -195,6 +195,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             condition::moments(scene, |set, coupling| parts.reference_body(set, coupling), &mut model);
         }
         warnings.extend(plausible::warnings(scene, &model));
+        warnings.extend(round::warnings(scene));
         warnings.extend(supports::warnings(scene, &placed, &model));
         warnings.extend(condition::warnings(scene));
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);

@@ -1,7 +1,7 @@
 //! Surfaces of linear cells that the scene calls round: facets of their own for contact, with vertices on the cylinder or sphere (theory/barrier#round).
 
-use super::Problems;
-use crate::scene::{RoundShape, RoundSurface};
+use super::{Problems, general_contact};
+use crate::scene::{ContactMethod, RoundShape, RoundSurface, Scene, split_set};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_mesh::{Facet, Mesh};
 use stoss_reference_element::FacetNodes;
@@ -113,6 +113,22 @@ impl Round {
         }
         (radius > 0.0 && radius.is_finite()).then_some(Self::Cylinder { origin: origin + mean, axis, radius })
     }
+}
+
+/// Entries `round` that no contact knows: mortar contact has flat facets.
+pub(super) fn warnings(scene: &Scene) -> Vec<String> {
+    if general_contact(scene).is_some() {
+        return Vec::new();
+    }
+    let knows = |body: &str| {
+        let others = scene.contacts.iter().filter(|contact| contact.method != ContactMethod::Mortar);
+        let mut surfaces = others.flat_map(|c| c.slave.iter().chain(&c.master).chain(c.between.iter().flatten()));
+        surfaces.any(|surface| split_set(surface).is_some_and(|(of, _)| of == body))
+    };
+    let unknown = scene.bodies.iter().filter(|body| !body.round.is_empty() && !knows(&body.name));
+    unknown
+        .map(|body| format!("`round` of body {} has no effect: only general contact and `nts` know it; remove it, or use one of them", body.name))
+        .collect()
 }
 
 /// A point between the corners of a facet.
