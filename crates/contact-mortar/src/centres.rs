@@ -8,7 +8,8 @@ use stoss_reference_element::{FacetKind, MAX_NODES};
 
 /// `int 1, y_1, y_2, y_1^2, y_2^2, y_1 y_2` over a part of the facet, in coordinates in which the whole facet has the centroid zero and the covariance one.
 pub(crate) type Moments = SMatrix<f64, 6, 1>;
-type ByMoments<const N: usize> = SMatrix<f64, N, 6>;
+/// A derivative by the moments.
+type ByMoments = SMatrix<f64, 1, 6>;
 
 /// Coordinates `y = L (xi - centre)` of a kind of facets: `L`.
 fn map(kind: FacetKind) -> Matrix2<f64> {
@@ -104,7 +105,7 @@ impl Centres {
         ];
         // d means / d moments, then those of centroid and covariance.
         let by = |k: usize| {
-            ByMoments::<1>::from_fn(|_, m| (f64::from(u8::from(m == k)) - if m == 0 { means[k] } else { 0.0 }) / area)
+            ByMoments::from_fn(|_, m| (f64::from(u8::from(m == k)) - if m == 0 { means[k] } else { 0.0 }) / area)
         };
         let [c_x, c_y] = [by(1), by(2)];
         let covariance_by = [
@@ -112,7 +113,7 @@ impl Centres {
             by(4) - c_y * (2.0 * centroid.y),
             by(5) - c_x * centroid.y - c_y * centroid.x,
         ];
-        let [stretch, stretch_by] = root(kind, covariance, covariance_by)?;
+        let (stretch, stretch_by) = root(kind, covariance, covariance_by)?;
         let back = map(kind).try_inverse()?;
         let mut out = Self {
             functions: NodeMatrix::identity(),
@@ -125,7 +126,7 @@ impl Centres {
             // Symmetric 2 x 2 from its entries xx, yy, xy.
             let times =
                 |s: [f64; 3]| Vector2::new(s[0] * corner.x + s[2] * corner.y, s[2] * corner.x + s[1] * corner.y);
-            let ray = times(stretch.map(|s| s[0]));
+            let ray = times(stretch);
             let ray_by: [Vector2<f64>; 6] = std::array::from_fn(|m| times(stretch_by.map(|s| s[m])));
             let centroid_by = |m: usize| Vector2::new(c_x[m], c_y[m]);
             let exit = leave(centroid, ray, polygons);
@@ -162,14 +163,11 @@ impl Centres {
 }
 
 /// Stretch of a facet to a covariance (entries 11, 22, 12), and its derivative: along the coordinates of a quadrilateral, as its functions are products of those; the symmetric square root for a triangle.
-fn root(kind: FacetKind, [s_11, s_22, s_12]: [f64; 3], by: [ByMoments<1>; 3]) -> Option<[[ByMoments<1>; 3]; 2]> {
-    let value = |v: f64| ByMoments::<1>::repeat(v);
+fn root(kind: FacetKind, [s_11, s_22, s_12]: [f64; 3], by: [ByMoments; 3]) -> Option<([f64; 3], [ByMoments; 3])> {
     if kind.node_count() != 3 {
         let (a, b) = (s_11.sqrt(), s_22.sqrt());
         let is_wide = a > 0.0 && b > 0.0;
-        return is_wide.then(|| {
-            [[value(a), value(b), value(0.0)], [by[0] * (0.5 / a), by[1] * (0.5 / b), ByMoments::<1>::zeros()]]
-        });
+        return is_wide.then(|| ([a, b, 0.0], [by[0] * (0.5 / a), by[1] * (0.5 / b), ByMoments::zeros()]));
     }
     // S = (Sigma + t) / tau, t = sqrt(det Sigma), tau = sqrt(tr Sigma + 2 t)
     let t = (s_11 * s_22 - s_12 * s_12).sqrt();
@@ -185,7 +183,7 @@ fn root(kind: FacetKind, [s_11, s_22, s_12]: [f64; 3], by: [ByMoments<1>; 3]) ->
         (by[1] + dt) / tau - dtau * (s[1] / tau),
         by[2] / tau - dtau * (s[2] / tau),
     ];
-    Some([s.map(value), d])
+    Some((s, d))
 }
 
 /// Excess of a ray over the opposite part, in parts of what lies inside, up to which it is taken back by less than all of the excess, so that there is no kink where rays begin to leave.
@@ -281,8 +279,11 @@ mod tests {
         }
     }
 
+    const BESIDE: f64 = 0.0491 * 2.0 * std::f64::consts::SQRT_2;
+
     proptest! {
-        /// No centre lies beside the covered part by more than a twentieth of the facet, and no two come together.
+        /// No centre lies beside the covered part by more than what [`taken_back`] leaves of a ray, at most 0.0491 (excess 0.20) of the distance of a corner from the centroid, the root of 8; and no two come together: the functions are told apart
+        /// as the part is wide.
         #[test]
         fn centres_lie_in_the_covered_part(angle in 0.0f64..6.2, offset in -1.5f64..1.2, triangle in any::<bool>()) {
             let kind = kinds()[usize::from(triangle)];
@@ -293,10 +294,10 @@ mod tests {
             prop_assume!(moments[0] > 1e-4);
             let centres = Centres::new(kind, &moments, &[part]).unwrap();
             for point in points(kind, &centres) {
-                prop_assert!(normal.dot(&point) > offset - 0.17, "{} {}", normal.dot(&point), offset);
+                prop_assert!(normal.dot(&point) > offset - BESIDE, "{} {}", normal.dot(&point), offset);
             }
             let shares = centres.functions.transpose().try_inverse();
-            prop_assert!(shares.is_some_and(|inverse| inverse.amax() < 1e8));
+            prop_assert!(shares.is_some_and(|inverse| inverse.amax() * moments[0] < 100.0), "{:?}", shares);
         }
 
         /// Against differences, where the same rays leave through the same edges.

@@ -87,12 +87,17 @@ impl Secant {
         self.gradient.clear();
     }
 
+    /// Whether an iterate of this step is known, so that the next one teaches something.
+    pub fn has_last(&self) -> bool {
+        !self.at.is_empty()
+    }
+
     /// Whether nothing was learnt.
     pub fn is_empty(&self) -> bool {
         self.missing.is_empty()
     }
 
-    /// Learns from the gradient at the positions `at` of `nodes`; `hessian` is the computed second derivative there, row-major, `edge` the length of a facet.
+    /// Learns from the gradient at the positions `at` of `nodes`; `hessian` is the computed second derivative there, row-major (it may be empty without [`Self::has_last`]), `edge` the length of a facet.
     pub fn learn(&mut self, nodes: &[u32], at: Vec<f64>, gradient: Vec<f64>, hessian: &[f64], edge: f64) {
         let n = at.len();
         self.take(nodes);

@@ -122,7 +122,7 @@ fn uneven(simulation: &Simulation) -> f64 {
 #[test]
 fn patches_on_all_facets_are_uniform() {
     for (mesh, upper_is_slave) in Mesh::ALL.into_iter().flat_map(|m| [(m, true), (m, false)]) {
-        for space in [MultiplierSpace::Standard, MultiplierSpace::Dual] {
+        for space in [MultiplierSpace::Standard, MultiplierSpace::Dual, MultiplierSpace::Centred] {
             let plate = ([-0.5, -0.5, 0.0], [2.6, 2.6, 1.0], [2, 2, 1]);
             let mut blocks = Blocks::new([plate, ([0.0, 0.0, 1.0], [2.0, 2.0, 2.0], [3, 4, 2])], None);
             (0..3).for_each(|component| {

@@ -33,7 +33,8 @@ impl MortarContact {
         let slots = if self.has_middle() { &self.middle.slots } else { &self.end.slots };
         for (k, slot) in slots.iter().enumerate().filter(|(k, _)| carrying[*k]) {
             let nodes = &self.end.slots[k].nodes;
-            let here = slot.evaluate(at, nodes.len(), Want::Hessian);
+            let want = if self.secants[k].has_last() { Want::Hessian } else { Want::Gradient };
+            let here = slot.evaluate(at, nodes.len(), want);
             let here = here.ok_or(ContactError::NoNormal { node: nodes[0] })?;
             let x = nodes.iter().flat_map(|&node| <[f64; 3]>::from(at.of(node))).collect();
             self.secants[k].learn(nodes, x, here.gradient, &here.hessian, edge);
