@@ -2,10 +2,10 @@
 
 /// An elastic layer of thickness `h` and modulus `kappa`, theory/barrier#eq-layer:
 ///
-/// `psi(D) = kappa h 3/5 (1 - y)^3 / y`, `y = sqrt(D)/h`, for `0 < y < 1`; zero from `y = 1` on.
+/// `psi(D) = kappa h 1/2 (1 - y)^2 / y`, `y = sqrt(D)/h`, for `0 < y < 1`; zero from `y = 1` on.
 ///
-/// An energy an area (`kappa` a pressure, `h` a length, `D` a squared length). It is convex in `D`, falls, has two continuous derivatives at `y = 1`, and is infinite at `D = 0`, in all of which functions are infinite or not a number.
-/// Its pressure is `-dpsi/dsqrt(D) = kappa 3/5 (1 - y)^2 (1 + 2 y) / y^2`.
+/// An energy an area (`kappa` a pressure, `h` a length, `D` a squared length). It is convex in `D`, falls, has a continuous derivative at `y = 1`, and is infinite at `D = 0`, in all of which functions are infinite or not a number.
+/// Its pressure is `-dpsi/dsqrt(D) = kappa 1/2 (1 - y^2) / y^2`, that of an elastic layer of the stiffness `kappa/h` from the first touch on: under a small pressure `p` it gives way by `h p / kappa`.
 ///
 /// It may be viscous ([`Layer::damped`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl Layer {
         distance_squared < self.thickness * self.thickness
     }
 
-    /// `y` and `1 - y`, the latter from the difference of the squares: it keeps its digits at the edge, where the energy is its third power.
+    /// `y` and `1 - y`, the latter from the difference of the squares: it keeps its digits at the edge, where the energy is its second power.
     fn depth(&self, distance_squared: f64) -> [f64; 2] {
         let h_squared = self.thickness * self.thickness;
         let y = distance_squared.sqrt() / self.thickness;
@@ -61,19 +61,19 @@ impl Layer {
         if !self.is_inside(distance_squared) {
             return [0.0; 3];
         }
-        let (h, stiffness) = (self.thickness, 0.6 * self.modulus);
+        let h = self.thickness;
         let [y, a] = self.depth(distance_squared);
-        let energy = stiffness * h * a * a * a / y;
+        let energy = 0.5 * self.modulus * h * a * a / y;
         // d/dD = 1/(2 h^2 y) d/dy.
-        let first = -stiffness / (2.0 * h) * a * a * (1.0 + 2.0 * y) / (y * y * y);
-        let second = stiffness / (4.0 * h * h * h) * 3.0 * a * (1.0 + y) / (y * y * y * y * y);
+        let first = -self.modulus / (4.0 * h) * a * (1.0 + y) / (y * y * y);
+        let second = self.modulus / (8.0 * h * h * h) * (3.0 - y * y) / (y * y * y * y * y);
         [energy, first, second]
     }
 
     /// The divided difference `b = (psi(D_np1) - psi(D_n)) / (D_np1 - D_n) <= 0` and `db/dD_np1 >= 0`, theory/barrier#eq-divided-difference.
     ///
     /// `psi` is a rational function of `y`, so the difference divides out: with `a = 1 - y` at both ends
-    /// `b = -3/5 kappa/h (a_n^2 y_np1 + a_np1^2 y_n + a_n a_np1) / (y_n y_np1 (y_n + y_np1))`, a sum of terms of one sign. Nothing cancels, however small the step.
+    /// `b = -1/2 kappa/h (a_n + y_n a_np1) / (y_n y_np1 (y_n + y_np1))`, a sum of terms of one sign. Nothing cancels, however small the step.
     pub fn divided_difference(&self, distance_squared_n: f64, distance_squared_np1: f64) -> [f64; 2] {
         let h_squared = self.thickness * self.thickness;
         let change = distance_squared_np1 - distance_squared_n;
@@ -112,25 +112,25 @@ impl Layer {
 
     /// `psi'(D_np1) - psi'(D_n)`, of the sign of `D_np1 - D_n` or zero, theory/barrier#eq-slope-difference.
     ///
-    /// With `a = 1 - y` at both ends it is `D_np1 - D_n` times `3/10 kappa/h^3 [y^2 a_n (1 + y_n) + y y_n (a_n + y_n a) + y_n^2 a (1 + y)] / (y_n^3 y^3 (y_n + y))`: nothing cancels.
+    /// With `a = 1 - y` at both ends it is `D_np1 - D_n` times `1/4 kappa/h^3 [y_n^2 + y_n y + y^2 a_n (1 + y_n)] / (y_n^3 y^3 (y_n + y))`: nothing cancels.
     fn slope_change(&self, distance_squared_n: f64, distance_squared_np1: f64) -> f64 {
         let h = self.thickness;
         let [d_n, d] = [distance_squared_n, distance_squared_np1].map(|d| d.min(h * h));
-        let ([y_n, a_n], [y, a]) = (self.depth(d_n), self.depth(d));
-        let sum = y * y * a_n * (1.0 + y_n) + y * y_n * (a_n + y_n * a) + y_n * y_n * a * (1.0 + y);
+        let ([y_n, a_n], [y, _]) = (self.depth(d_n), self.depth(d));
+        let sum = y_n * y_n + y_n * y + y * y * a_n * (1.0 + y_n);
         let product = y_n * y;
-        0.3 * self.modulus / (h * h * h) * sum / (product * product * product * (y_n + y)) * (d - d_n)
+        0.25 * self.modulus / (h * h * h) * sum / (product * product * product * (y_n + y)) * (d - d_n)
     }
 
     /// The divided difference of two ends that are inside or at the edge.
     fn inside(&self, distance_squared_n: f64, distance_squared_np1: f64) -> [f64; 2] {
         let h = self.thickness;
         let ([y_n, a_n], [y, a]) = (self.depth(distance_squared_n), self.depth(distance_squared_np1));
-        let scale = 0.6 * self.modulus / h;
-        let numerator = a_n * a_n * y + a * a * y_n + a_n * a;
+        let scale = 0.5 * self.modulus / h;
+        let numerator = a_n + y_n * a;
         let denominator = y_n * y * (y_n + y);
         // -d(numerator)/dy and d(denominator)/dy, none of them negative.
-        let (falls, grows) = (y_n * (a_n + 2.0 * a), y_n * (y_n + 2.0 * y));
+        let (falls, grows) = (y_n, y_n * (y_n + 2.0 * y));
         let slope = (falls + numerator * grows / denominator) / denominator;
         [-scale * numerator / denominator, scale * slope / (2.0 * h * h * y)]
     }
@@ -219,10 +219,10 @@ mod tests {
 
     #[test]
     fn closed_values() {
-        // y = 1/2: psi = kappa h 3/5 / 4, pressure = kappa 3/5 2; dpsi/dD = -pressure / (2 sqrt D).
+        // y = 1/2: psi = kappa h 1/2 1/2, pressure = kappa 1/2 3; dpsi/dD = -pressure / (2 sqrt D).
         let [energy, first, _] = LAYER.evaluate(0.125 * 0.125);
-        assert!((energy - 3.0 * 0.25 * 0.15).abs() < 1e-15);
-        assert!((first + 3.0 * 1.2 / 0.25).abs() < 1e-13);
+        assert!((energy - 3.0 * 0.25 * 0.25).abs() < 1e-15);
+        assert!((first + 3.0 * 1.5 / 0.25).abs() < 1e-13);
         assert_eq!(LAYER.evaluate(0.0625), [0.0; 3]);
         assert_eq!(LAYER.divided_difference(0.0625, 0.07), [0.0; 2]);
     }

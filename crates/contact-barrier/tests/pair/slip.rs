@@ -136,7 +136,7 @@ fn a_vertex_that_slides_on_a_triangle() {
     let x_n = [[0.2, 0.3, 0.5], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vector3::from);
     let mut x = x_n;
     x[0].x += 0.1;
-    let normal_force = WEIGHT * 2.0 * 1.2;
+    let normal_force = WEIGHT * 2.0 * 1.5;
     for force in [
         start(PairKind::VertexTriangle, 0.0, &x_n).step(&x, Some(&LAW), None),
         term(PairKind::VertexTriangle).at_end(&LAYER, &x_n, &x, Some(&LAW), None),
@@ -371,7 +371,7 @@ fn a_spring_does_not_ask_for_the_number_of_steps() {
         }
         *all.last().unwrap()
     };
-    let normal_force = WEIGHT * 2.0 * 1.2;
+    let normal_force = WEIGHT * 2.0 * 1.5;
     let limit = 0.4 * normal_force / 100.0;
     for (ways, stretch) in [
         (&[0.1][..], limit),
