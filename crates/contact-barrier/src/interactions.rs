@@ -9,8 +9,6 @@ pub struct Interaction {
     pub modulus: f64,
     /// Coefficient of friction.
     pub friction: f64,
-    /// In dynamics: speed of slip below which friction falls to zero, positive. Without inertia it has no part.
-    pub slip_velocity: f64,
 }
 
 /// A table of all pairs of classes. A class is a body, or a part of a body's surface that is treated differently; facets of the same class may act on each other, too.
@@ -42,17 +40,6 @@ impl Interactions {
             let pair = [self.bodies[k / n], self.bodies[k % n]];
             if pair == [a, b] || pair == [b, a] {
                 *entry = None;
-            }
-        }
-    }
-
-    /// Sets the [`Interaction::slip_velocity`] of each pair of classes that act on each other and have friction, from their bodies, the smaller number first.
-    pub fn set_slip_velocities(&mut self, mut of: impl FnMut([u32; 2]) -> f64) {
-        let n = self.bodies.len();
-        for k in 0..self.table.len() {
-            let [a, b] = [self.bodies[k / n], self.bodies[k % n]];
-            if let Some(interaction) = self.table[k].as_mut().filter(|interaction| interaction.friction > 0.0) {
-                interaction.slip_velocity = of([a.min(b), a.max(b)]);
             }
         }
     }

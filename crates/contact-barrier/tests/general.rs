@@ -2,7 +2,7 @@
 
 use fastrand::Rng;
 use nalgebra::Vector3;
-use stoss_contact::{ContactRule, LocalContribution, Potential, Step, StepConfiguration};
+use stoss_contact::{ContactRule, ContactWork, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, check_initial, mitre,
 };
@@ -73,13 +73,17 @@ fn enter(contact: &mut GeneralContact, upper: &std::ops::Range<usize>, rule: Con
 fn rules(friction: f64) -> Interactions {
     let mut rules = Interactions::none(&[(0, 1.0), (1, 1.0)]);
     for (a, b) in [(0, 0), (0, 1), (1, 1)] {
-        rules.set(a, b, Some(Interaction { modulus: MODULUS, friction, slip_velocity: 0.05 }));
+        rules.set(a, b, Some(Interaction { modulus: MODULUS, friction }));
     }
     rules
 }
 
 /// Two blocks above each other with a gap, `shift` sideways.
 fn two(n: [u32; 2], gap: f64, shift: [f64; 2], thickness: f64, damping: f64, friction: f64) -> Scene {
+    two_with(n, gap, shift, GeneralOptions { thickness, damping, slip_velocity: None }, friction)
+}
+
+fn two_with(n: [u32; 2], gap: f64, shift: [f64; 2], options: GeneralOptions, friction: f64) -> Scene {
     let (mut facets, mut reference) = block(0, [-0.5, -0.5, -1.0], [0.5, 0.5, 0.0], n[0], 0);
     let first = reference.len() as u32 / 3;
     let [x, y] = shift;
@@ -87,7 +91,6 @@ fn two(n: [u32; 2], gap: f64, shift: [f64; 2], thickness: f64, damping: f64, fri
     facets.extend(more);
     reference.extend(positions);
     let skin = Skin::new(facets, &reference, &|_| None);
-    let options = GeneralOptions { thickness, damping };
     let upper = first as usize..reference.len() / 3;
     Scene { contact: GeneralContact::new("general", skin, rules(friction), options).unwrap(), reference, upper }
 }
@@ -139,19 +142,23 @@ fn work_is_the_change_of_energy_less_what_is_lost_and_momenta_stay() {
     for case in 0..60 {
         let (damping, friction) = ([0.0, 0.3][case % 2], [0.0, 0.4][case / 2 % 2]);
         let shift = [random.f64() * 0.9, random.f64() * 0.4];
-        let mut scene = two([2, 3], 0.04, shift, 0.08, damping, friction);
+        let slip_velocity = [None, Some(0.05)][case / 4 % 2];
+        let options = GeneralOptions { thickness: 0.08, damping, slip_velocity };
+        let mut scene = two_with([2, 3], 0.04, shift, options, friction);
         let size = [1e-3, 1e-2, 1.5e-2][case % 3];
         let (q_n, q) = (noise(&mut random, &scene.reference, size), noise(&mut random, &scene.reference, size));
         scene.enter(ContactRule::EnergyMomentum, &q_n);
         let contact = &mut scene.contact;
-        let before = contact.work(&q_n).unwrap().stored;
+        let ContactWork { stored: before, friction_stored: springs, .. } = contact.work(&q_n).unwrap();
         begin(contact, ContactRule::EnergyMomentum, &q_n, &q);
         let (residual, _) = assemble(contact, ContactRule::EnergyMomentum, &q_n, &q);
         let work = contact.work(&q).unwrap();
-        assert!((work.stored - contact.energy(&q).unwrap()).abs() <= 1e-13 * work.stored);
-        assert!((before - contact.energy(&q_n).unwrap()).abs() <= 1e-13 * before);
+        let of_layer = work.stored - work.friction_stored;
+        assert!((of_layer - contact.energy(&q).unwrap()).abs() <= 1e-13 * work.stored);
+        assert!((before - springs - contact.energy(&q_n).unwrap()).abs() <= 1e-13 * before);
+        assert_eq!(springs > 0.0 && work.friction_stored > 0.0, friction > 0.0 && slip_velocity.is_none());
         assert!(before > 0.0 && work.stored > 0.0 && work.dissipated >= 0.0);
-        assert_eq!(work.friction_work > 0.0, friction > 0.0);
+        assert_eq!(work.friction_work != 0.0, friction > 0.0);
         let done: f64 = residual.iter().zip(&q).zip(&q_n).map(|((g, q), q_n)| g * (q - q_n)).sum();
         let scale: f64 = residual.iter().zip(&q).zip(&q_n).map(|((g, q), q_n)| (g * (q - q_n)).abs()).sum();
         let balance = done - (work.stored - before) - work.dissipated;
@@ -170,13 +177,16 @@ fn work_is_the_change_of_energy_less_what_is_lost_and_momenta_stay() {
 #[test]
 fn tangents_are_derivatives() {
     let mut random = Rng::with_seed(4);
-    for (rule, friction) in [
-        (ContactRule::EnergyMomentum, 0.0),
-        (ContactRule::EnergyMomentum, 0.3),
-        (ContactRule::EndPoint, 0.0),
-        (ContactRule::EndPoint, 0.3),
+    for (rule, friction, slip_velocity) in [
+        (ContactRule::EnergyMomentum, 0.0, None),
+        (ContactRule::EnergyMomentum, 0.3, None),
+        (ContactRule::EnergyMomentum, 0.3, Some(0.05)),
+        (ContactRule::EndPoint, 0.0, None),
+        (ContactRule::EndPoint, 0.3, None),
+        (ContactRule::EndPoint, 0.3, Some(0.05)),
     ] {
-        let mut scene = two([1, 1], 0.05, [0.13, 0.21], 0.1, 0.1, friction);
+        let options = GeneralOptions { thickness: 0.1, damping: 0.1, slip_velocity };
+        let mut scene = two_with([1, 1], 0.05, [0.13, 0.21], options, friction);
         let (q_n, q) = (noise(&mut random, &scene.reference, 0.01), noise(&mut random, &scene.reference, 0.01));
         scene.enter(rule, &q_n);
         let contact = &mut scene.contact;
@@ -228,7 +238,7 @@ fn friction_along_a_motion_has_an_energy() {
         let done: f64 = residual.iter().zip(&increment).map(|(r, d)| r * d).sum();
         let scale: f64 = residual.iter().zip(&increment).map(|(r, d)| (r * d).abs()).sum();
         assert!((by_barrier + by_friction - done).abs() < 1e-5 * scale, "{case}: {by_barrier} {by_friction} {done}");
-        assert!(by_friction.abs() > 1e-4 * scale, "{case}: {by_friction} of {scale}");
+        assert!(by_friction.abs() > 1e-5 * scale, "{case}: {by_friction} of {scale}");
         let parts: Vec<f64> = (0..20).map(|k| line(0.1 * f64::from(k))).collect();
         assert!(parts.windows(3).all(|w| w[0] + w[2] >= 2.0 * w[1] * (1.0 - 1e-12)), "{case}");
     }
@@ -486,7 +496,7 @@ fn inset_surfaces_that_touch_have_no_force() {
     let skin = Skin::new(scene.contact.skin().facets().to_vec(), reference, &place);
     let look = check_initial(&skin, &rules(0.0), reference, 2.0 * thickness);
     assert!((look.nearest[&[0, 1]].distance - thickness).abs() < 1e-12, "{:?}", look.nearest);
-    let options = GeneralOptions { thickness: thickness * (1.0 - 1e-12), damping: 0.0 };
+    let options = GeneralOptions { thickness: thickness * (1.0 - 1e-12), damping: 0.0, slip_velocity: None };
     let mut contact = GeneralContact::new("general", skin, rules(0.0), options).unwrap();
     contact.begin(&Step::quasi_static(reference, 1.0)).unwrap();
     contact.renew(reference).unwrap();
@@ -502,7 +512,7 @@ fn on_large(n: u32, size: f64, gap: f64, thickness: f64) -> Scene {
     facets.extend(more);
     reference.extend(positions);
     let skin = Skin::new(facets, &reference, &|_| None);
-    let options = GeneralOptions { thickness, damping: 0.0 };
+    let options = GeneralOptions { thickness, damping: 0.0, slip_velocity: None };
     let upper = 0..first as usize;
     Scene { contact: GeneralContact::new("general", skin, rules(0.3), options).unwrap(), reference, upper }
 }
@@ -548,7 +558,7 @@ fn pressures_at_a_rim_are_those_of_the_middle() {
         facets.extend(more);
         q.extend(positions);
         let skin = Skin::new(facets, &q, &|_| None);
-        let options = GeneralOptions { thickness, damping: 0.0 };
+        let options = GeneralOptions { thickness, damping: 0.0, slip_velocity: None };
         let mut contact = GeneralContact::new("general", skin, rules(0.0), options).unwrap();
         enter(&mut contact, &(0..first as usize), ContactRule::EndPoint, &q);
         begin(&mut contact, ContactRule::EndPoint, &q, &q);
@@ -577,7 +587,7 @@ fn static_friction_does_not_depend_on_the_number_of_steps() {
         let mut q_n = reference.clone();
         let (mut lost, mut worked, mut stored) = (0.0, 0.0, 0.0);
         let mut forces = Vector3::zeros();
-        let way = 0.05 * thickness;
+        let way = 0.3 * thickness;
         for _ in 0..steps {
             let q: Vec<f64> = (0..q_n.len())
                 .map(|k| q_n[k] + if k < 81 && k % 3 == 0 { way / f64::from(steps) } else { 0.0 })

@@ -46,7 +46,7 @@ pub struct GeneralContact {
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub friction: f64,
-    /// Slip speed (length per time) in dynamics below which friction falls to zero, positive: bodies creep instead of sticking. By default, for each two bodies, a hundredth of the largest speed of a point of one against a point of the other at the start, or, if they do not move against each other, a thousandth of the speed of a fall through the layer, and without gravity 1e-4 of the thickness in a nominal step.
+    /// Slip speed (length per time) in dynamics below which friction falls to zero, positive: bodies creep instead of sticking. If left out they stick, like a spring of the shear stiffness of a skin of the thickness of the layer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
     pub slip_velocity: Option<f64>,

@@ -12,8 +12,8 @@ use std::ops::Range;
 use stoss_contact::ContactRule;
 use stoss_geometry::{ClosestPair, PairKind, closest};
 
-/// Shear stiffness of the layer of a contact that sticks, in moduli over thicknesses.
-const SHEAR: f64 = 3.0;
+/// Shear stiffness of the layer of a contact that sticks, in moduli over thicknesses: that of an isotropic skin, 1/(2 (1 + nu)).
+const SHEAR: f64 = 0.4;
 
 /// A contact that acts. It owns what it needs: candidates are found anew on the way from one iterate to the next.
 #[derive(Clone, Debug)]
@@ -171,14 +171,20 @@ impl GeneralContact {
         }
     }
 
+    /// Speed of slip below which friction creeps, if it does not stick.
+    pub(super) fn creep(&self) -> Option<f64> {
+        self.options.slip_velocity.filter(|_| self.has_rates)
+    }
+
     fn friction(&self, act: &Act) -> Option<Friction> {
         let [a, b] = act.begin.classes;
         let interaction = self.rules.between(a, b).filter(|interaction| interaction.friction > 0.0)?;
-        let stick = if self.has_rates {
-            Stick::Creep { slip_scale: interaction.slip_velocity * self.step_size }
-        } else {
-            let stiffness = SHEAR * interaction.modulus / self.options.thickness * act.weight;
-            Stick::Spring { stiffness, stretch: act.stretch }
+        let stick = match self.creep() {
+            Some(speed) => Stick::Creep { slip_scale: speed * self.step_size },
+            None => {
+                let stiffness = SHEAR * interaction.modulus / self.options.thickness * act.weight;
+                Stick::Spring { stiffness, stretch: act.stretch }
+            }
         };
         Some(Friction { coefficient: interaction.friction, stick })
     }

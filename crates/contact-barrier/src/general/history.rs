@@ -1,4 +1,4 @@
-//! What general contact knows of the steps before: contacts in the layer with their weights and thicknesses, and in statics the springs of those that stick.
+//! What general contact knows of the steps before: contacts in the layer with their weights and thicknesses, and the springs of those that stick.
 
 use super::GeneralContact;
 use super::joint::Joint;
@@ -44,11 +44,11 @@ pub(super) struct History {
 }
 
 impl GeneralContact {
-    /// The history at the end of the step; without springs in dynamics.
+    /// The history at the end of the step.
     pub(super) fn history_at_end(&self) -> History {
         let mut history = History::default();
         let mut joint = Joint::default();
-        let has_springs = !self.has_rates && self.rules.has_friction();
+        let has_springs = self.creep().is_none() && self.rules.has_friction();
         for act in &self.acts {
             let key = (act.end.kind, act.end.points);
             if act.close.distance_squared < act.thickness * act.thickness {

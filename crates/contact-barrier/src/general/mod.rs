@@ -40,13 +40,15 @@ pub struct GeneralOptions {
     pub thickness: f64,
     /// Time of the viscous layer, not negative.
     pub damping: f64,
+    /// Speed of slip, positive, below which friction creeps in dynamics; `None`: it sticks, as it does without inertia.
+    pub slip_velocity: Option<f64>,
 }
 
 /// Contact of everything with everything: points of integration and vertices of a skin against patches of its triangles, and edges that cross.
 ///
 /// A contact begins, and ends, where its energy is zero; while it is in the layer it keeps its weight and its thickness, so the energy is continuous in time. Under [`ContactRule::EnergyMomentum`] the force of a step
 /// does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, theory/barrier#gradient; under [`ContactRule::EndPoint`] it is the gradient at the end. Nothing passes through anything as long as each iterate is reached
-/// from the last by a motion that [`Potential::longest_step`] admits. What carries over from step to step are the contacts in their layers, and in statics the springs of those that stick.
+/// from the last by a motion that [`Potential::longest_step`] admits. What carries over from step to step are the contacts in their layers, and the springs of those that stick.
 ///
 /// [`Potential::energy`] is that of the contacts of the step that was begun last: nothing before the first one.
 #[derive(Debug)]

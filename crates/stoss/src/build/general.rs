@@ -9,24 +9,9 @@ use super::tie::Ties;
 use super::{ContactPlan, FrictionPlan, Joined, Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split_set};
 use crate::solver::{ContactPair, Coupling, Model};
-use std::collections::{BTreeMap, BTreeSet};
-use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interactions, Skin};
+use std::collections::BTreeSet;
+use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interactions};
 use stoss_mesh::BOUNDARY;
-
-/// Speed of slip below which friction of two bodies falls, in parts of their largest relative speed at the start.
-const SLIP: f64 = 0.01;
-
-/// The same of bodies that do not move relative to each other, in parts of the speed of a fall through the layer.
-const OF_FALL: f64 = 1e-3;
-
-/// The same without gravity: part of the thickness in a nominal step.
-const OF_STEP: f64 = 1e-4;
-
-/// Relative speeds that are round-off, in parts of the speeds.
-const NO_SPEED: f64 = 1e-9;
-
-/// Pairs of bodies that the plan tells one by one.
-const MOST_NAMED: usize = 6;
 
 /// Adds general contact to the model if the scene has it. Where it acts between parts whose joints end, nothing is left in `joined`.
 pub(super) fn general(
@@ -114,17 +99,9 @@ fn contact(
     let (skin, thickness) = skin(table, &Bodies { placed, model, rules: &rules }, facets, inner, problems, warnings)?;
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;
-    let slip = slip_velocities(scene, table, &skin, &rules, model, thickness);
     let has_rates = scene.is_dynamic() || scene.stages.iter().any(|stage| stage.kind == Kind::Dynamic);
-    let mut slips: BTreeMap<String, f64> = BTreeMap::new();
-    rules.set_slip_velocities(|[a, b]| {
-        let value = slip(a, b);
-        let [a, b] = [a, b].map(|body| &placed[body as usize].name[..]);
-        slips.insert(if a == b { format!("{a} with itself") } else { format!("{a} and {b}") }, value);
-        value
-    });
     warnings.extend(without_effect(scene, table, placed, has_rates, has_friction));
-    let options = GeneralOptions { thickness, damping: table.damping };
+    let options = GeneralOptions { thickness, damping: table.damping, slip_velocity: table.slip_velocity };
     match GeneralContact::new(NAME, skin, rules.clone(), options) {
         Ok(contact) => {
             let method = Coupling::potential(contact);
@@ -165,9 +142,9 @@ fn contact(
             parameters: coefficients,
             stiffness: None,
             default_stiffness: false,
-            stick: has_statics(scene).then(|| "elastic".to_owned()),
+            stick: (table.slip_velocity.is_none() || has_statics(scene)).then(|| "elastic".to_owned()),
             stepping: if has_rates { "step" } else { "end" }.to_owned(),
-            slip: has_rates.then(|| described(&slips)),
+            slip: table.slip_velocity.filter(|_| has_rates).map(|speed| format!("creeps below {speed:.4e}")),
         }),
     };
     Some((plan, rules))
@@ -197,57 +174,6 @@ fn without_effect(
     told.map(|(_, key, why)| format!("general_contact.{key} has no effect: {why}; remove it"))
 }
 
-/// Speed of slip below which friction of two bodies falls.
-///
-/// It depends on the motion of the two relative to each other alone: not on a velocity that all have, nor on what others do.
-fn slip_velocities(
-    scene: &Scene,
-    table: &Table,
-    skin: &Skin,
-    rules: &Interactions,
-    model: &Model,
-    thickness: f64,
-) -> impl Fn(u32, u32) -> f64 + use<> {
-    let given = table.slip_velocity;
-    // Of a scene without velocities there are none; nodes of rigid bodies go with what carries them.
-    let of = |node: u32, c: usize| model.velocity.get(3 * node as usize + c).copied().unwrap_or_default();
-    let velocity = |node: u32, c: usize| match model.embedding.carriers(node) {
-        Some(carriers) => carriers.iter().map(|&(carrier, weight)| weight * of(carrier, c)).sum(),
-        None => of(node, c),
-    };
-    // Smallest and largest components of the velocities of each body.
-    let mut ranges: BTreeMap<u32, [[f64; 2]; 3]> = BTreeMap::new();
-    for facet in skin.facets() {
-        let range = ranges.entry(rules.body(facet.class)).or_insert([[f64::INFINITY, f64::NEG_INFINITY]; 3]);
-        for &node in facet.nodes.iter() {
-            for (c, [low, high]) in range.iter_mut().enumerate() {
-                let v: f64 = velocity(node, c);
-                (*low, *high) = (low.min(v), high.max(v));
-            }
-        }
-    }
-    let relative = move |a: u32, b: u32| {
-        let (Some(a), Some(b)) = (ranges.get(&a), ranges.get(&b)) else { return 0.0 };
-        let largest = |[low, high]: &[f64; 2]| low.abs().max(high.abs());
-        let components = a.iter().zip(b).map(|(a, b)| ((a[1] - b[0]).max(b[1] - a[0]), largest(a).max(largest(b))));
-        let squares = components.fold((0.0, 0.0), |(v, all), (d, largest)| (v + d * d, all + largest * largest));
-        let (speed, all) = (f64::sqrt(squares.0), f64::sqrt(squares.1));
-        if speed <= NO_SPEED * all { 0.0 } else { speed }
-    };
-    let gravity =
-        scene.gravity.as_ref().map_or(0.0, |gravity| gravity.acceleration.iter().map(|a| a * a).sum::<f64>().sqrt());
-    let at_rest = match gravity > 0.0 {
-        true => OF_FALL * (2.0 * gravity * thickness).sqrt(),
-        false => OF_STEP * thickness / super::phase::first_dynamic_step(scene),
-    };
-    move |a: u32, b: u32| {
-        given.unwrap_or_else(|| match relative(a, b) {
-            0.0 => at_rest,
-            speed => SLIP * speed,
-        })
-    }
-}
-
 /// Whether a part of the run is static.
 fn has_statics(scene: &Scene) -> bool {
     if scene.stages.is_empty() {
@@ -255,19 +181,6 @@ fn has_statics(scene: &Scene) -> bool {
     } else {
         scene.stages.iter().any(|stage| stage.kind != Kind::Dynamic)
     }
-}
-
-/// Speeds of slip below which friction creeps in dynamics.
-fn described(slips: &BTreeMap<String, f64>) -> String {
-    let (low, high) = slips.values().fold((f64::INFINITY, 0.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
-    if low == high {
-        return format!("creeps below {low:.4e}");
-    }
-    if slips.len() > MOST_NAMED {
-        return format!("creeps below {low:.4e} to {high:.4e}, pair by pair");
-    }
-    let list: Vec<String> = slips.iter().map(|(names, v)| format!("{v:.4e} ({names})")).collect();
-    format!("creeps below {}", list.join(", "))
 }
 
 /// Whether nobody has asked for general contact.
@@ -283,68 +196,4 @@ fn inner_pairs(scene: &Scene, placed: &[Placed]) -> impl Iterator<Item = [u32; 2
         let [a, b] = contact.surfaces();
         Some([part(a)?, part(b)?])
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::build::build;
-    use crate::scene::parse;
-    use std::path::Path;
-
-    /// What `stoss check` tells of the friction of bodies with these velocities; the last one may be far away.
-    fn told(velocities: &[[f64; 3]], more: &str) -> String {
-        let mut text = "[scene]\ntitle = \"t\"\nkind = \"dynamic\"\n[time]\nend = 4\nstep = 0.1\nintegrator = { scheme = \"energy-momentum\" }\n\
-                        [general_contact]\nfriction = 0.3\nthickness = 0.02\n"
-            .to_owned()
-            + more;
-        for (k, velocity) in velocities.iter().enumerate() {
-            let z = 2 * k;
-            text += &format!(
-                "[[body]]\nname = \"{}\"\nmesh = {{ generator = \"block\", min = [0, 0, {z}], max = [1, 1, {}], divisions = [1, 1, 1] }}\n\
-                 material = {{ law = \"neo-hooke\", young = 1, poisson = 0.3 }}\ndensity = 1\nvelocity = {velocity:?}\n",
-                ["a", "b", "c"][k],
-                z + 1
-            );
-        }
-        let scene = parse(&text, "t.toml").unwrap_or_else(|e| panic!("{e}"));
-        match build(&scene, Path::new(".")) {
-            Ok(built) => built.contacts[0].friction.as_ref().unwrap().slip.clone().unwrap(),
-            Err(error) => error.to_string(),
-        }
-    }
-
-    /// The speed of slip that counts as small follows from what two bodies do to each other: neither from a common velocity nor from what others do.
-    #[test]
-    fn creep_follows_from_relative_motion() {
-        let (rest, slow) = ([0.0; 3], [0.3, 0.0, -0.4]);
-        let two = told(&[rest, slow], "self = false\n");
-        assert_eq!(two, "creeps below 5.0000e-3");
-        let fast = [1e6, -1e6, 3e6];
-        let with = |v: [f64; 3]| std::array::from_fn(|c| v[c] + fast[c]);
-        assert!(told(&[fast, with(slow)], "self = false\n").starts_with("creeps below 5.0000e-3"));
-        let three = told(&[rest, slow, fast], "self = false\n");
-        assert!(three.contains("5.0000e-3 (a and b)") && three.contains("3.3166e4 (a and c)"), "{three}");
-        // At rest against each other without gravity: 1e-4 of the thickness in a step.
-        let three = told(&[slow, slow, rest], "self = false\n");
-        assert!(three.contains("2.0000e-5 (a and b)") && three.contains("5.0000e-3 (a and c)"), "{three}");
-        assert_eq!(told(&[rest, slow], "self = false\nslip_velocity = 0.7\n"), "creeps below 7.0000e-1");
-        // A rigid body moves, or spins.
-        let rigid = |motion: &str| {
-            told(
-                &[rest],
-                &format!(
-                    "self = false\n[[rigid]]\nname = \"r\"\nshape = {{ kind = \"cylinder\", radius = 0.5, length = 1, divisions = [8, 1, 1] }}\nposition = [0, 0, -3]\ndensity = 1\n{motion}\n"
-                ),
-            )
-        };
-        assert_eq!(rigid("velocity = [0, 0, 2]"), "creeps below 2.0000e-2");
-        assert_eq!(rigid("angular_velocity = [0, 0, 4]"), "creeps below 2.8284e-2");
-        // Where nothing moves at the start, every pair is such a pair.
-        for v in [rest, slow] {
-            assert_eq!(told(&[v, v], "self = false\n"), "creeps below 2.0000e-5");
-            // 1e-3 of the speed of a fall through the layer, the root of 2 * 9 * 0.02.
-            let heavy = told(&[v, v], "self = false\n[gravity]\nacceleration = [0, 0, -9]\n");
-            assert_eq!(heavy, "creeps below 6.0000e-4");
-        }
-    }
 }

@@ -218,7 +218,7 @@ pub(super) fn interactions(
             if modulus.is_finite() {
                 let of_contact = of_contacts.get(&[p.min(q), p.max(q)]).copied();
                 let friction = own.and_then(|own| own.friction).or(of_contact).unwrap_or(table.friction);
-                rules.set(a, b, Some(Interaction { modulus, friction, slip_velocity: f64::INFINITY }));
+                rules.set(a, b, Some(Interaction { modulus, friction }));
             } else if !(is_held(p) && is_held(q)) {
                 unknown.insert(sorted(names));
             }

@@ -123,10 +123,3 @@ impl Phases {
         self.with(name).next().unwrap_or(&self.list[0])
     }
 }
-
-/// Nominal step of the first stage with inertia, a time; of a run without stages, or without inertia, that of the run.
-#[cfg(feature = "general")]
-pub(super) fn first_dynamic_step(scene: &Scene) -> f64 {
-    let first = scene.stages.iter().find(|stage| stage.kind == Kind::Dynamic);
-    first.and_then(|stage| stage.step).unwrap_or(scene.time.step)
-}
