@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 /// How the facets of two classes act on each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interaction {
-    /// Modulus of the layer, a pressure: Young's modulus of the softer side, for instance.
+    /// Modulus of the layer, a pressure: Young's moduli of the sides in series, for instance.
     pub modulus: f64,
     /// Coefficient of friction.
     pub friction: f64,

@@ -34,7 +34,7 @@ pub struct GeneralContact {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub thickness: Option<f64>,
-    /// Modulus of the contact layer as a multiple of Young's modulus of the softer body of a pair, positive.
+    /// Modulus of the contact layer as a multiple of Young's moduli of the bodies of a pair in series, 1/(1/E + 1/E'), positive.
     #[serde(default = "GeneralContact::one")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub stiffness: f64,

@@ -80,6 +80,6 @@ fn a_rigid_corner_on_a_soft_block_has_the_force_of_its_slopes_alone() {
         };
         // Strain is of the order of the speed over that of waves, 1.
         let [fast, slow] = [0.004, 0.002].map(side);
-        assert!(fast < 0.004 && slow < 0.75 * fast, "{name}: {fast:e}, {slow:e}");
+        assert!(fast < 0.005 && slow < 0.75 * fast, "{name}: {fast:e}, {slow:e}");
     }
 }

@@ -213,7 +213,7 @@ fn a_base_keeps_its_width() {
              material = {{ law = \"neo-hooke\", young = 10000.0, poisson = 0.3 }}\ndensity = 1.0\n\
              [[rigid]]\nname = \"floor\"\nshape = {{ kind = \"plane\", size = [6, 4] }}\nfixed = true\n\
              [gravity]\nacceleration = [\"sin(radians(DEGREES))\", 0, \"-cos(radians(DEGREES))\"]\n\
-             [general_contact]\nfriction = 1.0\nslip_velocity = 0.001\nthickness = {thickness:?}\n"
+             [general_contact]\nfriction = 1.0\nthickness = {thickness:?}\n"
         );
         let highest = |degrees: f64| {
             let mut run = simulation(&text.replace("DEGREES", &format!("{degrees:?}")));
@@ -224,6 +224,7 @@ fn a_base_keeps_its_width() {
             (0..q.len() / 3).map(|node| q[3 * node] - run.model().reference[3 * node]).fold(0.0, f64::max)
         };
         let [stands, falls] = [10.0, 11.8].map(highest);
-        assert!(stands < 0.02 && falls > 0.1, "{thickness}: {stands} {falls}");
+        // A rigid block that turns about the edge of its base from rest: (0.00436/0.51) (cosh(2 * 1.213) - 1) = 0.040 after the time 2.
+        assert!(stands < 0.02 && falls > 0.04, "{thickness}: {stands} {falls}");
     }
 }

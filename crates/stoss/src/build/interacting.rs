@@ -211,9 +211,10 @@ pub(super) fn interactions(
                 }
                 continue;
             }
-            let softer = table.stiffness * young(model, p).min(young(model, q));
+            // In series: infinite between rigid bodies.
+            let in_series = table.stiffness / (1.0 / young(model, p) + 1.0 / young(model, q));
             let of_table =
-                || if softer.is_finite() { Some(softer) } else { table.modulus.or_else(|| by_weight(&[p, q])) };
+                || if in_series.is_finite() { Some(in_series) } else { table.modulus.or_else(|| by_weight(&[p, q])) };
             let modulus = own.and_then(|own| own.modulus).or_else(of_table).unwrap_or(f64::INFINITY);
             if modulus.is_finite() {
                 let of_contact = of_contacts.get(&[p.min(q), p.max(q)]).copied();
