@@ -49,7 +49,7 @@ fn stages(k: i32) -> String {
     let mut stage = |until: f64, step: f64| {
         count += 1;
         let _ =
-            write!(text, "{{ name = \"stage {count}\", kind = \"dynamic\", until = {until:?}, step = {step:?} }}, ");
+            write!(text, "{{ name = \"stage-{count}\", kind = \"dynamic\", until = {until:?}, step = {step:?} }}, ");
     };
     let nearest = far[far.len() - 1];
     far[1..].iter().for_each(|&s| stage(TURN - s, step(s)));
