@@ -88,7 +88,7 @@ fn scene(k: i32) -> Outcome<Table> {
 fn case(k: i32, findings: &mut Findings) -> Outcome<()> {
     let ratio = 100.0_f64.powi(k);
     let (expected, velocities) = elementary(ratio);
-    let digits = (PI / 0.1_f64.powi(k).atan()).floor();
+    let digits = (PI / 0.1_f64.powi(k).atan()).ceil() - 1.0;
     let mut last = [0.0; 2];
     let simulation = run(&scene(k)?, "pi", |simulation, probes, _| {
         last = ["inner", "outer"].map(|name| probe(probes, name, simulation)[0]);
