@@ -50,10 +50,22 @@ pub(crate) struct Evaluation {
     /// A volume.
     pub value: f64,
     pub gradient: Vec<f64>,
+    /// [`Slot::support`], an area, and its gradient; empty if the weights are fixed.
+    pub support: f64,
+    pub support_gradient: Vec<f64>,
     /// The gradient at fixed weights, see [`Want::FixedWeights`].
     pub at_fixed_weights: Vec<f64>,
     /// Second derivative, see [`Want`], row-major; empty if not asked for.
     pub hessian: Vec<f64>,
+}
+
+impl Evaluation {
+    /// The weighted gap beyond a distance, `int phi (gamma - distance) dA`, with its gradient; from what is the one beyond `from`.
+    pub fn beyond(&mut self, distance: f64, from: f64) {
+        let more = distance - from;
+        self.value -= more * self.support;
+        self.gradient.iter_mut().zip(&self.support_gradient).for_each(|(g, s)| *g -= more * s);
+    }
 }
 
 /// What an evaluation of a weighted gap is to give.
@@ -242,7 +254,12 @@ impl Slot {
                 }
             }
         }
-        let mut out = Evaluation { value, gradient: vec![0.0; columns], ..Evaluation::default() };
+        let mut out =
+            Evaluation { value, gradient: vec![0.0; columns], support: self.support, ..Evaluation::default() };
+        if !self.whole.derivative.is_empty() {
+            out.support_gradient = vec![0.0; columns];
+            self.for_each_support_derivative(|column, d| out.support_gradient[column] += d);
+        }
         for (k, g) in out.gradient[..own].iter_mut().enumerate() {
             *g = n.dot(&by_gap.column(k)) + b.dot(&by_c.column(k));
         }

@@ -43,11 +43,13 @@ pub(crate) struct StepState {
     pub start: Vec<Slot>,
     /// Weighted gap of each row there; `None` without a partner.
     pub gap: Vec<Option<f64>>,
-    /// Its gradient, of the rows that needed it.
+    /// The gradient there of the weighted gap beyond `distance`, of the rows that needed it.
     pub gradient: Vec<Vec<f64>>,
-    /// Weighted gap that a closed row keeps. Of a row that is open at the start of the step it is the one that it would keep if it closed.
+    /// Distance that a closed row keeps. Of a row that is open at the start of the step it is the one that it would keep if it closed.
     pub reference: Vec<f64>,
-    /// Change of that in the step of rows that are held and come down, not positive.
+    /// Distance beyond which the gap is counted in the force of a row: the one where the force is taken.
+    pub distance: Vec<f64>,
+    /// Change of the reference in the step of rows that are held and come down, not positive.
     pub settling: Vec<f64>,
     /// Rows that may carry a multiplier.
     pub carried: Vec<bool>,
@@ -67,6 +69,11 @@ pub(crate) struct Integrated {
 }
 
 impl StepState {
+    /// Weighted gap of a row at the start beyond the distance that its force counts from.
+    pub fn start_beyond(&self, row: usize) -> f64 {
+        self.gap[row].map_or(0.0, |gap| gap - self.distance[row] * self.start[row].support)
+    }
+
     /// Notes the positions that integrals belong to.
     pub fn note(&self, q: &[f64], at: &mut Vec<f64>) {
         at.clear();

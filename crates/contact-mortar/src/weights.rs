@@ -234,6 +234,14 @@ impl Integration {
                 }
                 put(1 + p, &block, -1.0);
             }
+            // Weights add up to zero. Where edges of both sides all but lie on each other their crossing moves fast along them, and what is left of the sum would be felt as a force.
+            for a in 0..own {
+                let at = |k: usize| (a * count + k) * columns + column;
+                let sum: f64 = (0..count).map(|k| derivative[at(k)]).sum();
+                let larger = |l: usize, k: usize| if derivative[at(k)].abs() > derivative[at(l)].abs() { k } else { l };
+                let largest = (nodes[1]..count).reduce(larger).unwrap_or(0);
+                derivative[at(largest)] -= sum;
+            }
         }
     }
 }

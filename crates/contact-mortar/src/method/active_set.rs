@@ -18,7 +18,7 @@ impl ContactMethod for MortarContact {
             let area = slot.support.max(CARRIED * row.area);
             // A gap is held by rows that are closed, and none before it is closed.
             let reference = if active[k] { self.step.reference[k] } else { self.step.reference[k].min(0.0) };
-            *out = gap.map_or(f64::INFINITY, |gap| (gap - reference) / area);
+            *out = gap.map_or(f64::INFINITY, |gap| (gap - reference * slot.support) / area);
             // The law gives a closed row the gap that its pressure asks for.
             if active[k] && self.options.overclosure.is_some() {
                 *out = 0.0;
@@ -42,8 +42,8 @@ impl ContactMethod for MortarContact {
             if self.step.carried[k] || slot.support <= CARRIED * row.area {
                 continue;
             }
-            let inside =
-                slot.gap(q_np1).is_some_and(|gap| gap < self.step.reference[k].min(0.0) - tolerance * row.area);
+            let kept = self.step.reference[k].min(0.0) * slot.support;
+            let inside = slot.gap(q_np1).is_some_and(|gap| gap < kept - tolerance * row.area);
             self.step.carried[k] = inside;
             changes += usize::from(inside);
         }
@@ -66,7 +66,8 @@ impl ContactMethod for MortarContact {
     }
 
     fn settling(&self, slot: usize) -> f64 {
-        self.step.settling.get(slot).copied().unwrap_or(0.0)
+        let support = self.end.slots.get(slot).map_or(0.0, |slot| slot.support);
+        self.step.settling.get(slot).map_or(0.0, |settling| settling * support)
     }
 
     fn constraint_gradients(
@@ -81,7 +82,8 @@ impl ContactMethod for MortarContact {
         let end = self.surfaces.integrate(candidates, q_np1.into(), &needs, without, &self.end.slots, false)?;
         for (k, slot) in end.slots.iter().enumerate().filter(|(k, slot)| carrying[*k] && slot.support > 0.0) {
             let evaluation = slot.evaluate(q_np1, slot.nodes.len(), Want::Gradient);
-            let evaluation = evaluation.ok_or(ContactError::NoNormal { node: slot.nodes[0] })?;
+            let mut evaluation = evaluation.ok_or(ContactError::NoNormal { node: slot.nodes[0] })?;
+            evaluation.beyond(self.step.reference[k], 0.0);
             visit(k, &slot.nodes, &evaluation.gradient);
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! The equations of the slots: what is constant in a step, residual, tangent.
 
 use super::integrate::MARGIN;
-use super::{CARRIED, LARGEST_HELD, MortarContact, NO_PENETRATION};
+use super::{CARRIED, COVERED, LARGEST_HELD, MortarContact, NO_PENETRATION};
 use crate::friction::Scratch;
 use crate::positions::Positions;
 use crate::secant::Secant;
@@ -71,22 +71,34 @@ impl Constraint for MortarContact {
             weights.slots.iter().map(|slot| if slot.opposite > 0.0 { slot.gap(q_n) } else { None }).collect();
         let hold = self.options.hold.filter(|_| step.impacts && !frozen);
         let highest = LARGEST_HELD * surfaces.slave.length_scale();
-        let mut settling = vec![0.0; surfaces.rows.len()];
-        let mut reference = vec![0.0; surfaces.rows.len()];
+        let count = surfaces.rows.len();
+        let mut settling = vec![0.0; count];
+        let mut reference = vec![0.0; count];
+        let mut distance = vec![0.0; count];
         for (k, row) in surfaces.rows.iter().enumerate() {
-            let Some(gap) = gap[k] else { continue };
+            let slot = &weights.slots[k];
+            // A mean over next to nothing is no distance.
+            let Some(gap) = gap[k].filter(|_| slot.support > COVERED * row.area) else { continue };
+            let (volume, gap) = (gap, gap / slot.support);
             let closed = self.closed_steps[k];
             match hold {
-                _ if self.has_rates && !frozen && gap < -no_penetration * row.area => reference[k] = gap,
+                _ if self.has_rates && !frozen && volume < -no_penetration * row.area => reference[k] = gap,
                 Some(settle) if closed > 0 && gap > 0.0 => {
                     settling[k] = if closed >= settle { -gap / f64::from(settle) } else { 0.0 };
                     reference[k] = gap + settling[k];
                 }
-                Some(_) if closed == 0 && gap <= highest * weights.slots[k].opposite => reference[k] = gap.max(0.0),
+                Some(_) if closed == 0 && gap <= highest => reference[k] = gap.max(0.0),
                 _ => {}
             }
+            distance[k] = match self.rule {
+                _ if !self.has_rates => 0.0,
+                ContactRule::StartPoint => gap,
+                ContactRule::EndPoint => reference[k],
+                ContactRule::Midpoint | ContactRule::EnergyMomentum | ContactRule::EndPointMean => {
+                    0.5 * (gap + reference[k])
+                }
+            };
         }
-        let count = surfaces.rows.len();
         self.middle = Integrated::default();
         self.end = match middle {
             Some(middle) if frozen => middle,
@@ -104,6 +116,7 @@ impl Constraint for MortarContact {
             gap,
             gradient: vec![Vec::new(); count],
             reference,
+            distance,
             settling,
             carried,
             without,

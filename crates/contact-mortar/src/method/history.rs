@@ -13,8 +13,11 @@ impl History for MortarContact {
         }
         work.closing = self.has_middle().then(|| {
             let carrying = (0..self.slot_count()).filter(|&k| active[k] && self.step.carried[k]);
-            let gaps = |k: usize| Some(self.step.gap[k].unwrap_or(0.0) - self.end.slots[k].gap(q_np1)?);
-            carrying.filter_map(|k| Some(pressures[k] * gaps(k)?)).sum()
+            let end = |k: usize| {
+                let slot = &self.end.slots[k];
+                Some(slot.gap(q_np1)? - self.step.distance[k] * slot.support)
+            };
+            carrying.filter_map(|k| Some(pressures[k] * (self.step.start_beyond(k) - end(k)?))).sum()
         });
         Ok(work)
     }

@@ -100,7 +100,8 @@ impl MortarContact {
         for (k, _) in missing.iter().enumerate().filter(|(_, m)| **m) {
             let slot = &slots[k];
             let evaluation = slot.evaluate(&self.step.q_n, slot.nodes.len(), Want::Gradient);
-            let evaluation = evaluation.ok_or(ContactError::NoNormal { node: slot.nodes[0] })?;
+            let mut evaluation = evaluation.ok_or(ContactError::NoNormal { node: slot.nodes[0] })?;
+            evaluation.beyond(self.step.distance[k], 0.0);
             gradients.push((k, slot.nodes.clone(), evaluation.gradient));
         }
         for (k, nodes, gradient) in gradients {

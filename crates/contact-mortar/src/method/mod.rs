@@ -34,6 +34,8 @@ const DEEPEST: f64 = 1.0;
 /// A row of which less than this part of the reference area is opposite the master carries no multiplier in the step: the pressure would be a force divided by next
 /// to nothing.
 const CARRIED: f64 = 0.02;
+/// The same of a row that has a mean gap.
+const COVERED: f64 = 1e-8;
 /// A gap of more than this part of a facet is closed and not held: it would be felt in the depth.
 const LARGEST_HELD: f64 = 0.1;
 /// A penetration at the start of a step that is less than this, in lengths of facets, is what the iteration left.
@@ -44,9 +46,9 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 /// Slave surface against master surface with one pressure (traction) for each side of a slave node and weighted gaps (theory/mortar#eq-gap) whose integrals move:
 /// the weighted gap `Phi_A(q)` is a function of the positions alone, see theory/mortar#gap.
 ///
-/// The constraint of a closed row is `Phi_A(q_np1) = 0` under every rule. Under [`ContactRule::EndPoint`] the force is `p grad Phi_A(q_np1)`, under
+/// The constraint of a closed row is `Phi_A(q_np1) = 0`, or a distance that is kept times the covered area, under every rule. Under [`ContactRule::EndPoint`] the force is `p grad Phi_A(q_np1)`, under
 /// [`ContactRule::Midpoint`] and [`ContactRule::EnergyMomentum`] the discrete gradient about the middle of the step: it has neither resultant nor moment about `q_m`, for
-/// any gap, and its work is the change of the weighted gap. So the energy changes by what closing gaps cost, `p Phi_A(q_n)`, and by nothing else.
+/// any gap, and its work is the change of the weighted gap, counted from the distance at the middle (theory/mortar#distance). So the energy changes by what closing gaps cost, and by nothing else.
 ///
 /// A row of which less than a fiftieth is opposite the master at the start of a step carries no multiplier in it.
 ///

@@ -35,7 +35,8 @@ impl MortarContact {
             let nodes = &self.end.slots[k].nodes;
             let want = if self.secants[k].has_last() { Want::Hessian } else { Want::Gradient };
             let here = slot.evaluate(at, nodes.len(), want);
-            let here = here.ok_or(ContactError::NoNormal { node: nodes[0] })?;
+            let mut here = here.ok_or(ContactError::NoNormal { node: nodes[0] })?;
+            here.beyond(self.step.distance[k], 0.0);
             let x = nodes.iter().flat_map(|&node| <[f64; 3]>::from(at.of(node))).collect();
             self.secants[k].learn(nodes, x, here.gradient, &here.hessian, edge);
         }
@@ -63,7 +64,9 @@ impl MortarContact {
             (false, true) => Want::Hessian,
             (false, false) => Want::Gradient,
         };
-        let at_end = slot.evaluate(step.q_np1, nodes, want_at_end).ok_or_else(no_normal)?;
+        let mut at_end = slot.evaluate(step.q_np1, nodes, want_at_end).ok_or_else(no_normal)?;
+        let (reference, distance) = (self.step.reference[k], self.step.distance[k]);
+        at_end.beyond(distance, 0.0);
         let start = &self.step.gradient[k];
         let start_of = |c: usize| start.get(c).copied().unwrap_or(0.0);
         // G and its derivative by q_np1.
@@ -84,6 +87,7 @@ impl MortarContact {
             let mut at_middle = middle
                 .evaluate(q_m, nodes, if want_tangent { Want::Hessian } else { Want::Gradient })
                 .ok_or_else(no_normal)?;
+            at_middle.beyond(distance, 0.0);
             if self.learns() {
                 self.secants[k].add_to(&slot.nodes, &mut at_middle.hessian);
             }
@@ -92,7 +96,8 @@ impl MortarContact {
             (0..n).for_each(|c| force[c] = start_of(c));
         }
         let compliance = self.compliance(k);
-        out.residual[n] -= at_end.value - self.step.reference[k] + compliance * p;
+        at_end.beyond(reference, distance);
+        out.residual[n] -= at_end.value + compliance * p;
         out.residual[..n].iter_mut().zip(&force).for_each(|(r, g)| *r -= p * g);
         if !want_tangent {
             return Ok(());
@@ -132,7 +137,7 @@ impl MortarContact {
                 (position(step.q_np1, node) - position(step.q_n, node)).dot(&Vector3::new(g[0], g[1], g[2]))
             })
             .sum();
-        let defect = at_end.value - self.step.gap[k].unwrap_or(0.0) - work;
+        let defect = at_end.value - self.step.start_beyond(k) - work;
         let relative = RelativeMotion::new(&middle.positive, &slot.nodes, step.q_n, step.q_np1);
         let length = at_middle.gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
         let (theta, _) = relative.factor(defect, area, self.length(), length);

@@ -1,6 +1,6 @@
 //! What the slots report, and the check of coverage before a step is accepted.
 
-use super::MortarContact;
+use super::{COVERED, MortarContact};
 use crate::state::{Need, segmentation_error};
 use stoss_contact::{ContactError, Coverage, Report, SlotReport};
 
@@ -55,7 +55,7 @@ impl Report for MortarContact {
         let nodes = self.surfaces.slave.nodes();
         let rows = self.surfaces.rows.iter().zip(slots).enumerate();
         let report = rows.map(|(k, (row, slot))| {
-            let there = slot.support > 1e-8 * row.area;
+            let there = slot.support > COVERED * row.area;
             let gap = if there { slot.gap(q).map(|gap| gap / slot.support) } else { None };
             let kept = self.step.reference.get(k).copied().unwrap_or(0.0);
             let of_law = gap.filter(|gap| self.options.overclosure.is_some() && *gap < 0.0);
@@ -67,7 +67,7 @@ impl Report for MortarContact {
                 gap,
                 normal: if gap.is_some() { slot.normal(q).into() } else { [0.0; 3] },
                 feature: if gap.is_some() { "face" } else { "none" },
-                reference_gap: of_law.unwrap_or(if there { kept / slot.support } else { 0.0 }),
+                reference_gap: of_law.unwrap_or(if there { kept } else { 0.0 }),
                 friction: self.last_friction(k),
             }
         });
