@@ -182,7 +182,12 @@ impl<'a> Path<'a> {
     }
 
     fn smooth_rows(&mut self) {
-        let smoothing = (0..self.model.contacts.len()).map(|c| self.smoothing(c)).collect();
+        let smoothing: Vec<f64> = (0..self.model.contacts.len()).map(|c| self.smoothing(c)).collect();
+        for (pair, &theta) in self.model.contacts.iter_mut().zip(&smoothing) {
+            if let Some(method) = pair.method.as_contact_mut() {
+                method.smooth_friction(theta);
+            }
+        }
         self.system.rows = Rows { compliance: COMPLIANCE_SMOOTHED, smoothing, ..Rows::default() };
     }
 
@@ -384,8 +389,9 @@ impl<'a> Path<'a> {
 
     /// What is pressed is closed.
     fn close(mut self) -> Result<Iterate, StepError> {
-        for (c, pair) in self.model.contacts.iter().enumerate() {
-            let Some(method) = pair.method.as_contact() else { continue };
+        for (c, pair) in self.model.contacts.iter_mut().enumerate() {
+            let Some(method) = pair.method.as_contact_mut() else { continue };
+            method.smooth_friction(0.0);
             let (active, gaps) = (&mut self.iterate.active[c], &mut self.gaps[c]);
             method.complementarity_gaps(&self.iterate.q, active, gaps)?;
             for ((active, p), gap) in active.iter_mut().zip(&mut self.iterate.pressures[c]).zip(gaps) {
