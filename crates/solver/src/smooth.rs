@@ -284,10 +284,12 @@ impl<'a> Path<'a> {
 
     /// Less smoothing, after a solution.
     fn sharpen(&mut self) {
-        self.factor = match self.rounds {
-            0..=FEW => QUICK,
-            0..=SOME => SLOW.max(self.factor * self.factor),
-            _ => SLOW.max(self.factor),
+        self.factor = if self.rounds <= FEW {
+            QUICK
+        } else if self.rounds <= SOME {
+            SLOW.max(self.factor * self.factor)
+        } else {
+            SLOW.max(self.factor)
         };
         self.solved = Some((self.theta, self.iterate.clone()));
         self.reduce();
