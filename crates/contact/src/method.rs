@@ -161,6 +161,8 @@ pub trait ContactMethod: Constraint + History {
     fn has_friction(&self) -> bool {
         false
     }
+    /// Smooths the kinks of its friction until the next step begins, or no more: `pressure` is the smoothing of pressures, a stress (theory/constraints#smoothed).
+    fn smooth_friction(&mut self, _pressure: f64) {}
     /// Nodes and slots of contributions that are not active and may well become so in this step; called after `begin`. A hint: the
     /// matrix gets room for them, so that no symbolic work is needed when they close. None by default.
     fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}

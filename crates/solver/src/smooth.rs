@@ -1,8 +1,9 @@
 //! A step by smoothed complementarity, where Newton's method with a set of closed slots failed (theory/constraints#smoothed).
 //!
-//! All slots with a partner nearer than an edge are in play and have rows. The smoothing falls to nothing inside the step, the tangent is shifted so that no
-//! iterate goes far, and an attempt with a set takes it from there to the end: the result is a solution of the equations without smoothing.
+//! All slots with a partner nearer than an edge are in play and have rows, and springs hold every free component. Smoothing and springs fall to nothing together inside the step, by less
+//! where the next solution is not found near the last one; an attempt with a set takes it from there to the end: the result is a solution of the equations without both.
 
+use crate::anchor::Anchor;
 use crate::assembly::{Iterate, System};
 use crate::failure::AttemptLog;
 use crate::problem::{StepProblem, start_auxiliaries};
@@ -11,7 +12,7 @@ use crate::step::{Attempt, StepInput, attempt};
 use crate::{Model, NewtonRow, Phase, StepError, Timings};
 use stoss_integrators::Step;
 use stoss_linalg::MatrixKind;
-use stoss_newton::NewtonProblem;
+use stoss_newton::{LineSearch, NewtonOptions, NewtonProblem};
 
 /// Linear solutions on the way.
 const BUDGET: u32 = 120;
@@ -24,10 +25,17 @@ const SMALL_PRESSURE: f64 = 1.0e-2;
 const FIRST: f64 = 0.05;
 const LAST: f64 = 1.0e-7;
 
-/// The next smoothing, after few iterates with the present one and after more.
+/// Stiffness of the springs at the beginning, in parts of the mean diagonal of the tangent.
+const SPRINGS: f64 = 1.0e-2;
+
+/// The next smoothing, after few iterates with the present one and after more; after many the reduction stays what it was.
 const QUICK: f64 = 0.1;
 const SLOW: f64 = 0.4;
 const FEW: u32 = 2;
+const SOME: u32 = 5;
+
+/// A smoothing that is reduced by less is not worth it.
+const LEAST_FACTOR: f64 = 0.85;
 
 /// A smoothing has been solved for when residual and violation are below this part of it, and below that.
 const OF_SMOOTHING: f64 = 0.3;
@@ -36,8 +44,7 @@ const SOLVED: f64 = 1.0e-2;
 /// No component moves by more than this part of an edge in an iterate.
 const REACH: f64 = 0.3;
 
-/// Shift of the tangent in parts of its mean diagonal: at first, the least and the most that is tried, the factor after an increment that is no use, and after a full one.
-const FIRST_SHIFT: f64 = 1.0e-2;
+/// Shift of the tangent in parts of its mean diagonal: the least and the most that is tried, the factor after an increment that is no use, and after a full one.
 const LEAST_SHIFT: f64 = 1.0e-3;
 const WATCHED_SHIFT: f64 = 10.0;
 const MORE: f64 = 4.0;
@@ -75,6 +82,13 @@ pub(crate) fn attempt_smoothed(
     let path = Path::new(model, system, step, start, timings, trace);
     let found = path.follow(predict.then_some(&prescribed));
     system.rows = Rows::compliant();
+    system.anchor = None;
+    // That it is in balance does not tell that it is held without springs: the matrix does.
+    let mut newton = NewtonOptions { min_iterations: newton.min_iterations.max(1), ..newton };
+    // It begins with a residual that is nothing, and a point at its kink may bring a larger one at first.
+    if let LineSearch::Backtracking { small, .. } = &mut newton.line_search {
+        *small = small.max(NEAR);
+    }
     let input = StepInput { step, start: found?, prescribed, predict: false, newton };
     attempt(model, system, input, timings, trace)
 }
@@ -103,6 +117,9 @@ struct Path<'a> {
     reference: f64,
     /// Smoothing, in parts of the largest pressure.
     theta: f64,
+    /// Factor from the last smoothing that was solved for, that smoothing and its solution.
+    factor: f64,
+    solved: Option<(f64, Iterate)>,
     /// Shift of the next tangent.
     shift: f64,
     /// Of the iterates with this smoothing.
@@ -147,7 +164,9 @@ impl<'a> Path<'a> {
             edge,
             reference,
             theta: FIRST,
-            shift: FIRST_SHIFT,
+            factor: SLOW,
+            solved: None,
+            shift: 0.0,
             merits: Vec::new(),
             smallest: f64::INFINITY,
             since: 0,
@@ -182,7 +201,12 @@ impl<'a> Path<'a> {
     }
 
     fn smooth_rows(&mut self) {
-        let smoothing = (0..self.model.contacts.len()).map(|c| self.smoothing(c)).collect();
+        let smoothing: Vec<f64> = (0..self.model.contacts.len()).map(|c| self.smoothing(c)).collect();
+        for (pair, &theta) in self.model.contacts.iter_mut().zip(&smoothing) {
+            if let Some(method) = pair.method.as_contact_mut() {
+                method.smooth_friction(theta);
+            }
+        }
         self.system.rows = Rows { compliance: COMPLIANCE_SMOOTHED, smoothing, ..Rows::default() };
     }
 
@@ -199,15 +223,21 @@ impl<'a> Path<'a> {
                 self.sharpen();
                 continue;
             }
-            let increment = self.advance(merit)?;
-            self.changes += self.renew()?;
-            self.record(merit, increment);
+            match self.advance(merit) {
+                Ok(increment) => {
+                    self.changes += self.renew()?;
+                    self.record(merit, increment);
+                }
+                Err(_) if self.may_go_back() => self.go_back()?,
+                Err(error) => return Err(error),
+            }
         }
     }
 
     fn begin(&mut self, prescribed: Option<&Vec<(usize, f64)>>) -> Result<(), StepError> {
         self.system.solver.forget();
         self.system.excess = 0;
+        self.hold(self.iterate.q.clone());
         let Self { model, system, iterate, timings, .. } = self;
         timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
         start_auxiliaries(model, &self.step, iterate)?;
@@ -215,6 +245,8 @@ impl<'a> Path<'a> {
         if let Some(prescribed) = prescribed {
             self.problem().predict_all(prescribed)?;
         }
+        // Springs do not resist what is prescribed.
+        self.hold(self.iterate.q.clone());
         self.problem().residual_norm()?;
         if self.choose_in_play()? == 0 && !self.iterate.active.iter().flatten().any(|&active| active) {
             return Err(self.spent());
@@ -245,11 +277,49 @@ impl<'a> Path<'a> {
         Ok(Merit { value, scale })
     }
 
+    /// Springs to these positions, as stiff as there is smoothing.
+    fn hold(&mut self, from: Vec<f64>) {
+        self.system.anchor = Some(Anchor { part: SPRINGS * self.theta / FIRST, stiffness: 0.0, from });
+    }
+
+    /// Less smoothing, after a solution.
     fn sharpen(&mut self) {
-        let factor = if self.rounds <= FEW { QUICK } else { SLOW };
-        self.theta = (factor * self.theta).max(LAST);
+        self.factor = if self.rounds <= FEW {
+            QUICK
+        } else if self.rounds <= SOME {
+            SLOW.max(self.factor * self.factor)
+        } else {
+            SLOW.max(self.factor)
+        };
+        self.solved = Some((self.theta, self.iterate.clone()));
+        self.reduce();
+    }
+
+    /// Whether the smoothing may be reduced by less than it was.
+    fn may_go_back(&self) -> bool {
+        self.solved.is_some() && self.factor < LEAST_FACTOR && self.trace.solves - self.before < BUDGET
+    }
+
+    /// Goes back to the last solution, to reduce the smoothing by less.
+    fn go_back(&mut self) -> Result<(), StepError> {
+        let Some((_, iterate)) = &self.solved else { return Ok(()) };
+        self.iterate.clone_from(iterate);
+        self.factor = self.factor.sqrt();
+        self.reduce();
+        self.choose_in_play()?;
+        self.match_pattern()
+    }
+
+    /// Takes the next smoothing after the one that was solved for.
+    fn reduce(&mut self) {
+        if let Some((solved, _)) = &self.solved {
+            self.theta = (self.factor * solved).max(LAST);
+        }
         self.merits.clear();
-        (self.smallest, self.since, self.rounds) = (f64::INFINITY, 0, 0);
+        (self.smallest, self.since, self.rounds, self.shift) = (f64::INFINITY, 0, 0, 0.0);
+        if let Some(anchor) = self.system.anchor.take() {
+            self.hold(anchor.from);
+        }
     }
 
     /// One iterate: the shift grows until a part of the increment is acceptable. Returns the norm of the increment.
@@ -262,6 +332,9 @@ impl<'a> Path<'a> {
             self.since += 1;
         }
         let watched = self.since >= PATIENCE;
+        if watched && self.may_go_back() {
+            return Err(self.spent());
+        }
         if watched {
             self.shift = (MORE * self.shift).clamp(LEAST_SHIFT, WATCHED_SHIFT);
         }
@@ -294,6 +367,9 @@ impl<'a> Path<'a> {
                 self.shift = used * if length == 1.0 { LESS } else { 1.0 };
                 return Ok(length * increment);
             }
+            if self.rounds == 1 && self.may_go_back() {
+                break;
+            }
             if is_based {
                 self.problem().update(0.0)?;
             }
@@ -325,7 +401,7 @@ impl<'a> Path<'a> {
                 Err(error) => return Err(error),
             }
         }
-        if best.0 < MOST_GROWTH * ceiling.max(SOLVED) || any && best.0.is_finite() {
+        if !watched && best.0 < MOST_GROWTH * ceiling.max(SOLVED) || any && best.0.is_finite() {
             problem.update(best.1)?;
             problem.residual_norm()?;
             return Ok(Some(best.1));
@@ -384,8 +460,9 @@ impl<'a> Path<'a> {
 
     /// What is pressed is closed.
     fn close(mut self) -> Result<Iterate, StepError> {
-        for (c, pair) in self.model.contacts.iter().enumerate() {
-            let Some(method) = pair.method.as_contact() else { continue };
+        for (c, pair) in self.model.contacts.iter_mut().enumerate() {
+            let Some(method) = pair.method.as_contact_mut() else { continue };
+            method.smooth_friction(0.0);
             let (active, gaps) = (&mut self.iterate.active[c], &mut self.gaps[c]);
             method.complementarity_gaps(&self.iterate.q, active, gaps)?;
             for ((active, p), gap) in active.iter_mut().zip(&mut self.iterate.pressures[c]).zip(gaps) {

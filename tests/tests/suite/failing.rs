@@ -549,7 +549,10 @@ friction = { law = "coulomb", mu = 1.5 }
     let both = "[[-0.3, 0, 0], [0.3, 0, 0], [0.3, 1, 0], [-0.3, 1, 0], [-0.476327, 0, 1.0], [0.476327, 0, 1.0], [0.476327, 1, 1.0], [-0.476327, 1, 1.0]]";
     let guide = "[[prescribe]]\nset = \"wedge.left\"\ncomponents = [\"x\"]\nfixed = true\n";
     assert!(half.contains(corners) && half.contains(guide));
-    let text = half.replace(corners, both).replace(guide, "") + jaw;
+    // It sticks, and is driven until it is crushed.
+    let (drive, farther) = ("[1.0, -0.5]", "[1.0, -0.7]");
+    assert!(half.contains(drive));
+    let text = half.replace(corners, both).replace(guide, "").replace(drive, farther) + jaw;
     let Left { result, diagnosis } = run(&text);
     assert!(matches!(result, Err(RunError::Simulation { .. })));
     let finding = diagnosis.unwrap().findings[0].clone();

@@ -10,7 +10,7 @@ const PLATE: &str = r#"
 title = "A plate that is moved as a whole"
 kind = "quasi-static"
 [time]
-end = 8.0
+end = 10.0
 step = 1.0
 [[body]]
 name = "lower"
@@ -31,7 +31,7 @@ fixed = true
 [[prescribe]]
 set = "upper.all"
 components = ["x", "y", "z"]
-displacement = { table = [[0, 0, 0, 0], [3, 0, 0, -0.1], [8, 0.3, 0, -0.1]] }
+displacement = { table = [[0, 0, 0, 0], [3, 0, 0, -0.1], [10, 0.42, 0, -0.1]] }
 "#;
 
 fn count(simulation: &Simulation, kind: DecisionKind) -> usize {
@@ -44,24 +44,50 @@ fn to_end(simulation: &mut Simulation) {
     }
 }
 
-#[test]
-fn a_run_resumed_after_a_smoothed_step_has_the_same_bits() {
-    let mut whole = simulation(PLATE);
+/// Runs a scene to its end twice, once with a break after the first step of which a decision begins with `words`, and compares the bits.
+fn same_bits_if_resumed_after(text: &str, words: &str) -> Simulation {
+    let mut whole = simulation(text);
     to_end(&mut whole);
-    assert_eq!(count(&whole, DecisionKind::Cut), 0);
-    let mut stopped = simulation(PLATE);
-    while count(&stopped, DecisionKind::Smoothed) == 0 {
-        assert!(!stopped.finished(), "no step was smoothed");
+    let mut stopped = simulation(text);
+    while !stopped.decisions().iter().any(|decision| decision.reason.starts_with(words)) {
+        assert!(!stopped.finished(), "no step was {words}");
         stopped.advance().unwrap();
     }
-    let mut resumed = simulation(PLATE);
+    assert!(!stopped.finished(), "nothing is left after the step that was {words}");
+    let mut resumed = simulation(text);
     resumed.restore(stopped.checkpoint("t", Default::default()), "t").unwrap();
     to_end(&mut resumed);
     assert_eq!(whole.state().q, resumed.state().q);
     assert_eq!(whole.pressures(), resumed.pressures());
-    // No tension, and no row of a closed slot that is open.
-    let pairs = whole.pressures().iter().zip(whole.active());
-    assert!(pairs.flat_map(|(p, closed)| p.iter().zip(closed)).all(|(p, closed)| *p >= 0.0 && (*closed || *p == 0.0)));
+    assert_eq!(whole.active(), resumed.active());
+    whole
+}
+
+#[test]
+fn a_run_resumed_after_a_smoothed_step_has_the_same_bits() {
+    // With friction it is smoothed as well, and what slides is on its cone at the end.
+    for friction in ["", "friction = { law = \"coulomb\", mu = 0.4 }\n[[prescribe]]"] {
+        let text = PLATE.replacen("[[prescribe]]", if friction.is_empty() { "[[prescribe]]" } else { friction }, 1);
+        let whole = same_bits_if_resumed_after(&text, "contact smoothed");
+        assert_eq!(count(&whole, DecisionKind::Cut), 0);
+        // No tension, and no row of a closed slot that is open.
+        let pairs = whole.pressures().iter().zip(whole.active());
+        assert!(
+            pairs.flat_map(|(p, closed)| p.iter().zip(closed)).all(|(p, closed)| *p >= 0.0 && (*closed || *p == 0.0))
+        );
+        let report = whole.contact_report(0).unwrap();
+        let closed = report.iter().zip(&whole.active()[0]).filter(|(_, closed)| **closed);
+        for (report, _) in closed {
+            let Some(friction) = &report.friction else { continue };
+            let size = friction.traction[0].hypot(friction.traction[1]);
+            assert!(size <= friction.bound * (1.0 + 1e-9), "{size} of {}", friction.bound);
+        }
+    }
+}
+
+#[test]
+fn a_run_resumed_after_a_step_with_springs_has_the_same_bits() {
+    same_bits_if_resumed_after(LOADED, "held by springs");
 }
 
 /// One block on another, which a traction presses down: general contact alone holds it, and has no stiffness before.

@@ -10,6 +10,10 @@ impl ContactMethod for MortarContact {
         self.friction.is_some()
     }
 
+    fn smooth_friction(&mut self, pressure: f64) {
+        self.friction.iter_mut().for_each(|surface| surface.friction.smooth(pressure));
+    }
+
     fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
         let rows = self.surfaces.rows.iter().zip(&self.end.slots).enumerate();
         for ((k, (row, slot)), out) in rows.zip(out) {

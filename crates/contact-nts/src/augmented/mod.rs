@@ -448,6 +448,10 @@ impl ContactMethod for CoordinateAugmented {
         self.inner.has_friction()
     }
 
+    fn smooth_friction(&mut self, pressure: f64) {
+        self.inner.smooth_friction(pressure);
+    }
+
     fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
         self.inner.complementarity_gaps(q_np1, active, out)
     }

@@ -42,6 +42,10 @@ impl ContactMethod for NodeToSurface {
         self.friction.is_some()
     }
 
+    fn smooth_friction(&mut self, pressure: f64) {
+        self.friction.iter_mut().for_each(|surface| surface.friction.smooth(pressure));
+    }
+
     fn candidates(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         for slot in (0..self.slots.len()).filter(|&s| !active[s]) {
             if let Some(facet) = self.slots[slot].origin {

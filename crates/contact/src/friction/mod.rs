@@ -15,6 +15,7 @@ mod coulomb;
 mod iteration;
 mod law;
 mod regularised;
+mod smooth;
 mod static_dynamic;
 mod step;
 

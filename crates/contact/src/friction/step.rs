@@ -2,6 +2,7 @@
 
 use super::check;
 use super::law::{FrictionInput, FrictionLaw, FrictionOutput, Plane};
+use super::smooth::smoothed_return;
 use crate::{ContactError, SlotFriction, Step};
 use std::sync::Arc;
 
@@ -67,6 +68,8 @@ pub struct Friction {
     resistance: f64,
     stick: Stick,
     midpoint: MidpointFriction,
+    /// Smoothing of the pressures; zero: the law as it is.
+    smoothing: f64,
 }
 
 /// One point at the start of its step, and what the iteration says of the step.
@@ -120,6 +123,10 @@ fn dot(a: Plane, b: Plane) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
+fn size(a: Plane) -> f64 {
+    a[0].hypot(a[1])
+}
+
 fn sum(a: Plane, b: Plane) -> Plane {
     [a[0] + b[0], a[1] + b[1]]
 }
@@ -164,6 +171,7 @@ impl Friction {
             resistance: 0.0,
             stick,
             midpoint,
+            smoothing: 0.0,
         })
     }
 
@@ -204,7 +212,22 @@ impl Friction {
         self.resistance = self.body_stiffness + if inertia.is_finite() { inertia } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();
         self.spring = if weighs { self.penalty + inertia } else { self.penalty };
+        self.smoothing = 0.0;
         self.stiffness = self.careful_weight.filter(|_| weighs && step.careful).unwrap_or(self.spring);
+    }
+
+    /// Smooths the kink between stick and slip until the next step begins, or takes the law as it is again: `pressure` is the smoothing of pressures (theory/constraints#smoothed), of which
+    /// the law makes a traction. It is for iterates on the way; what a step dissipates is not that of a smoothed one.
+    pub fn smooth(&mut self, pressure: f64) {
+        self.smoothing = pressure;
+    }
+
+    /// What the law admits along a traction: its return from far beyond any bound.
+    fn bound_along(&self, along: Plane, pressure: f64, slip: Plane, [slid, step_size]: [f64; 2]) -> FrictionOutput {
+        let along = if along == [0.0; 2] { [1.0, 0.0] } else { along };
+        let far = 1.0e6 * (1.0 + pressure.abs() + dot(along, along).sqrt()) / dot(along, along).sqrt();
+        let trial = along.map(|a| far * a);
+        self.law.traction(&FrictionInput { pressure, trial, slip, step_size, slid })
     }
 
     /// What multiplies slips in the present step, traction per length.
@@ -225,9 +248,7 @@ impl Friction {
     pub fn coefficient(&self, pressure: f64, slip: Plane, [slid, step_size]: [f64; 2]) -> f64 {
         let size = dot(slip, slip).sqrt();
         let direction = if size > 0.0 { slip.map(|s| s / size) } else { [1.0, 0.0] };
-        // Far beyond any bound.
-        let trial = direction.map(|d| 1.0e6 * (1.0 + pressure) * d);
-        let admitted = self.law.traction(&FrictionInput { pressure, trial, slip, step_size, slid }).traction;
+        let admitted = self.bound_along(direction, pressure, slip, [slid, step_size]).traction;
         dot(admitted, admitted).sqrt() / pressure
     }
     /// What a step came to, for reports. `start` is the traction that it began with, `pressure` and `slid` are those of the step.
@@ -238,11 +259,7 @@ impl Friction {
         slip: Plane,
         [pressure, slid, step_size]: [f64; 3],
     ) -> SlotFriction {
-        // Far beyond any bound, along the traction.
-        let along = if step.force == [0.0; 2] { [1.0, 0.0] } else { step.force };
-        let far = 1.0e6 * (1.0 + pressure.abs() + dot(along, along).sqrt()) / dot(along, along).sqrt();
-        let trial = along.map(|a| far * a);
-        let admitted = self.law.traction(&FrictionInput { pressure, trial, slip, step_size, slid }).traction;
+        let admitted = self.bound_along(step.force, pressure, slip, [slid, step_size]).traction;
         let bound = dot(admitted, admitted).sqrt();
         // A midpoint variant takes a mean of two tractions, of which the first had another pressure.
         let bound = if step.force == step.end { bound } else { bound.max(dot(start, start).sqrt()) };
@@ -312,7 +329,16 @@ impl Friction {
         };
         let law = |trial| law_at(trial, point.slip);
         let elastic = self.law.is_elastic();
+        // Of a law that is proportional to the pressure the smoothing is so too, whatever its coefficient.
+        let of_path = [point.slid, point.step_size];
+        let smoothing = match self.smoothing > 0.0 && elastic {
+            true => size(self.bound_along([1.0, 0.0], self.smoothing, [0.0; 2], of_path).traction),
+            false => 0.0,
+        };
         let returned = |trial| match (stuck, elastic) {
+            _ if smoothing > 0.0 => {
+                smoothed_return(trial, &self.bound_along(trial, point.pressure, point.slip, of_path), smoothing)
+            }
             (false, _) => law(trial),
             (true, true) => {
                 let d_trial = [[1.0, 0.0], [0.0, 1.0]];

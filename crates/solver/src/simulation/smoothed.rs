@@ -28,7 +28,7 @@ impl Simulation {
         let with_care =
             |from: Start| (Way::Careful, from, DecisionKind::Restart, "with compliant rows and slips of little weight");
         let mut ways = Vec::new();
-        if matches!(cause, StepError::Singular { .. }) {
+        if matches!(cause, StepError::Singular { .. }) && !has_rows {
             ways.push((Way::Anchored, last, DecisionKind::Restart, "held by springs that vanish"));
         }
         if has_friction && has_rows {
