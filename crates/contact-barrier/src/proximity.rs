@@ -216,16 +216,19 @@ impl Proximity {
     }
 
     /// Part of the motion `increment` from `x`, at most 1, on which no pair comes nearer than a tenth of its distance.
-    pub fn safe_fraction(&self, x: &[Vector3<f64>], increment: &[Vector3<f64>]) -> f64 {
-        let mut fraction: f64 = 1.0;
+    pub fn safe_fraction(&self, x: &[Vector3<f64>], increment: &[Vector3<f64>]) -> (f64, Option<&Candidate>) {
+        let mut least = (1.0, None);
         for candidate in self.candidates.iter().filter(|candidate| !candidate.is_integration_point) {
             let [x, d] = [candidate.of(x), candidate.of(increment)];
             // What stays apart by more than the layer leaves enough of any distance that matters.
             if candidate.may_meet(&x, &d, self.thickness) {
-                fraction = fraction.min(safe_fraction(candidate.kind, &x, &d, KEEP));
+                let fraction = safe_fraction(candidate.kind, &x, &d, KEEP);
+                if fraction < least.0 {
+                    least = (fraction, Some(candidate));
+                }
             }
         }
-        fraction
+        least
     }
 }
 

@@ -410,17 +410,15 @@ impl Skin {
     /// `share` is the part of its area that a point of integration has against a surface like its own: one half where both sides are summed. Against much larger triangles it has more and against much
     /// smaller ones less, and more where its own surface is rougher. The parts of two surfaces at one place have the sum one, and they depend continuously on it: `shares` are those of the corners of the triangle.
     /// `corners`, from 0 to 1, are by how much the point's surface and the other one meet each other there with an edge or a corner of their body, which has all of the points then.
-    /// A vertex has a small part of its area, and not more than of a few of the largest at the triangle's corners; it has none opposite a surface that is much rougher than its own.
+    /// A vertex has [`Self::guard_weight`]; it has none opposite a surface that is much rougher than its own.
     pub fn point_weight(&self, point: u32, triangle: u32, shares: [f64; 3], share: f64, corners: [f64; 2]) -> f64 {
         let area = self.point_area[point as usize];
         let other = self.shape.around(triangle, shares);
         let ends = (corners[0] - corners[1]).clamp(-1.0, 1.0);
         if (point as usize) < self.vertex_count {
-            let corners = self.triangles[triangle as usize].map(|v| self.point_area[v as usize]);
-            let most = UNEVEN * corners.into_iter().fold(0.0, f64::max);
             // Areas of vertices are a third of those of some six triangles.
             let own = Around { size: 0.5 * area, roughness: self.shape.vertex_angle(point) };
-            return 0.5 * GUARD * area.min(most) * (1.0 - rougher(&other, &own).max(-ends));
+            return self.guard_weight(point, triangle) * (1.0 - rougher(&other, &own).max(-ends));
         }
         let place = point as usize - self.vertex_count;
         let own = self.shape.around((place / GAUSS.len()) as u32, GAUSS[place % GAUSS.len()]);
@@ -431,6 +429,13 @@ impl Skin {
         let by_size = if by_other > 0.0 { by_other / (by_own + by_other) } else { 0.0 };
         let by_shape = by_size + rougher(&own, &other) * (1.0 - by_size) - rougher(&other, &own) * by_size;
         area * if ends > 0.0 { by_shape + ends * (1.0 - by_shape) } else { by_shape + ends * by_shape }
+    }
+
+    /// Weight of a vertex against a triangle, an area: a small part of its own, and not more than of a few of the largest at the triangle's corners.
+    pub fn guard_weight(&self, vertex: u32, triangle: u32) -> f64 {
+        let corners = self.triangles[triangle as usize].map(|v| self.point_area[v as usize]);
+        let most = UNEVEN * corners.into_iter().fold(0.0, f64::max);
+        0.5 * GUARD * self.point_area[vertex as usize].min(most)
     }
 
     /// Weight of two edges, an area, and the factor that fades them out where they are parallel. It is a small part of the mean of the areas that belong to them, and not more than of a few of the smaller one.

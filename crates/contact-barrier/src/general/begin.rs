@@ -83,6 +83,16 @@ impl Scene<'_> {
         })
     }
 
+    /// Weight and largest thickness of a vertex that stopped a motion before a triangle.
+    pub fn blocked_point(&self, c: &Candidate) -> [f64; 2] {
+        [self.skin.guard_weight(c.points[0], c.of[0]), self.thickness]
+    }
+
+    /// The same of two edges.
+    pub fn blocked_edges(&self, c: &Candidate) -> [f64; 2] {
+        [self.skin.edge_weight(c.of).0, self.thickness]
+    }
+
     /// Weight of a point that meets a triangle at a place where it is to act on it, and the part of the thickness in which it does.
     fn meets(&self, c: &Candidate, close: &ClosestPair, x: &dyn Fn(u32) -> Vector3<f64>) -> Option<[f64; 2]> {
         let (skin, p) = (self.skin, c.points[0]);

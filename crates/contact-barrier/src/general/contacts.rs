@@ -6,7 +6,7 @@ use super::history::{Held, Key};
 use super::pieces::{Patch, PieceList};
 use crate::proximity::{Candidate, nearest};
 use nalgebra::Vector3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use stoss_geometry::{ClosestPair, PairKind, closest};
 
@@ -56,6 +56,8 @@ pub(super) struct Contacts {
     list: Vec<Contact>,
     /// Weights and thicknesses of what was in the layer at the start, and of what has begun in the step.
     known: BTreeMap<Key, [f64; 2]>,
+    /// Pairs that have stopped a motion of the step: they begin whatever is between them.
+    blocked: BTreeSet<Key>,
     order: Vec<(u32, u32, u32)>,
     labels: Vec<usize>,
     normals: Vec<Vector3<f64>>,
@@ -66,7 +68,14 @@ impl Contacts {
     /// A step begins with what was in the layer.
     pub fn begin(&mut self, held: &[Held]) {
         self.known.clear();
+        self.blocked.clear();
         self.known.extend(held.iter().map(|held| (held.key, [held.weight, held.thickness])));
+    }
+
+    /// A pair that has stopped a motion begins to act in this step, as it may: it has no energy at the start. Returns whether that is new.
+    pub fn block(&mut self, c: &Candidate) -> bool {
+        let key = (c.kind, c.points);
+        !self.known.contains_key(&key) && self.blocked.insert(key)
     }
 
     /// All contacts that are known.
@@ -130,7 +139,8 @@ impl Contacts {
         let [weight, thickness] = match self.known.get(&key) {
             Some(known) => *known,
             None => {
-                let Some([weight, thickness]) = scene.edges_begin(c) else { return };
+                let blocked = || self.blocked.contains(&key).then(|| scene.blocked_edges(c));
+                let Some([weight, thickness]) = scene.edges_begin(c).or_else(blocked) else { return };
                 let begun = [weight, thickness.min(start.distance_squared.sqrt())];
                 self.known.insert(key, begun);
                 begun
@@ -225,7 +235,10 @@ impl Contacts {
         let [weight, thickness] = match known {
             Some(known) => known,
             None => {
-                let Some([weight, thickness]) = scene.point_begins(of) else { return };
+                let candidate = |&k: &u32| &scene.candidates[k as usize];
+                let stops = |c: &&Candidate| self.blocked.contains(&(c.kind, c.points));
+                let blocked = || of.iter().map(candidate).find(stops).map(|c| scene.blocked_point(c));
+                let Some([weight, thickness]) = scene.point_begins(of).or_else(blocked) else { return };
                 let begun = [weight, thickness.min(start.distance_squared.sqrt())];
                 self.known.insert((begin.kind, begin.points), begun);
                 begun

@@ -33,6 +33,9 @@ use stoss_contact::{
 /// Iterations of a step with inertia in which motions are shortened because they pass very many facets; then the step is given up.
 const MAX_SHORTENED: u32 = 3;
 
+/// Part of a motion that is free, below which what stops it begins to act.
+const BLOCKED: f64 = 0.5;
+
 /// Settings of [`GeneralContact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeneralOptions {
@@ -244,8 +247,10 @@ impl Potential for GeneralContact {
         if part < 1.0 {
             d.iter_mut().for_each(|d| *d *= part);
         }
-        let fraction = part * proximity.safe_fraction(x, d);
-        if changed {
+        let (free, nearest) = proximity.safe_fraction(x, d);
+        let fraction = part * free;
+        let begins = nearest.is_some_and(|c| free < BLOCKED && self.contacts.block(c));
+        if changed || begins {
             self.regroup();
         }
         self.shortened += u32::from(part < 1.0);
