@@ -10,7 +10,7 @@ use stoss_contact::position;
 use stoss_reference_element::FacetNodes;
 
 /// Weight of the vertices and edges against that of the surface, which keeps out what points of integration do not see: corners, and edges that cross.
-const GUARD: f64 = 0.01;
+pub(crate) const GUARD: f64 = 0.01;
 
 /// Ratio of two areas from which on the larger one no longer counts as it is: what it meets then has no more of it than this many of its own.
 const UNEVEN: f64 = 3.0;

@@ -5,6 +5,7 @@ use super::contacts::Contact;
 use super::joint::{Joint, Law, Sums, Term};
 use super::pieces::{Patch, Piece};
 use crate::proximity::Candidate;
+use crate::skin::GUARD;
 use crate::slip::SlipLine;
 use crate::{Friction, FrictionForce, Layer, PairStart, PairTerm, StepForce, Stick, Tangent};
 use nalgebra::Vector3;
@@ -182,7 +183,9 @@ impl GeneralContact {
         let stick = match self.creep() {
             Some(speed) => Stick::Creep { slip_scale: speed * self.step_size },
             None => {
-                let stiffness = SHEAR * interaction.modulus / self.options.thickness * act.weight;
+                // A guard carries alone what points of integration do not see: its spring is that of the area of which its weight is a part.
+                let area = if act.begin.is_integration_point { act.weight } else { act.weight / GUARD };
+                let stiffness = SHEAR * interaction.modulus / self.options.thickness * area;
                 Stick::Spring { stiffness, stretch: act.stretch }
             }
         };
