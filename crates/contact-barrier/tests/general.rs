@@ -158,7 +158,11 @@ fn work_is_the_change_of_energy_less_what_is_lost_and_momenta_stay() {
         assert!((before - springs - contact.energy(&q_n).unwrap()).abs() <= 1e-13 * before);
         assert_eq!(springs > 0.0 && work.friction_stored > 0.0, friction > 0.0 && slip_velocity.is_none());
         assert!(before > 0.0 && work.stored > 0.0 && work.dissipated >= 0.0);
-        assert_eq!(work.friction_work != 0.0, friction > 0.0);
+        // What creeps only loses; a spring may give back.
+        match slip_velocity {
+            Some(_) => assert_eq!(work.friction_work > 0.0, friction > 0.0),
+            None => assert_eq!(work.friction_work != 0.0, friction > 0.0),
+        }
         let done: f64 = residual.iter().zip(&q).zip(&q_n).map(|((g, q), q_n)| g * (q - q_n)).sum();
         let scale: f64 = residual.iter().zip(&q).zip(&q_n).map(|((g, q), q_n)| (g * (q - q_n)).abs()).sum();
         let balance = done - (work.stored - before) - work.dissipated;

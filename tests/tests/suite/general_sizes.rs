@@ -83,9 +83,9 @@ fn static_friction_does_not_fade_with_the_number_of_steps() {
         );
         ratios.push(ratio);
     }
-    // Facets interlock by some hundredths of the friction, whatever the steps.
+    // Coulomb's, whatever the steps.
     assert!(
-        ratios.iter().all(|ratio| (ratio / ratios[0] - 1.0).abs() < 2e-3 && (ratio - 0.3).abs() < 0.02),
+        ratios.iter().all(|ratio| (ratio / ratios[0] - 1.0).abs() < 2e-3 && (ratio - 0.3).abs() < 1e-3),
         "{ratios:?}"
     );
 }

@@ -66,8 +66,8 @@ fn same_bits_if_resumed_after(text: &str, words: &str) -> Simulation {
 #[test]
 fn a_run_resumed_after_a_smoothed_step_has_the_same_bits() {
     // With friction it is smoothed as well, and what slides is on its cone at the end.
-    for friction in ["", "friction = { law = \"coulomb\", mu = 0.4 }\n[[prescribe]]"] {
-        let text = PLATE.replacen("[[prescribe]]", if friction.is_empty() { "[[prescribe]]" } else { friction }, 1);
+    for friction in ["", "friction = { law = \"coulomb\", mu = 0.4 }\n"] {
+        let text = PLATE.replacen("[[prescribe]]", &format!("{friction}[[prescribe]]"), 1);
         let whole = same_bits_if_resumed_after(&text, "contact smoothed");
         assert_eq!(count(&whole, DecisionKind::Cut), 0);
         // No tension, and no row of a closed slot that is open.
