@@ -44,6 +44,17 @@ impl Interactions {
         }
     }
 
+    /// Multiplies the modulus of all layers between two bodies.
+    pub fn scale_modulus(&mut self, [a, b]: [u32; 2], factor: f64) {
+        let n = self.bodies.len();
+        for (k, entry) in self.table.iter_mut().enumerate() {
+            let pair = [self.bodies[k / n], self.bodies[k % n]];
+            if let Some(interaction) = entry.as_mut().filter(|_| pair == [a, b] || pair == [b, a]) {
+                interaction.modulus *= factor;
+            }
+        }
+    }
+
     /// Whether any surfaces of two bodies act on each other.
     pub fn acts_between(&self, [a, b]: [u32; 2]) -> bool {
         let n = self.bodies.len();

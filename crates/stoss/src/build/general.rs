@@ -1,7 +1,7 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
 use super::general_schemes::{Bond, connected, owner, sorted};
-use super::general_skin::{Bodies, skin};
+use super::general_skin::{Bodies, Made, skin};
 use super::general_table::{self, NAME};
 use super::interacting::{Classes, facets, interactions, without_joined_overlaps};
 use super::joined::held_of;
@@ -12,6 +12,9 @@ use crate::solver::{ContactPair, Coupling, Model};
 use std::collections::BTreeSet;
 use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interactions};
 use stoss_mesh::BOUNDARY;
+
+/// Modulus of the layer between bodies of which one alone goes inside, in parts of that between two that share the inset.
+const ONE_SIDED: f64 = 0.5;
 
 /// Adds general contact to the model if the scene has it. Where it acts between parts whose joints end, nothing is left in `joined`.
 pub(super) fn general(
@@ -96,7 +99,9 @@ fn contact(
         warnings.push(message.into());
     }
     let inner = inner_pairs(scene, placed);
-    let (skin, thickness) = skin(table, &Bodies { placed, model, rules: &rules }, facets, inner, problems, warnings)?;
+    let bodies = Bodies { placed, model, rules: &rules };
+    let Made { skin, thickness, one_sided } = skin(table, &bodies, facets, inner, problems, warnings)?;
+    one_sided_insets(&mut rules, placed, table, &one_sided);
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;
     let has_rates = scene.is_dynamic() || scene.stages.iter().any(|stage| stage.kind == Kind::Dynamic);
@@ -148,6 +153,20 @@ fn contact(
         }),
     };
     Some((plan, rules))
+}
+
+/// The layer is to give back what the inset takes, which is twice as much where one body alone goes inside (theory/barrier#modulus), unless the scene gives its modulus.
+fn one_sided_insets(rules: &mut Interactions, placed: &[Placed], table: &Table, pairs: &[[u32; 2]]) {
+    for &pair in pairs {
+        let names = sorted(pair.map(|part| &placed[part as usize].name[..]));
+        let is_given = |own: &crate::scene::GeneralPair| {
+            own.modulus.is_some() && sorted([&own.between[0], &own.between[1]]) == names
+        };
+        let both_rigid = pair.iter().all(|&part| placed[part as usize].mesh().is_none());
+        if !both_rigid && !table.pairs.iter().any(is_given) {
+            rules.scale_modulus(pair, ONE_SIDED);
+        }
+    }
 }
 
 /// Keys that are given and change nothing.

@@ -77,6 +77,15 @@ impl Bodies<'_> {
     }
 }
 
+/// What [`skin`] makes.
+pub(super) struct Made {
+    pub skin: Skin,
+    /// Of the layer, a length.
+    pub thickness: f64,
+    /// Pairs of bodies of which one alone goes inside, by all of the thickness.
+    pub one_sided: Vec<[u32; 2]>,
+}
+
 /// The skin, inset where bodies touch or face each other with a small gap, and the thickness of its layer. `inner`: pairs of bodies that go inside with all of their surfaces.
 pub(super) fn skin(
     table: &Table,
@@ -85,7 +94,7 @@ pub(super) fn skin(
     inner: impl Iterator<Item = [u32; 2]>,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
-) -> Option<(Skin, f64)> {
+) -> Option<Made> {
     let &Bodies { placed, model, rules } = bodies;
     let name = |body: u32| bodies.name(body);
     let mut refuse = |message: String, remedy: String| problems.add("general_contact".into(), "", message, remedy);
@@ -285,7 +294,8 @@ pub(super) fn skin(
             between.filter(|(_, nearest)| nearest.distance < (1.0 - ROUND_OFF) * thickness)
         };
         if near().next().is_none() {
-            return Some((skin, thickness));
+            let one_sided = touches.iter().filter(|touch| touch.parts.contains(&0.0)).map(|touch| touch.bodies);
+            return Some(Made { skin, thickness, one_sided: one_sided.collect() });
         }
         // What only touched is farther apart by now.
         let is_known = |pair: &[u32; 2]| touches.iter().any(|touch| touch.bodies == *pair);
@@ -323,7 +333,7 @@ pub(super) fn skin(
         }
         return None;
     }
-    Some((skin, thickness))
+    Some(Made { skin, thickness, one_sided: Vec::new() })
 }
 
 /// Lets the pairs that are `meant` go inside with all of their surfaces; whether any did not so far.
