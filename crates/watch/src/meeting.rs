@@ -21,6 +21,14 @@ const TOUCHING: f64 = 1.0e-3;
 /// Two surfaces are curved alike if they lie on each other over so many times the angle between neighbouring facets.
 const CURVED_ALIKE: f64 = 3.0;
 
+/// What is left of the height of an arch where contact has true positions: it takes three pieces along each side.
+const KNOWN: f64 = 1.0 / 9.0;
+
+/// Parts of an edge by which distances of one place are different.
+const SAME_PLACE: f64 = 1.0e-9;
+/// Cosine of the normals of two facets below which they are opposite to each other.
+const OPPOSITE: f64 = -0.5;
+
 /// Normals that differ by less are one.
 const SAME_NORMAL: f64 = 1.0e-6;
 
@@ -41,8 +49,12 @@ pub struct Meeting {
     /// normal there, less the gap that they had in the reference, or with the overlap that they had.
     pub drive: f64,
     /// Mean height of the arches of facets over the nodes of the other surface that lie on them (a length), of surfaces that are curved alike; zero of others. By so much the gap between the
-    /// facets is not that between the curved surfaces.
+    /// facets is not that between the curved surfaces, unless contact knows the true positions.
     pub arch: f64,
+    /// By how much the distance of the facets, which the watch measures, may differ from that of the true surfaces which contact knows (a length).
+    pub known_arches: f64,
+    /// Whether loads alone press them together. Forces are right then whatever is left between the surfaces, but how bodies share them depends on the arches.
+    pub by_loads: bool,
 }
 
 /// A node near the other surface.
@@ -113,23 +125,46 @@ fn pushing(surface: &Surface, facets: &[u32], rim: Vec<Vector3<f64>>, force: &Ve
     normals
 }
 
-/// Mean height of the arches of `other` at the nodes of `body` that lie on it, if they are curved alike.
-fn arch(body: &Surface, other: &Surface) -> f64 {
+/// Of the facets of `other` that are as near to a node of `body` as the one that was found, as at an edge between two, the triangle that is most opposite to a facet of the node, with the normals of
+/// both; nothing if none is opposite, as where a node lies beside a rim.
+fn opposite(body: &Surface, other: &Surface, near: &Near) -> Option<(usize, [Vector3<f64>; 2])> {
+    let x = &body.points[near.node as usize];
+    let first = other.facet(near.triangle);
+    let bound = (x - near.foot).norm() + SAME_PLACE * other.length(first);
+    let around = other.facets[first as usize].corners().iter().flat_map(|&corner| other.facets_at(corner));
+    let all: BTreeSet<u32> = around.copied().chain([first]).collect();
+    let triangles = all.iter().flat_map(|&f| other.triangles_of(f));
+    let as_near = triangles.filter(|&t| (x - nearest_point(x, other.triangle(t))).norm() <= bound);
+    let own = || body.facets_at(near.node).iter().map(|&f| body.normal(f));
+    let pairs = as_near.flat_map(|t| own().map(move |n| (t, [n, other.normal(other.facet(t))])));
+    let cosine = |[n, m]: &[Vector3<f64>; 2]| n.dot(m);
+    pairs.min_by(|a, b| cosine(&a.1).total_cmp(&cosine(&b.1))).filter(|(_, normals)| cosine(normals) < OPPOSITE)
+}
+
+/// Heights of the arches of a surface at the nodes of another one that lie on it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Arches {
+    /// Their mean, if the surfaces are curved alike.
+    mean: f64,
+    /// By how much the smallest distance of the nodes from the facets differs from that from the curved surface, if they are curved alike.
+    of_gap: f64,
+    /// The highest arch over these facets.
+    highest: f64,
+}
+
+/// The arches of `other` at the nodes of `body`.
+fn arches(body: &Surface, other: &Surface) -> Arches {
     let lying = near(body, other, f64::INFINITY, |f| other.highest_arch(f) + TOUCHING * other.length(f));
-    if lying.is_empty() {
-        return 0.0;
-    }
-    let facets: BTreeSet<u32> = lying.iter().map(|near| other.facet(near.triangle)).collect();
+    let places: Vec<(&Near, usize, [Vector3<f64>; 2])> =
+        lying.iter().filter_map(|near| opposite(body, other, near).map(|(t, normals)| (near, t, normals))).collect();
+    let facets: BTreeSet<u32> = places.iter().map(|(_, t, _)| other.facet(*t)).collect();
+    let highest = facets.iter().map(|&f| other.highest_arch(f)).fold(0.0, f64::max);
     let angle = |a: &Vector3<f64>, b: &Vector3<f64>| a.cross(b).norm().atan2(a.dot(b));
-    let spread = |normals: &[Vector3<f64>]| normals.iter().map(|n| angle(&normals[0], n)).fold(0.0, f64::max);
-    let seen: Vec<Vector3<f64>> = facets.iter().map(|&f| other.normal(f)).collect();
-    // Of the body the facets that are most opposite to these: those of a plane under a ball have one normal.
-    let own = lying.iter().filter_map(|near| {
-        let opposite = other.normal(other.facet(near.triangle));
-        let around = body.facets_at(near.node).iter().map(|&f| body.normal(f));
-        around.min_by(|a, b| a.dot(&opposite).total_cmp(&b.dot(&opposite)))
-    });
-    let own: Vec<Vector3<f64>> = own.collect();
+    // Of each side, those of a plane under a ball being one normal.
+    let spread = |side: usize| {
+        let all = places.iter().map(|(_, _, normals)| angle(&places[0].2[side], &normals[side]));
+        all.fold(0.0, f64::max)
+    };
     // The largest angle between neighbours on a smooth surface: facets that share a node.
     let turn = |&f: &u32| {
         let normal = other.normal(f);
@@ -138,17 +173,30 @@ fn arch(body: &Surface, other: &Surface) -> f64 {
         smooth.map(|n| angle(&normal, &n)).fold(0.0, f64::max)
     };
     let least = CURVED_ALIKE * facets.iter().map(turn).fold(0.0, f64::max);
-    if spread(&seen) <= least || spread(&own) <= least {
-        return 0.0;
+    if spread(0) <= least || spread(1) <= least {
+        return Arches { highest, ..Arches::default() };
     }
-    let heights = lying.iter().map(|near| other.height_of_arch(near.triangle, &near.foot));
-    (heights.sum::<f64>() / lying.len() as f64).abs()
+    let heights: Vec<f64> = places.iter().map(|(near, t, _)| other.height_of_arch(*t, &near.foot)).collect();
+    let mean = (heights.iter().sum::<f64>() / places.len() as f64).abs();
+    let distances = places.iter().map(|(near, ..)| near.distance);
+    let curved =
+        distances.clone().zip(&heights).map(|(distance, height)| distance - height).fold(f64::INFINITY, f64::min);
+    Arches { mean, of_gap: (curved - distances.fold(f64::INFINITY, f64::min)).abs(), highest }
 }
 
 impl Watch {
     /// Two bodies as they lie in the state that [`Self::geometry`] has looked at last, with this force on the first one; nothing if one of them has no surface. `known` is their smallest distance
-    /// where contact knows it: edges may be nearer to each other than any node.
-    pub fn meeting(&mut self, bodies: [usize; 2], force: [f64; 3], known: Option<f64>) -> Option<Meeting> {
+    /// where contact knows it: edges may be nearer to each other than any node. `is_round`: whether contact has true positions on the round surfaces of each; `by_loads`:
+    /// whether loads alone press them together.
+    pub fn meeting(
+        &mut self,
+        bodies: [usize; 2],
+        force: [f64; 3],
+        known: Option<f64>,
+        is_round: [bool; 2],
+        by_loads: bool,
+    ) -> Option<Meeting> {
+        let is_round = |body: usize| is_round[usize::from(body != bodies[0])];
         let gap = self.gap_in_reference(bodies);
         // Against the force, the way of the first body into the second.
         let way = -Vector3::from(force).try_normalize(0.0).unwrap_or_default();
@@ -160,6 +208,7 @@ impl Watch {
         let [a, b] = bodies;
         let both = [nearest([a, b]), nearest([b, a])].into_iter().flatten();
         let ([a, b], found) = both.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance))?;
+        let of_gap = if by_loads { self.arches_of_gap([a, b]) } else { [0.0; 2] };
         let (body, other) = (&self.surfaces[a], &self.surfaces[b]);
         let position = body.points[found.node as usize];
         let edge = other.edge_length(found.triangle);
@@ -176,7 +225,14 @@ impl Watch {
             true => drive(body, other, -other.normal(other.facet(found.triangle))),
             false => drive(first, second, way),
         } - gap;
-        let arch = arch(body, other).max(arch(other, body));
+        let (mut mean, mut known_arches) = (0.0_f64, 0.0);
+        for (arches, of) in [(arches(body, other), b), (arches(other, body), a)] {
+            mean = mean.max(if is_round(of) { KNOWN * arches.mean } else { arches.mean });
+            known_arches += if is_round(of) { arches.highest } else { 0.0 };
+        }
+        for (height, of) in of_gap.into_iter().zip([a, b]) {
+            mean = mean.max(if is_round(of) { KNOWN * height } else { height });
+        }
         Some(Meeting {
             bodies: [a, b],
             node: body.nodes[found.node as usize],
@@ -184,7 +240,9 @@ impl Watch {
             apart: found.distance.min(known.unwrap_or(f64::INFINITY)),
             edge,
             drive,
-            arch,
+            arch: mean,
+            known_arches,
+            by_loads,
         })
     }
 
@@ -194,11 +252,7 @@ impl Watch {
         if let Some(&gap) = self.gaps.get(&key) {
             return gap;
         }
-        let [first, second] = [a, b].map(|k| {
-            let mut surface = self.surfaces[k].clone();
-            surface.place(&self.model.reference, true);
-            surface
-        });
+        let [first, second] = [a, b].map(|k| self.in_reference(k));
         let mut inside = Vec::new();
         let mut depth =
             |x: &Surface, y: &Surface| overlap(x, y, |_| false, &mut inside).deepest.map(|deepest| deepest.depth);
@@ -207,6 +261,24 @@ impl Watch {
         let gap = if depth > 0.0 { -depth } else { distance(&first, &second).min(distance(&second, &first)) };
         self.gaps.insert(key, gap);
         gap
+    }
+
+    fn in_reference(&self, body: usize) -> Surface {
+        let mut surface = self.surfaces[body].clone();
+        surface.place(&self.model.reference, true);
+        surface
+    }
+
+    /// By how much the arches of each of two bodies change the gap in the reference (a length).
+    fn arches_of_gap(&mut self, [a, b]: [usize; 2]) -> [f64; 2] {
+        let key = [a.min(b), a.max(b)];
+        let known = self.arches.get(&key).copied();
+        let [first, second] = known.unwrap_or_else(|| {
+            let [first, second] = key.map(|k| self.in_reference(k));
+            [arches(&second, &first).of_gap, arches(&first, &second).of_gap]
+        });
+        self.arches.insert(key, [first, second]);
+        if a < b { [first, second] } else { [second, first] }
     }
 
     /// What of the force on the first of two bodies, which act on each other without friction, their surfaces cannot exert: its distances from the cone of the normals of the second one

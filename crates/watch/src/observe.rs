@@ -87,6 +87,8 @@ pub struct Watch {
     inside: Vec<bool>,
     /// Gaps between bodies in the reference, as far as they were asked for.
     pub(crate) gaps: BTreeMap<[usize; 2], f64>,
+    /// By how much the arches of the facets of two bodies change their gap in the reference.
+    pub(crate) arches: BTreeMap<[usize; 2], [f64; 2]>,
 }
 
 impl Watch {
@@ -131,6 +133,7 @@ impl Watch {
             placed: false,
             inside: Vec::new(),
             gaps: BTreeMap::new(),
+            arches: BTreeMap::new(),
         })
     }
 

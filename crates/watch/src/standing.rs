@@ -59,19 +59,24 @@ impl Driven {
 
     pub fn note(&mut self, at: (u64, f64), meeting: &Meeting, deepest: Option<&Penetration>) {
         self.drive = self.drive.max(meeting.drive);
+        self.arch.note(meeting.arch, at);
+        if meeting.by_loads {
+            return;
+        }
         match deepest {
             Some(deepest) => {
-                if deepest.depth > NOTHING * meeting.edge && self.depth.note(deepest.depth, at) {
+                let depth = deepest.depth - meeting.known_arches;
+                if depth > NOTHING * meeting.edge && self.depth.note(depth, at) {
                     (self.deepest, self.place) = ((deepest.node, [deepest.body, deepest.into]), deepest.position);
                 }
             }
             None => {
-                if meeting.apart > NOTHING * meeting.edge {
-                    self.apart.note(meeting.apart, at);
+                let apart = meeting.apart - meeting.known_arches;
+                if apart > NOTHING * meeting.edge {
+                    self.apart.note(apart, at);
                 }
             }
         }
-        self.arch.note(meeting.arch, at);
     }
 
     /// Findings, with these names.
@@ -107,7 +112,7 @@ impl Driven {
         add(&self.arch, ARCHES, &|arch, percent| {
             format!(
                 "the facets of `{first}` and `{second}`, curved alike, lie {arch} beside the curved surfaces in the mean, {percent:.0} % of the {drive} of overlap and motion that drives them into each \
-                 other: forces are off by about as much. Use finer facets, say that they are `round` (general contact), or take meshes whose nodes lie opposite each other"
+                 other: forces between them are off by about as much. Use finer facets, say that they are `round` (general contact), or take meshes whose nodes lie opposite each other"
             )
         });
         found
@@ -201,7 +206,17 @@ mod tests {
     }
 
     fn meeting(drive: f64, apart: f64, arch: f64) -> Meeting {
-        Meeting { bodies: [0, 1], node: 2, position: [0.0; 3], apart, edge: 1.0, drive, arch }
+        Meeting {
+            bodies: [0, 1],
+            node: 2,
+            position: [0.0; 3],
+            apart,
+            edge: 1.0,
+            drive,
+            arch,
+            known_arches: 0.0,
+            by_loads: false,
+        }
     }
 
     fn seen(depth: f64) -> Observation {
@@ -276,5 +291,22 @@ mod tests {
         assert_eq!(kinds(&judge), []);
         judge.observe_stabilisation(3, 0.3, 0.0, 0.0);
         assert_eq!(kinds(&judge), []);
+    }
+    /// Under loads alone only the arches count; what contact knows of them is no depth.
+    #[test]
+    fn loads_alone_and_known_arches() {
+        let solids = SolidObservation::default();
+        let by_loads = |apart, arch| Meeting { by_loads: true, ..meeting(1.0, apart, arch) };
+        for (of, expected) in [(by_loads(0.5, 0.05), vec![]), (by_loads(0.5, 0.2), vec![INDENTATION])] {
+            let mut judge = judge();
+            judge.observe_driven(1, 0.1, &Observation::default(), &solids, &[of]);
+            assert_eq!(kinds(&judge), expected);
+        }
+        for (known_arches, expected) in [(0.0, vec![INDENTATION]), (0.09, vec![])] {
+            let mut judge = judge();
+            let of = Meeting { known_arches, ..meeting(1.0, 0.0, 0.0) };
+            judge.observe_driven(1, 0.1, &seen(0.15), &solids, &[of]);
+            assert_eq!(kinds(&judge), expected);
+        }
     }
 }

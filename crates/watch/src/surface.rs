@@ -462,11 +462,16 @@ impl Surface {
         0.5 * corners.iter().map(height).sum::<f64>()
     }
 
+    /// The triangles of a facet.
+    pub fn triangles_of(&self, facet: u32) -> std::ops::Range<usize> {
+        let first = |f: u32| self.triangles.partition_point(|(_, of)| *of < f);
+        first(facet)..first(facet + 1)
+    }
+
     /// Height of a facet's arch over its centre.
     pub fn highest_arch(&self, facet: u32) -> f64 {
         let centre = self.centre(facet);
-        let first = self.triangles.partition_point(|(_, of)| *of < facet);
-        self.triangles.get(first).map_or(0.0, |_| self.height_of_arch(first, centre).abs())
+        self.triangles_of(facet).next().map_or(0.0, |first| self.height_of_arch(first, centre).abs())
     }
 
     /// Whether the point of an open surface that is nearest to `x`, on this triangle, lies on its rim: then `x` is beside the surface, and not before or behind it.

@@ -143,16 +143,24 @@ impl Judge {
             self.driven[place].note((step, time), meeting, deepest);
         }
         let Limits { doubtful, wrong } = self.limits;
-        let is_driven = |p: &Penetration| meetings.iter().any(|meeting| same([p.body, p.into], meeting.bodies));
+        let is_driven = |p: &Penetration| {
+            meetings.iter().any(|meeting| !meeting.by_loads && same([p.body, p.into], meeting.bodies))
+        };
         let limit = |p: &Penetration| if is_driven(p) { DEEP * wrong } else { doubtful };
         let finding = |level, kind, bodies, sentence, position, figure| Finding {
             bodies,
             position,
             ..Finding::new(level, kind, (step, time), sentence, figure)
         };
+        // Depths are those in facets: contact may know that the surfaces are round.
+        let beyond = |p: &Penetration| {
+            let meeting = meetings.iter().find(|meeting| same([p.body, p.into], meeting.bodies));
+            let known = meeting.map_or(0.0, |meeting| meeting.known_arches);
+            if known > 0.0 { p.relative * (1.0 - known / p.depth) } else { p.relative }
+        };
         let mut found = Vec::new();
-        for deepest in seen.penetrations.iter().filter(|deepest| deepest.relative > limit(deepest)) {
-            let level = if deepest.relative > wrong { Severity::Wrong } else { Severity::Doubtful };
+        for deepest in seen.penetrations.iter().filter(|deepest| beyond(deepest) > limit(deepest)) {
+            let level = if beyond(deepest) > wrong { Severity::Wrong } else { Severity::Doubtful };
             let into = match deepest.into == deepest.body {
                 true => "its own body".to_owned(),
                 false => format!("`{}`", self.names.body(deepest.into)),

@@ -47,6 +47,8 @@ pub struct Drawing {
     pub points: Vec<DrawnPoint>,
     /// The surroundings of joints: there the parts that they connect may overlap.
     pub joined: Vec<Joined>,
+    /// Names of the bodies with surfaces that the scene calls round.
+    pub round: Vec<String>,
 }
 
 /// Where a joint holds two parts together.
@@ -87,6 +89,7 @@ impl Drawing {
             lines: self.lines.iter().map(line).collect(),
             points: self.points.iter().map(point).collect(),
             joined: self.joined.iter().map(joined).collect(),
+            round: self.round.clone(),
         }
     }
 }

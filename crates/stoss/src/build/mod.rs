@@ -185,6 +185,8 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         let supports = sliding_support::add(scene, inclined, &places, &ties.tied, &mut model, &mut problems);
         #[cfg(any(feature = "general", feature = "multibody"))]
         parts.drawing.joined.extend(joined::surroundings(scene, &placed, &model.reference));
+        let round = scene.bodies.iter().filter(|body| !body.round.is_empty());
+        parts.drawing.round = round.map(|body| body.name.clone()).collect();
         #[cfg(feature = "general")]
         if apart {
             let joined = &mut parts.drawing.joined;

@@ -14,7 +14,7 @@ use super::{Drawing, OutputError};
 use crate::build::ContactPlan;
 use crate::left_out;
 use crate::points::Points;
-use crate::scene::{OnFault, Scene, Watch as WatchTable};
+use crate::scene::{ContactMethod, OnFault, Scene, Watch as WatchTable};
 use file::WatchFile;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -57,6 +57,8 @@ struct Acting {
     has_friction: bool,
     /// Smallest distance of their surfaces, where contact knows it.
     distance: Option<f64>,
+    /// Whether contact has true positions on the round surfaces of each.
+    is_round: [bool; 2],
 }
 
 /// The worst that the watch has seen so far.
@@ -91,6 +93,8 @@ pub(super) struct RunWatch {
     has_links: bool,
     /// The watched body of each part, as general contact counts them.
     parts: Vec<Option<usize>>,
+    /// The watched bodies with surfaces that the scene calls round.
+    round: BTreeSet<usize>,
     /// Energy that closing gaps took since the start, by constraint of the model.
     closed: Vec<f64>,
     /// Names of the constraints.
@@ -129,7 +133,9 @@ impl RunWatch {
         let between: Vec<[usize; 2]> = contacts.iter().flatten().copied().collect();
         let file = WatchFile::new(&model, limits(settings), between.clone(), stored, left_out.clone());
         let judge = judge(&model, between, settings);
-        let parts = parts.iter().map(|name| model.bodies.iter().position(|body| body.name == *name)).collect();
+        let place = |name: &String| model.bodies.iter().position(|body| body.name == *name);
+        let parts = parts.iter().map(place).collect();
+        let round = drawing.round.iter().filter_map(place).collect();
         let driven = simulation.model().prescriptions.iter().map(|prescription| {
             let moved: BTreeSet<u32> = prescription.nodes.iter().copied().collect();
             // The surface of a rigid body is carried by nodes of its own.
@@ -159,6 +165,7 @@ impl RunWatch {
             driven,
             has_links: simulation.model().contacts.iter().any(|pair| pair.method.is_bilateral()),
             parts,
+            round,
             closed: vec![0.0; simulation.model().contacts.len()],
             constraints: simulation.model().contacts.iter().map(|pair| pair.name.clone()).collect(),
             every,
@@ -246,18 +253,32 @@ impl RunWatch {
         for (k, (c, pair)) in pairs.enumerate() {
             let has_friction = pair.method.has_friction();
             let of_pair = &summary.pairs[c];
+            let is_mortar = self.described.get(k).is_some_and(|plan| plan.method == ContactMethod::Mortar.name());
+            let is_round = |bodies: [usize; 2]| bodies.map(|body| !is_mortar && self.round.contains(&body));
             if pair.method.is_potential() {
                 let part = |body: u32| self.parts.get(body as usize).copied().flatten();
                 let acting = summary.bodies.iter().filter(|of| of.active > 0 && of.bodies[0] != of.bodies[1]);
                 found.extend(acting.filter_map(|of| {
                     let bodies = [part(of.bodies[0])?, part(of.bodies[1])?];
-                    Some(Acting { bodies, force: of.force, has_friction, distance: Some(of.distance) })
+                    Some(Acting {
+                        bodies,
+                        force: of.force,
+                        has_friction,
+                        distance: Some(of.distance),
+                        is_round: is_round(bodies),
+                    })
                 }));
             } else if let Some(bodies) = self.contacts.get(k).copied().flatten()
                 && of_pair.active > 0
                 && bodies[0] != bodies[1]
             {
-                found.push(Acting { bodies, force: of_pair.force, has_friction, distance: None });
+                found.push(Acting {
+                    bodies,
+                    force: of_pair.force,
+                    has_friction,
+                    distance: None,
+                    is_round: is_round(bodies),
+                });
             }
         }
         found
@@ -276,15 +297,14 @@ impl RunWatch {
     /// Looks at the bodies that act on each other: directions of forces without friction, and in statics what drives them into each other.
     fn observe_acting(&mut self, simulation: &Simulation, record: &StepRecord) -> Vec<Meeting> {
         let mut meetings = Vec::new();
-        for Acting { bodies, force, has_friction, distance } in self.acting(simulation, record) {
+        for Acting { bodies, force, has_friction, distance, is_round } in self.acting(simulation, record) {
             let pushes = !has_friction && force.iter().any(|f| *f != 0.0);
             if let Some(beside) = pushes.then(|| self.watch.side_force(bodies, force, distance)).flatten() {
                 self.judge.observe_push(bodies, force, beside, (record.step, record.time), record.dt);
             }
-            // Under loads alone forces are right whatever is left between the surfaces.
-            let is_static = promised(&self.promises, record.stage).is_none();
-            if is_static && (self.is_driven(simulation, bodies) || self.watch.gap_in_reference(bodies) < 0.0) {
-                meetings.extend(self.watch.meeting(bodies, force, distance));
+            if promised(&self.promises, record.stage).is_none() {
+                let by_loads = !self.is_driven(simulation, bodies) && self.watch.gap_in_reference(bodies) >= 0.0;
+                meetings.extend(self.watch.meeting(bodies, force, distance, is_round, by_loads));
             }
         }
         meetings
