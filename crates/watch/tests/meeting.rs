@@ -126,7 +126,7 @@ fn the_way_that_drives_bodies_into_each_other() {
     assert!((left.apart - 0.01).abs() < 1e-12 && (left.drive + 0.01).abs() < 1e-12, "{left:?}");
     let [in_one, in_other] = [[0, 1], [1, 0]].map(|bodies| {
         let overlapping = [(brick([0.0; 3], [1.0; 3]), true), (brick([0.2, 0.2, 0.98], [0.8, 0.8, 1.5]), true)];
-        watch(overlapping, |_, x| x).meeting(bodies, [0.0; 3], None).unwrap().drive
+        watch(overlapping, |_, x| x).meeting(bodies, [0.0; 3], None, [false; 2], false).unwrap().drive
     });
     assert!((in_one - 0.02).abs() < 1e-12 && (in_other - 0.02).abs() < 1e-12, "{in_one} {in_other}");
 }
