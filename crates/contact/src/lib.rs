@@ -21,6 +21,7 @@ mod method;
 mod position;
 mod potential;
 mod report;
+mod rim;
 pub mod search;
 mod step;
 pub mod surface;
@@ -38,6 +39,7 @@ pub use potential::{BodyPair, Potential, PotentialConstraint, SurfaceForce, Surf
 pub use report::{
     ContactWork, Coverage, JointCoordinate, JointReport, JointTorques, Report, SlotFriction, SlotReport, SupportedNode,
 };
+pub use rim::beside_rims;
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use step::{Hold, Step, Support};
 pub use stoss_reference_element::{FacetKind, FacetNodes};

@@ -40,6 +40,8 @@ pub struct ContactSurface {
     length_scale: f64,
     non_manifold_edges: Vec<NonManifoldEdge>,
     carriers: Option<Carriers>,
+    /// Number of the first facet that lies beside a rim.
+    first_beside: usize,
 }
 
 impl ContactSurface {
@@ -58,6 +60,20 @@ impl ContactSurface {
         reference: &[f64],
     ) -> Result<Self, ContactError> {
         Self::of_nodes(side, facets.iter().map(|&f| f.into()).collect(), reference)
+    }
+
+    /// The same surface with facets of its body beside its rims ([`crate::beside_rims`]). Its length scale stays.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn with_sides(&self, sides: &[FacetNodes], reference: &[f64]) -> Result<Self, ContactError> {
+        let whole = Self::of_nodes("master", [&self.facets, sides].concat(), reference)?;
+        Ok(Self { length_scale: self.length_scale, first_beside: self.facets.len(), ..whole })
+    }
+
+    /// Whether a facet lies beside a rim of the surface that was named.
+    pub fn is_beside(&self, facet: u32) -> bool {
+        facet as usize >= self.first_beside
     }
 
     fn of_nodes(side: &'static str, facets: Vec<FacetNodes>, reference: &[f64]) -> Result<Self, ContactError> {
@@ -102,6 +118,7 @@ impl ContactSurface {
             }
         }
         Ok(Self {
+            first_beside: facets.len(),
             facets,
             nodes,
             local_facets,

@@ -40,6 +40,7 @@ mod pair_table;
 mod pairs;
 mod pressures;
 mod rigid_pairs;
+mod rims;
 mod rigid_tools;
 mod round_faces;
 mod schemes;

@@ -102,6 +102,19 @@ impl NodeToSurface {
         })
     }
 
+    /// With facets of the master's body beside the rims of the master ([`stoss_contact::beside_rims`]).
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn with_sides(mut self, sides: &[FacetNodes], reference: &[f64]) -> Result<Self, ContactError> {
+        if !sides.is_empty() {
+            let master = self.search.surface().with_sides(sides, reference)?;
+            self.slave.check_disjoint(&master)?;
+            self.search = MasterSearch::new(master, reference, *self.search.options())?;
+        }
+        Ok(self)
+    }
+
     pub(crate) fn node(&self, slot: usize) -> u32 {
         self.slave.nodes()[slot]
     }

@@ -127,11 +127,13 @@ pub struct SearchOptions {
     pub depth_limit: f64,
     /// With a slave normal given, only facets with `n_facet . n_slave <` this are partners: the far side of a thin body is not.
     pub opposing_cosine: f64,
+    /// The same of facets beside the rims of the surface ([`crate::beside_rims`]): a slave that is flush with such a side, as a block on another one of its size, has nothing to do with it.
+    pub cosine_beside: f64,
 }
 
 impl Default for SearchOptions {
     fn default() -> Self {
-        Self { overhang: 1e-2, hysteresis: 1e-2, depth_limit: 1.0, opposing_cosine: 0.2 }
+        Self { overhang: 1e-2, hysteresis: 1e-2, depth_limit: 1.0, opposing_cosine: 0.2, cosine_beside: -0.05 }
     }
 }
 
@@ -146,7 +148,9 @@ impl SearchOptions {
         check("hysteresis", self.hysteresis, small(self.hysteresis), "between 0 and 0.5")?;
         check("depth_limit", self.depth_limit, self.depth_limit > 0.0, "positive")?;
         let cosine = self.opposing_cosine;
-        check("opposing_cosine", cosine, (-1.0..=1.0).contains(&cosine), "between -1 and 1")
+        check("opposing_cosine", cosine, (-1.0..=1.0).contains(&cosine), "between -1 and 1")?;
+        let beside = self.cosine_beside;
+        check("cosine_beside", beside, (-1.0..=1.0).contains(&beside), "between -1 and 1")
     }
 }
 

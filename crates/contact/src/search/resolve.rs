@@ -62,7 +62,7 @@ impl SearchView<'_> {
             let facets = [foot.facet, neighbour].map(|f| &surface.facets()[f as usize]);
             let xi = across_edge(foot.closest.xi, edge, facets[0], facets[1])?;
             let normal = self.patch(neighbour).normal(xi);
-            self.opposes(&normal, slave_normal).then_some((neighbour, xi, normal))
+            self.opposes(neighbour, &normal, slave_normal).then_some((neighbour, xi, normal))
         });
         if let Some((neighbour, xi, normal)) = accepted {
             around.rim = false;
@@ -92,7 +92,7 @@ impl SearchView<'_> {
             let Some(corner) = corners.iter().position(|&n| n as usize == local_node) else { continue };
             let xi = patch.kind().vertices()[corner];
             let normal = patch.normal(xi);
-            if facet != foot.facet && !self.opposes(&normal, slave_normal) {
+            if facet != foot.facet && !self.opposes(facet, &normal, slave_normal) {
                 around.rim = true;
                 continue;
             }
@@ -157,7 +157,7 @@ impl SearchView<'_> {
             Some(neighbour) => {
                 let facets = [facet, neighbour].map(|f| &surface.facets()[f as usize]);
                 let there = across_edge(start, edge, facets[0], facets[1]);
-                there.is_none_or(|xi| !self.opposes(&self.patch(neighbour).normal(xi), slave_normal))
+                there.is_none_or(|xi| !self.opposes(neighbour, &self.patch(neighbour).normal(xi), slave_normal))
             }
         };
         (0..kind.edge_count())

@@ -81,7 +81,7 @@ impl<'a> SearchView<'a> {
         let start = patch.closest_point(x);
         let kept = patch.project(x, start.xi);
         let outside = patch.kind().excess(kept.xi);
-        if kept.converged && outside <= options.hysteresis && self.opposes(&kept.normal, slave_normal) {
+        if kept.converged && outside <= options.hysteresis && self.opposes(hint, &kept.normal, slave_normal) {
             let pairing = Pairing { facet: hint, xi: kept.xi, gap: kept.gap, normal: kept.normal };
             if (global.gap - kept.gap).abs() <= slack {
                 return MasterPoint { pairing: Some(pairing), ..global };
@@ -98,7 +98,7 @@ impl<'a> SearchView<'a> {
         }
 
         let local = self.limited(self.resolve(x, &self.walk(x, Foot::new(hint, start)), slave_normal));
-        let accepted = local.pairing.is_some_and(|p| self.opposes(&p.normal, slave_normal));
+        let accepted = local.pairing.is_some_and(|p| self.opposes(p.facet, &p.normal, slave_normal));
         if accepted && other_sheet(&local, &global) { local } else { global }
     }
 
@@ -120,7 +120,7 @@ impl<'a> SearchView<'a> {
                 }
                 None => closest.distance_squared <= radius * radius,
             };
-            if smaller && (slave_normal.is_none() || self.opposes(&patch.normal(closest.xi), slave_normal)) {
+            if smaller && (slave_normal.is_none() || self.opposes(facet, &patch.normal(closest.xi), slave_normal)) {
                 best = Some(Foot::new(facet, closest));
                 return limit.min(bound(closest.distance_squared.sqrt()));
             }
@@ -172,7 +172,9 @@ impl<'a> SearchView<'a> {
         self.search.surface.patch(facet, self.q)
     }
 
-    pub(super) fn opposes(&self, normal: &Vector3<f64>, slave_normal: Option<&Vector3<f64>>) -> bool {
-        slave_normal.is_none_or(|n| normal.dot(n) < self.search.options.opposing_cosine)
+    pub(super) fn opposes(&self, facet: u32, normal: &Vector3<f64>, slave_normal: Option<&Vector3<f64>>) -> bool {
+        let options = &self.search.options;
+        let cosine = if self.search.surface.is_beside(facet) { options.cosine_beside } else { options.opposing_cosine };
+        slave_normal.is_none_or(|n| normal.dot(n) < cosine)
     }
 }

@@ -40,6 +40,11 @@ impl PairInput<'_> {
         self.phases.with(label).map(|phase| (phase, self.support(phase, model)))
     }
 
+    /// What prescriptions and ties say of the motion of nodes in the first stage in which the contact acts.
+    pub fn first_support(&self, model: &Model) -> Support {
+        self.support(self.phases.first_with(&self.item.label()), model)
+    }
+
     /// What prescriptions and ties say of the motion of nodes in a stage.
     fn support(&self, phase: &Phase, model: &Model) -> Support {
         let mut support = phase.support(model);
