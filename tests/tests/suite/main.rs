@@ -26,6 +26,7 @@ mod increments;
 mod joint_probes;
 mod lean;
 mod linear_solver;
+mod massless;
 mod mechanism_messages;
 mod moments;
 mod mortar;
