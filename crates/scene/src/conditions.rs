@@ -310,6 +310,11 @@ pub struct Contact {
     /// Friction law with its parameters; frictionless if left out. Not with `constraint = "modified"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
+    /// Velocity with which the master's surface moves along itself while its mesh stays: of a belt, fixed in space, three values or a table of them in time. Only its part along the surface has an effect. For `nts` and
+    /// `mortar` with friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
+    pub surface_velocity: Option<Series>,
 }
 
 impl GapAtClosing {

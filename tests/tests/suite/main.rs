@@ -1,5 +1,6 @@
 //! Conservation, literature and message tests of the whole program, in one binary: one link instead of forty.
 
+mod belts;
 mod bolt;
 mod cat;
 mod centrifugal;

@@ -131,6 +131,19 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         }
         Some(friction)
     });
+    let surface_velocity = table.optional("surface_velocity", |n| {
+        if matches!(friction, Some(None)) {
+            return n.fail("has no effect without friction", "give the contact a `friction`, or remove it");
+        }
+        if method == Some(ContactMethod::Cat) {
+            return n.fail("is for the methods `nts` and `mortar`", "write method = \"nts\"");
+        }
+        if matches!(between, Some(Some(_))) {
+            let message = "needs to be told which surface moves: it is that of the master";
+            return n.fail(message, "write `slave` and `master` instead of `between`");
+        }
+        series(n, 3)
+    });
     let of_cat = |n: &Node<'_>| {
         if matches!(method, Some(ContactMethod::Nts | ContactMethod::Mortar)) {
             return n.fail("is an option of the method `cat`", "remove it, or write method = \"cat\"");
@@ -253,6 +266,11 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         if edges == Edges::General && sets.clone().any(|set| is_line(set, world)) {
             return n.fail("needs facets on both sides: beams and strings have none", "remove it");
         }
+        if edges == Edges::General && !matches!(surface_velocity, Some(None)) {
+            let message =
+                "is not for a contact with `surface_velocity`: general contact takes surfaces as their nodes move";
+            return n.fail(message, "remove one of the two");
+        }
         Some(edges)
     });
     let normals: Option<Option<()>> = table.optional("normals", |n| {
@@ -309,6 +327,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         nearness: nearness?,
         edges: edges?,
         friction: friction?,
+        surface_velocity: surface_velocity?,
     })
 }
 
