@@ -142,6 +142,39 @@ fn bars_rebound() {
 }
 
 #[test]
+fn other_cells_rebound_with_all_of_their_energy() {
+    for cell in ["hex20", "hex27", "tet4", "tet10"] {
+        let more = format!("cell = \"{cell}\"\n");
+        let [rebound, energy, worst] = rebound(&drop("mortar", [3; 3], 0.3, 0.4, 1e-4, "energy-momentum", &more));
+        assert!((energy - 1.0).abs() < 1e-10 && worst < 1e-10 && rebound > 0.6, "{cell}: {rebound} {energy}");
+    }
+}
+
+/// A block slides and stops after `v / (mu g)`, and all of its energy is heat: with its mass the surface loses a part of it where nodes close again and again.
+#[test]
+fn a_block_slides_to_rest() {
+    for method in ["nts", "mortar"] {
+        let text = head("energy-momentum", 0.6, 0.005)
+            + "[gravity]\nacceleration = [0, 0, -9.81]\n[[body]]\nname = \"bar\"\nmesh = { generator = \"block\", min = [0, 0, 0], max = [1, 1, 0.5], divisions = [4, 4, 2] }\n\
+               material = { law = \"saint-venant-kirchhoff\", young = 1e4, poisson = 0.3 }\ndensity = 1.0\nvelocity = [1, 0, 0]\n"
+            + FLOOR
+            + &contact(method, "friction = { law = \"coulomb\", mu = 0.3 }\n");
+        let mut simulation = simulation(&text);
+        let (mut stop, mut half) = (f64::NAN, f64::NAN);
+        while !simulation.finished() {
+            let record = simulation.advance().unwrap();
+            let speed = record.balance.linear_momentum[0] / 0.5;
+            half = if (record.time - 0.2).abs() < 1e-9 { speed } else { half };
+            stop = if stop.is_nan() && speed < 0.01 { record.time } else { stop };
+        }
+        let now = *simulation.balance();
+        assert!((half - (1.0 - 0.3 * 9.81 * 0.2)).abs() < 1e-3, "{method}: {half}");
+        assert!((stop - 1.0 / (0.3 * 9.81)).abs() < 0.005, "{method}: {stop}");
+        assert!((now.dissipation / 0.25 - 1.0).abs() < 5e-3 && now.closing_loss.abs() < 1e-10, "{method}: {now:?}");
+    }
+}
+
+#[test]
 fn a_body_falls_without_strain() {
     for load in ["[gravity]\nacceleration = [0, 0, -1]\n", "[[load]]\nbody = \"bar\"\nacceleration = [0, 0, -1]\n"] {
         for mass in ["", "mass = \"lumped\"\n", "damping = { mass = 0.3 }\n"] {
