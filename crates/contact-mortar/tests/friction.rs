@@ -8,7 +8,9 @@ use crate::sheets::{
 use nalgebra::{Rotation3, Unit, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
-use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
+use stoss_contact::friction::{
+    Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
+};
 use stoss_contact::{Constraint, ContactError, ContactRule, History, Report, Step, StepConfiguration, position};
 use stoss_contact_mortar::segmentation::GapRange;
 use stoss_contact_mortar::{
@@ -52,6 +54,12 @@ fn with_stick(
 ) -> MortarContact {
     let friction = Friction::new(law, PENALTY, stick, midpoint).unwrap();
     method(surfaces, options(dual)).with_friction(friction, measure).unwrap()
+}
+
+/// A master surface that moves along itself, across the surface too, and faster and faster.
+fn belt(moves: bool) -> SurfaceVelocity {
+    let rows = if moves { vec![(0.0, [0.7, -0.4, 0.3]), (1.0, [1.9, 0.2, -0.5])] } else { Vec::new() };
+    SurfaceVelocity::new(rows)
 }
 
 fn plus(q: &[f64], factor: f64, d: &[f64]) -> Vec<f64> {
@@ -205,7 +213,7 @@ proptest! {
     #[test]
     fn tangents_are_derivatives(
         surfaces in surfaces(), d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
-        kind in 0usize..4, midpoint in 0usize..3, exact: bool, m in prop::collection::vec(-0.05f64..0.05, 2 * SLAVE),
+        kind in 0usize..4, midpoint in 0usize..3, exact: bool, moves: bool, m in prop::collection::vec(-0.05f64..0.05, 2 * SLAVE),
         v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE), before in prop_oneof![Just(0.6), Just(1.5)],
     ) {
         let rule = RULES[rule];
@@ -214,7 +222,7 @@ proptest! {
         // With integrals that move the midpoint rules leave the derivatives of their weights out.
         let integrals = if rule == ContactRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
         let options = MortarOptions { integrals, ..options(dual) };
-        let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap();
+        let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap().with_surface_velocity(belt(moves));
         let mut plain = method(surfaces, options);
         let mut method = plain.clone().with_friction(friction, measure(of, rule)).unwrap();
         let (q_0, q_n) = (moved(&f), moved(&d));
@@ -318,12 +326,14 @@ proptest! {
     #[test]
     fn the_work_is_stored_or_dissipated(
         surfaces in surfaces(), walk in prop::collection::vec((warp(), pressures()), 4), dual: bool, energy_momentum: bool,
-        midpoint in 0usize..2, mu in prop_oneof![Just(0.0), 0.05f64..3.0], objective: bool,
+        midpoint in 0usize..2, mu in prop_oneof![Just(0.0), 0.05f64..3.0], objective: bool, moves: bool,
     ) {
         let rule = if energy_momentum { ContactRule::EnergyMomentum } else { ContactRule::Midpoint };
         let midpoint = [MidpointFriction::B, MidpointFriction::C][midpoint];
         let measure = if objective { SlipMeasure::Objective } else { SlipMeasure::Direct };
-        let mut method = with(surfaces, coulomb(mu), midpoint, dual, measure);
+        let friction = Friction::new(coulomb(mu), PENALTY, Stick::Penalty, midpoint).unwrap();
+        let friction = friction.with_surface_velocity(belt(moves));
+        let mut method = method(surfaces, options(dual)).with_friction(friction, measure).unwrap();
         let mut stored = 0.0;
         for pair in walk.windows(2) {
             let (q_n, q, p) = (moved(&pair[0].0), moved(&pair[1].0), &pair[1].1);
@@ -335,7 +345,7 @@ proptest! {
             // The dissipation of each point is the return map's, whatever slip it was given; the work is that of objective slip.
             prop_assert!(energy.dissipated > -1e-12 * size, "{energy:?}");
             if objective {
-                prop_assert!((work + stored - energy.stored - energy.dissipated).abs() < 1e-12 * size, "{work} {stored} {energy:?}");
+                prop_assert!((work + stored - energy.stored - energy.dissipated + energy.driven).abs() < 1e-12 * size, "{work} {stored} {energy:?}");
             }
             method.commit(&q, p, &set(p));
             stored = energy.stored;

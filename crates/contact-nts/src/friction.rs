@@ -145,6 +145,8 @@ pub(crate) struct FrictionState {
     pub mismatch: [f64; 2],
     /// Slip in the frame of the foot.
     pub slip: [f64; 2],
+    /// Way of the master's surface beside its mesh, in the same frame.
+    pub way: [f64; 2],
     /// History in the frame of the foot.
     pub history: [f64; 2],
     /// End traction in the frame of the old foot.
@@ -228,7 +230,8 @@ impl FrictionElement<'_> {
                 self.at.0.tangents[0] * s_1 + self.at.0.tangents[1] * s_2
             }
         };
-        Arguments(tangents, old, slip.into())
+        let way = self.friction.surface_way();
+        Arguments(tangents, old, std::array::from_fn(|i| slip[i] - way[i]))
     }
 
     fn point(&self, resolved: &Resolved<f64>) -> FrictionPoint {
@@ -253,7 +256,9 @@ impl FrictionElement<'_> {
         let branch = self.history.iteration.is_reversed().then(|| self.friction.sticking_step(self.at_end, &point));
         let carried = transport(step.end, &foot, &old).unwrap_or([0.0; 2]);
         let mismatch = self.mismatch(history, &step);
-        FrictionState { tau: arguments.covariant(&foot, step.force), step, branch, mismatch, slip, history, carried }
+        let way = [foot[0], foot[1]].map(|e| dot(&e, &self.friction.surface_way()));
+        let tau = arguments.covariant(&foot, step.force);
+        FrictionState { tau, step, branch, mismatch, slip, way, history, carried }
     }
 
     /// Adds `weight * tau_a D^a` to `residual`.

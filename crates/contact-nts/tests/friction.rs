@@ -4,7 +4,9 @@ use crate::common::{path as path_of, *};
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
-use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
+use stoss_contact::friction::{
+    Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
+};
 use stoss_contact::{
     Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History, Report, Step,
 };
@@ -29,7 +31,24 @@ fn with_law(meshes: [Mesh; 2], law: Arc<dyn FrictionLaw>, stick: Stick, stepping
 }
 
 fn rough(smooth: NodeToSurface, law: Arc<dyn FrictionLaw>, stick: Stick, stepping: MidpointFriction) -> NodeToSurface {
-    smooth.with_friction(Friction::new(law, PENALTY, stick, stepping).unwrap()).unwrap()
+    on_belt(smooth, law, stick, stepping, false)
+}
+
+fn on_belt(
+    smooth: NodeToSurface,
+    law: Arc<dyn FrictionLaw>,
+    stick: Stick,
+    stepping: MidpointFriction,
+    moves: bool,
+) -> NodeToSurface {
+    let friction = Friction::new(law, PENALTY, stick, stepping).unwrap();
+    smooth.with_friction(friction.with_surface_velocity(belt(moves))).unwrap()
+}
+
+/// A master surface that moves along itself, across the surface too, and faster and faster.
+fn belt(moves: bool) -> SurfaceVelocity {
+    let rows = if moves { vec![(0.0, [0.7, -0.4, 0.3]), (1.0, [1.9, 0.2, -0.5])] } else { Vec::new() };
+    SurfaceVelocity::new(rows)
 }
 
 fn with_coulomb(meshes: [Mesh; 2], mu: f64, stepping: MidpointFriction) -> NodeToSurface {
@@ -115,14 +134,15 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
 
     #[test]
-    fn tangents_are_the_derivatives(path in path(), law in 0..4_usize, enforcement in 0..3_usize) {
+    fn tangents_are_the_derivatives(path in path(), law in 0..4_usize, enforcement in 0..3_usize, moves: bool) {
         let law: Arc<dyn FrictionLaw> = match law {
             0 => Arc::new(StaticDynamic::new(0.03, 0.01, 2.0).unwrap()),
             1 => Arc::new(Regularised::new(0.3, 1.0).unwrap()),
             k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
         };
         let normal = [Enforcement::Multiplier, Enforcement::Penalty(30.0), Enforcement::Augmented(30.0)][enforcement];
-        let m = path.run(rough(enforced_on(&divide(path.meshes), FACETS, normal), law, Stick::Penalty, path.stepping));
+        let plain = enforced_on(&divide(path.meshes), FACETS, normal);
+        let m = path.run(on_belt(plain, law, Stick::Penalty, path.stepping, moves));
         let (residual, tangent) = assembled(&m, &path.q[1], &path.q[2], PRESSURE, path.rule, true);
         let n = residual.len();
         let mut at = path.q[2].clone();
@@ -140,12 +160,13 @@ proptest! {
         law in 0..3_usize,
         multiplier in proptest::array::uniform2(-0.5..0.5_f64),
         compliant: bool,
+        moves: bool,
     ) {
         let law: Arc<dyn FrictionLaw> = match law {
             0 => Arc::new(StaticDynamic::new(0.03, 0.01, 2.0).unwrap()),
             k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
         };
-        let m = with_law(path.meshes, law, Stick::Multiplier, path.stepping);
+        let m = on_belt(standard_on(&divide(path.meshes), FACETS), law, Stick::Multiplier, path.stepping, moves);
         let m = path.run(if compliant { m.with_compliant_stick() } else { m });
         let x: Vec<f64> = path.q[2].iter().chain(&[PRESSURE]).chain(&multiplier).copied().collect();
         let (n, auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
@@ -335,8 +356,10 @@ proptest! {
     }
 
     #[test]
-    fn dissipation_is_not_negative_and_the_energy_momentum_balance_is_exact(path in path(), mu in 0.0..2.0_f64) {
-        let start = path.run(with_coulomb(path.meshes, mu, path.stepping));
+    fn dissipation_is_not_negative_and_the_energy_momentum_balance_is_exact(path in path(), mu in 0.0..2.0_f64, moves: bool) {
+        let law = Arc::new(Coulomb::new(mu).unwrap());
+        let plain = standard_on(&divide(path.meshes), FACETS);
+        let start = path.run(on_belt(plain, law, Stick::Penalty, path.stepping, moves));
         let w = work(&start, &path.q[2], PRESSURE, &ACTIVE);
         // What the released spring held is lost.
         let open = work(&start, &path.q[2], PRESSURE, &OPEN);
@@ -349,7 +372,7 @@ proptest! {
         if path.rule == ContactRule::EnergyMomentum {
             let before = open.dissipated;
             let done = dot(&path.friction(&start), &path.increment());
-            let balance = done + w.stored - before + w.dissipated;
+            let balance = done + w.stored - before + w.dissipated - w.driven;
             prop_assert!(balance.abs() < 1e-12 * (1.0 + done.abs() + w.stored), "balance {balance:e}");
         }
     }

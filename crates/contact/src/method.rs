@@ -192,6 +192,10 @@ pub trait ContactMethod: Constraint + History {
     fn friction_coefficient(&self, _slot: usize, _pressure: f64, _slip: [f64; 2]) -> Option<f64> {
         None
     }
+    /// The way of the master's surface beside its mesh in the step, see [`crate::friction::SurfaceVelocity`].
+    fn surface_way(&self) -> [f64; 3] {
+        [0.0; 3]
+    }
     /// By how much the constraint function that a closed slot keeps changes in the step: negative where a gap that is held comes down, else zero.
     fn settling(&self, _slot: usize) -> f64 {
         0.0

@@ -86,7 +86,8 @@ pub struct Step<'a> {
     pub rates: bool,
     /// Whether the usual iterations of this step failed: weights that only steer them, and that no result depends on, are chosen with care.
     pub careful: bool,
-    /// Whether the velocities at the end come from the law of impact: a gap that closes may then be held where it is.
+    /// Whether what closes leaves nothing in the velocities that belongs to the step, which a law of impact takes out or surfaces without mass do not have: a gap that closes may then be held where
+    /// it is.
     pub impacts: bool,
     /// Largest distance that two surfaces are expected to approach each other: what is farther away needs no partner.
     pub reach: f64,

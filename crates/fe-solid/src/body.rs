@@ -6,7 +6,7 @@ use crate::{
     blocks,
     element::{Failure, FailureKind},
     element_block::{BlockError, ElementBlock, ElementFailure, Material},
-    mass,
+    mass::{self, Carried},
     viscous::Viscosity,
 };
 use std::sync::Arc;
@@ -353,7 +353,23 @@ impl SolidBody {
 
     /// The mass of the body for a reference density.
     pub fn mass(&self, density: f64, kind: MassKind) -> MassMatrix {
-        MassMatrix::new(self.elements.clone(), &self.reference, self.node_offset, density, kind)
+        MassMatrix::new(self.elements.clone(), self.reference(), density, kind, None)
+    }
+
+    /// The same with nodes that others carry.
+    pub(crate) fn mass_with(&self, density: f64, kind: MassKind, carried: &Carried) -> MassMatrix {
+        let carried = Some((carried, self.stencils().count()));
+        MassMatrix::new(self.elements.clone(), self.reference(), density, kind, carried)
+    }
+
+    /// Reference positions of the nodes, and the number of the first one.
+    pub(crate) fn reference(&self) -> (&[[f64; 3]], u32) {
+        (&self.reference, self.node_offset)
+    }
+
+    /// The reference position of a node, by its global number.
+    pub(crate) fn reference_position(&self, node: u32) -> [f64; 3] {
+        self.reference[(node - self.node_offset) as usize]
     }
 
     /// Adds the nodal forces `int N_I b_0 dV` of a constant force per *reference volume* to `out` (`3 * nodes` of the

@@ -34,6 +34,7 @@ mod error;
 pub mod kernel;
 mod load;
 mod mass;
+mod massless;
 mod mixed;
 mod nodal;
 mod options;
@@ -51,6 +52,7 @@ pub use load::{
     follower_pressure, surface_area,
 };
 pub use mass::{MassKind, MassMatrix};
+pub use massless::{Massless, MasslessError};
 pub use options::{SolidOptions, Volumetric};
 pub use point::{MaterialPoint, PointState};
 pub use recovery::{GaussPointState, principal_stresses, von_mises};

@@ -6,6 +6,7 @@ use crate::{
     element_block::BlockError,
     kernel::{self, Gradients, NodalVectors},
 };
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_mesh::{CellBlock, Elements};
 use stoss_reference_element::{CellKind, Rule};
@@ -53,8 +54,12 @@ struct MassBlock {
 pub struct MassMatrix {
     elements: Arc<Elements>,
     kind: MassKind,
-    /// One for each block of the elements.
+    /// One for each block of the elements. Those of elements with nodes that have no mass are zero.
     blocks: Vec<MassBlock>,
+    /// The mass of these elements: global nodes `i <= j` and the entry.
+    pairs: Vec<([u32; 2], f64)>,
+    /// Stencil of the first pair among those of the body.
+    first_pair: usize,
 }
 
 /// The rule of the mass of one kind: gradients in natural coordinates at its points, and the shape functions.
@@ -136,43 +141,88 @@ pub(crate) fn for_each_nodal_volume(
     }
 }
 
-impl MassBlock {
-    fn new(cells: &CellBlock, reference: &[[f64; 3]], offset: u32, density: f64, kind: MassKind) -> Self {
-        fn values<const N: usize>(
-            cells: &CellBlock,
-            reference: &[[f64; 3]],
-            offset: u32,
-            density: f64,
-            kind: MassKind,
-        ) -> Vec<f64> {
-            let points = MassRule::<N>::new(cells.kind());
-            let mut out = Vec::with_capacity(cells.len() * if kind == MassKind::Consistent { N * N } else { N });
-            for nodes in cells.nodes().as_chunks::<N>().0 {
-                let mut block = [[0.0; N]; N];
-                for (shape, weight) in points.shapes.iter().zip(points.volumes(&places(nodes, reference, offset))) {
-                    for i in 0..N {
-                        for j in 0..N {
-                            block[i][j] += density * weight * (shape[i] * shape[j]);
+/// The mass of an element, of a lumped one a diagonal.
+fn element_mass<const N: usize>(
+    points: &MassRule<N>,
+    kind: (CellKind, MassKind),
+    density: f64,
+    x: &NodalVectors<N>,
+) -> [[f64; N]; N] {
+    let mut block = [[0.0; N]; N];
+    for (shape, weight) in points.shapes.iter().zip(points.volumes(x)) {
+        for i in 0..N {
+            for j in 0..N {
+                block[i][j] += density * weight * (shape[i] * shape[j]);
+            }
+        }
+    }
+    let sum = |i: usize| block[i].iter().sum::<f64>();
+    let diagonal: [f64; N] = match kind {
+        (_, MassKind::Consistent) => return block,
+        (cell, MassKind::Lumped) if !cell.is_quadratic() => std::array::from_fn(sum),
+        (_, MassKind::Lumped) => {
+            let total: f64 = (0..N).map(sum).sum();
+            let trace: f64 = (0..N).map(|i| block[i][i]).sum();
+            std::array::from_fn(|i| total * block[i][i] / trace)
+        }
+    };
+    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { diagonal[i] } else { 0.0 }))
+}
+
+/// Nodes without mass of their own, which move with others in the kinetic energy.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Carried {
+    /// The nodes that carry each of them, and their parts; global numbers.
+    pub weights: BTreeMap<u32, Vec<(u32, f64)>>,
+    /// Factors of the densities of the elements; empty where all are one.
+    pub densities: Vec<f64>,
+}
+
+impl Carried {
+    /// Adds `factor T^T M T` of an element to the entries `i <= j`.
+    fn add(&self, nodes: &[u32], mass: &[f64], factor: f64, pairs: &mut BTreeMap<[u32; 2], f64>) {
+        for (a, row) in nodes.iter().zip(mass.chunks_exact(nodes.len())) {
+            for (b, m) in nodes.iter().zip(row).filter(|(_, m)| **m != 0.0) {
+                let own = [[(*a, 1.0)], [(*b, 1.0)]];
+                for &(i, part_i) in self.weights.get(a).map_or(&own[0][..], Vec::as_slice) {
+                    for &(j, part_j) in self.weights.get(b).map_or(&own[1][..], Vec::as_slice) {
+                        if i <= j {
+                            *pairs.entry([i, j]).or_default() += factor * part_i * m * part_j;
                         }
                     }
                 }
-                let sum = |i: usize| block[i].iter().sum::<f64>();
-                match kind {
-                    MassKind::Consistent => out.extend_from_slice(block.as_flattened()),
-                    MassKind::Lumped if !cells.kind().is_quadratic() => out.extend((0..N).map(sum)),
-                    MassKind::Lumped => {
-                        let total: f64 = (0..N).map(sum).sum();
-                        let trace: f64 = (0..N).map(|i| block[i][i]).sum();
-                        out.extend((0..N).map(|i| total * block[i][i] / trace));
-                    }
-                }
             }
-            out
         }
-        let values = with_nodes!(cells.kind(), N => values::<N>(cells, reference, offset, density, kind));
-        Self { kind: cells.kind(), values }
     }
+}
 
+/// Calls with the nodes of each element and its mass, a square row by row.
+pub(crate) fn for_each_element(
+    elements: &Elements,
+    (reference, offset): (&[[f64; 3]], u32),
+    kind: MassKind,
+    density: f64,
+    mut call: impl FnMut(&[u32], &[f64]),
+) {
+    fn of_block<const N: usize>(
+        cells: &CellBlock,
+        (reference, offset): (&[[f64; 3]], u32),
+        kind: MassKind,
+        density: f64,
+        call: &mut impl FnMut(&[u32], &[f64]),
+    ) {
+        let points = MassRule::<N>::new(cells.kind());
+        for nodes in cells.nodes().as_chunks::<N>().0 {
+            let x = places(nodes, reference, offset);
+            call(nodes, element_mass(&points, (cells.kind(), kind), density, &x).as_flattened());
+        }
+    }
+    for cells in elements.blocks() {
+        with_nodes!(cells.kind(), N => of_block::<N>(cells, (reference, offset), kind, density, &mut call));
+    }
+}
+
+impl MassBlock {
     fn consistent<const N: usize>(&self) -> &[[[f64; N]; N]] {
         self.values.as_chunks().0.as_chunks().0
     }
@@ -242,14 +292,41 @@ impl MassBlock {
 impl MassMatrix {
     pub(crate) fn new(
         elements: Arc<Elements>,
-        reference: &[[f64; 3]],
-        offset: u32,
+        (reference, offset): (&[[f64; 3]], u32),
         density: f64,
         kind: MassKind,
+        carried: Option<(&Carried, usize)>,
     ) -> Self {
-        let blocks =
-            elements.blocks().iter().map(|cells| MassBlock::new(cells, reference, offset, density, kind)).collect();
-        Self { elements, kind, blocks }
+        let mut blocks: Vec<MassBlock> =
+            elements.blocks().iter().map(|cells| MassBlock { kind: cells.kind(), values: Vec::new() }).collect();
+        let mut pairs = BTreeMap::new();
+        let (mut element, mut block) = (0, 0);
+        for_each_element(&elements, (reference, offset), kind, density, |nodes, mass| {
+            while element == elements.blocks()[block].first() as usize + elements.blocks()[block].len() {
+                block += 1;
+            }
+            let mut factor = 1.0;
+            if let Some((carried, _)) = carried {
+                factor = carried.densities.get(element).copied().unwrap_or(1.0);
+                if nodes.iter().any(|node| carried.weights.contains_key(node)) {
+                    carried.add(nodes, mass, factor, &mut pairs);
+                    factor = 0.0;
+                }
+            }
+            let values = &mut blocks[block].values;
+            match kind {
+                MassKind::Consistent => values.extend(mass.iter().map(|m| factor * m)),
+                MassKind::Lumped => values.extend(mass.iter().step_by(nodes.len() + 1).map(|m| factor * m)),
+            }
+            element += 1;
+        });
+        let first_pair = carried.map_or(0, |(_, stencils)| stencils);
+        Self { elements, kind, blocks, pairs: pairs.into_iter().collect(), first_pair }
+    }
+
+    /// Nodes of the stencils that the mass needs behind those of the body: pairs of nodes, or one, that carry nodes without mass.
+    pub fn stencils(&self) -> impl Iterator<Item = &[u32]> {
+        self.pairs.iter().map(|(nodes, _)| if nodes[0] == nodes[1] { &nodes[..1] } else { &nodes[..] })
     }
 
     /// Which kind it is.
@@ -278,6 +355,17 @@ impl MassMatrix {
                 }
             }
         }
+        self.for_each_pair(entry);
+    }
+
+    /// The same for the entries between nodes that carry others.
+    fn for_each_pair(&self, mut entry: impl FnMut(usize, usize, f64)) {
+        for &([i, j], m) in &self.pairs {
+            entry(i as usize, j as usize, m);
+            if i != j {
+                entry(j as usize, i as usize, m);
+            }
+        }
     }
 
     /// Adds the diagonal `M_II`, positive at all nodes with mass, to each component of a vector of the model.
@@ -291,22 +379,23 @@ impl MassMatrix {
 
     /// `out += factor M x` for vectors of the model.
     pub fn multiply_add(&self, factor: f64, x: &[f64], out: &mut [f64]) {
-        match self.kind {
-            MassKind::Consistent => {
-                for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
-                    let nodes = cells.nodes();
-                    with_nodes!(block.kind, N => block.multiply_add::<N>(nodes.as_chunks().0, factor, x, out));
-                }
+        let mut add = |node: usize, other: usize, m: f64| {
+            for d in 0..3 {
+                out[3 * node + d] += factor * m * x[3 * other + d];
             }
-            MassKind::Lumped => self.for_each(|node, _, m| {
-                for c in 3 * node..3 * node + 3 {
-                    out[c] += factor * m * x[c];
-                }
-            }),
+        };
+        if self.kind == MassKind::Lumped {
+            self.for_each(add);
+            return;
+        }
+        self.for_each_pair(&mut add);
+        for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
+            let nodes = cells.nodes();
+            with_nodes!(block.kind, N => block.multiply_add::<N>(nodes.as_chunks().0, factor, x, out));
         }
     }
 
-    /// Adds `factor * target.factor * M` to the global values; same stencils as the body's tangent.
+    /// Adds `factor * target.factor * M` to the global values; same stencils as the body's tangent, and behind them [`Self::stencils`].
     pub fn add_to_tangent(&self, factor: f64, target: TangentTarget<'_>) {
         self.add_blocks_to_tangent(&[[factor, 0.0, 0.0], [0.0, factor, 0.0], [0.0, 0.0, factor]], target);
     }
@@ -317,9 +406,22 @@ impl MassMatrix {
             let first = cells.first() as usize;
             with_nodes!(block.kind, N => block.add_to_tangent::<N>(self.kind, first, matrix, &mut target));
         }
+        for (k, &([i, j], m)) in self.pairs.iter().enumerate() {
+            let stencil = target.first_stencil + self.first_pair + k;
+            let entry = |row: usize, column: usize| target.factor * m * matrix[row][column];
+            if i == j {
+                let local: [[f64; 3]; 3] = std::array::from_fn(|r| std::array::from_fn(|c| entry(r, c)));
+                target.map.add(stencil, local.as_flattened(), target.values);
+            } else {
+                let local: [[f64; 6]; 6] = std::array::from_fn(|r| {
+                    std::array::from_fn(|c| if (r < 3) == (c < 3) { 0.0 } else { entry(r % 3, c % 3) })
+                });
+                target.map.add(stencil, local.as_flattened(), target.values);
+            }
+        }
     }
 
-    /// Global numbers of the nodes that have mass, ascending by element and with repetitions.
+    /// Global numbers of the nodes of the elements, ascending by element and with repetitions.
     pub fn nodes(&self) -> impl Iterator<Item = u32> {
         self.elements.iter().flatten().copied()
     }
@@ -366,6 +468,7 @@ impl MassMatrix {
 
     /// Heap memory in bytes, without the connectivity that it shares with the body.
     pub fn memory_bytes(&self) -> usize {
-        self.blocks.iter().map(|block| size_of_val(block.values.as_slice())).sum()
+        let blocks: usize = self.blocks.iter().map(|block| size_of_val(block.values.as_slice())).sum();
+        blocks + size_of_val(self.pairs.as_slice())
     }
 }

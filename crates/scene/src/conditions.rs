@@ -85,6 +85,19 @@ named! {
 }
 
 named! {
+    /// Mass of a contact surface.
+    #[derive(Default)]
+    SurfaceMass {
+        /// That of the elements: nodes that close lose their kinetic energy.
+        #[default]
+        Consistent = "consistent",
+        /// None: in the kinetic energy the nodes of the surface move with those behind them, and nothing is lost when they close (theory/impacts#massless). Densities of the body's elements are changed a
+        /// little, so that its mass, centre and inertia are exact.
+        None = "none",
+    }
+}
+
+named! {
     /// Configuration of the mortar integrals in the weighted gaps.
     Integrals {
         /// Integrals at the current positions: the weighted gap is a function of the positions alone.
@@ -280,6 +293,10 @@ pub struct Contact {
     /// Steps without a break after which a gap that was held comes down. 500 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settle: Option<u32>,
+    /// Mass of the slave surface, or of the master surface if the slave is rigid, of a deformable body: `consistent` or `none`; `consistent` if left out. `none` is for `nts` and `mortar` in
+    /// dynamics with `energy-momentum`, `midpoint` and `backward-euler`. The contact has no law of impact then, and gaps are closed or held as with it.
+    #[serde(default, skip_serializing_if = "SurfaceMass::is_consistent")]
+    pub surface_mass: SurfaceMass,
     /// Weighting of near points over far points in the weighted gap at sharp edges, not negative, times one over the length of a slave facet; for `mortar` only.
     /// With 0 the gap is a plain mean, and edges penetrate
     /// by a quarter of a facet; with 12 by half of that. If left out 12 in statics and 0 in dynamics, where steps may fail with larger values if edges of both surfaces
@@ -293,11 +310,22 @@ pub struct Contact {
     /// Friction law with its parameters; frictionless if left out. Not with `constraint = "modified"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
+    /// Velocity with which the master's surface moves along itself while its mesh stays: of a belt, fixed in space, three values or a table of them in time. Only its part along the surface has an effect. For `nts` and
+    /// `mortar` with friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
+    pub surface_velocity: Option<Series>,
 }
 
 impl GapAtClosing {
     fn is_auto(&self) -> bool {
         *self == Self::Auto
+    }
+}
+
+impl SurfaceMass {
+    fn is_consistent(&self) -> bool {
+        *self == Self::Consistent
     }
 }
 

@@ -55,8 +55,8 @@ pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape
 pub use body::{Body, Cell, Damping, Integration, Mass, Rotation, Rotations, RoundShape, RoundSurface, Volumetric};
 pub use conditions::{
     BoxRegion, Closing, Component, Constraint, Contact, ContactMethod, Edges, Enforcement, GapAtClosing, Integrals,
-    Load, LoadKind, PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, Table,
-    split_set,
+    Load, LoadKind, PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition,
+    SurfaceMass, Table, split_set,
 };
 pub use coupling::Coupling;
 pub use event::{Event, EventCondition, Stage};

@@ -105,7 +105,8 @@ fn block(height: f64) -> Result<Model, Box<dyn Error>> {
     let method = Coupling::potential(PenaltyPlane { surface, stiffness: 1e4, near: Vec::new() });
     let (nodes, density) = (0..mesh.nodes.len() as u32, Some(1.0));
     let solid = SolidBody::new("block", &mesh, 0, Arc::new(NeoHooke::from_young_poisson(1e3, 0.3)?))?;
-    let body = Body { solid, nodes, density, mass_kind: MassKind::Consistent, damping: Default::default() };
+    let body =
+        Body { solid, nodes, density, mass_kind: MassKind::Consistent, damping: Default::default(), massless: None };
     Ok(Model {
         velocity: [1.0, 0.5, -3.0].repeat(mesh.nodes.len()),
         bodies: vec![body],

@@ -339,10 +339,16 @@ impl System {
         let numbering = Numbering::new(components, |c| blocked[c]);
         let mut solids = StencilList::default();
         let mut first_stencil = Vec::new();
+        let mut body_masses = Vec::new();
         for body in &model.bodies {
             first_stencil.push(solids.starts.len());
             for stencil in body.solid.stencils() {
                 solids.push(|out| numbering.node_equations(stencil, out));
+            }
+            if let (true, Some(density)) = (dynamic, body.density) {
+                let mass = body.mass(density);
+                mass.stencils().for_each(|stencil| solids.push(|out| numbering.node_equations(stencil, out)));
+                body_masses.push(mass);
             }
         }
         first_stencil.push(solids.starts.len());
@@ -383,30 +389,24 @@ impl System {
         let solid_pattern = Arc::new(SparsityPattern::from_stencils(n, solids.iter())?.with_groups(labels)?);
         let solid_map = ScatterMap::new(&solid_pattern, solids.iter())?;
         let nnz = solid_pattern.nnz();
-        let mut masses = Masses { bodies: Vec::new(), parts: part_masses };
+        let masses = Masses { bodies: body_masses, parts: part_masses };
         let mut mass_values = Vec::new();
         let (mut mass_length, mut stiffness_force, mut strain_energy_scale) = (0.0, 0.0, 0.0);
         if dynamic {
             mass_values = vec![0.0; nnz];
         }
+        let mut of_bodies = masses.bodies.iter();
         for (b, body) in model.bodies.iter().enumerate() {
             let h = body.solid.characteristic_length();
             let shear = body.solid.law().small_strain_moduli().shear;
             stiffness_force += shear * h * h;
             strain_energy_scale += shear * body.solid.element_count() as f64 * h * h * h;
-            if let (true, Some(density)) = (dynamic, body.density) {
-                let mass = body.solid.mass(density, body.mass_kind);
-                mass.add_to_tangent(
-                    1.0,
-                    TangentTarget {
-                        map: &solid_map,
-                        first_stencil: first_stencil[b],
-                        factor: 1.0,
-                        values: &mut mass_values,
-                    },
-                );
+            if body.density.is_some()
+                && let Some(mass) = of_bodies.next()
+            {
+                let (map, values, first_stencil) = (&solid_map, &mut mass_values[..], first_stencil[b]);
+                mass.add_to_tangent(1.0, TangentTarget { map, first_stencil, factor: 1.0, values });
                 mass_length += mass.total() / (body.nodes.len().max(1) as f64) * h;
-                masses.bodies.push(mass);
             }
         }
         for (part, mass) in model.parts.iter().zip(&masses.parts) {

@@ -9,7 +9,7 @@ use stoss_contact::{
     LocalContribution, Potential, PotentialConstraint, Report, SlotReport, Step, StepConfiguration, Support,
     SurfaceForce, SurfaceNode,
 };
-use stoss_fe_solid::{MassKind, SolidBody};
+use stoss_fe_solid::{MassKind, MassMatrix, Massless, SolidBody};
 use stoss_part::Part;
 
 /// Mass- and stiffness-proportional damping of a body (Rayleigh): for small strains the force `(a M + b K) v`. Only where there is inertia.
@@ -45,6 +45,18 @@ pub struct Body {
     pub mass_kind: MassKind,
     /// Damping; it acts in dynamic stages.
     pub damping: Damping,
+    /// Nodes without mass of their own, if it has some.
+    pub massless: Option<Massless>,
+}
+
+impl Body {
+    /// The mass with a density.
+    pub fn mass(&self, density: f64) -> MassMatrix {
+        match &self.massless {
+            Some(massless) => massless.mass(&self.solid, density, self.mass_kind),
+            None => self.solid.mass(density, self.mass_kind),
+        }
+    }
 }
 
 /// Displacement components given as functions of time, or a rigid motion.
@@ -495,6 +507,13 @@ impl Model {
     pub(crate) fn are_rigid(&self, nodes: &[u32]) -> bool {
         self.embedding.has_all(nodes)
             && (self.traces.is_empty() || !nodes.iter().any(|node| self.traces.contains_key(node)))
+    }
+
+    /// Whether a node has no mass of its own, or moves with one that has none.
+    pub fn is_massless(&self, node: u32) -> bool {
+        let is_own =
+            |node: u32| self.bodies.iter().any(|body| body.massless.as_ref().is_some_and(|m| m.contains(node)));
+        is_own(node) || self.embedding.carriers(node).is_some_and(|list| list.iter().any(|&(node, _)| is_own(node)))
     }
 
     /// Number of nodes.

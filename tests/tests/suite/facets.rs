@@ -42,6 +42,7 @@ impl Blocks {
                 nodes: first..first + mesh.nodes.len() as u32,
                 density: velocities.map(|_| 1.0),
                 mass_kind: MassKind::Consistent,
+                massless: None,
                 damping: Default::default(),
             });
             model.reference.extend(mesh.nodes.iter().flatten());

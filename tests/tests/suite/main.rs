@@ -1,5 +1,6 @@
 //! Conservation, literature and message tests of the whole program, in one binary: one link instead of forty.
 
+mod belts;
 mod bolt;
 mod cat;
 mod centrifugal;
@@ -26,6 +27,7 @@ mod increments;
 mod joint_probes;
 mod lean;
 mod linear_solver;
+mod massless;
 mod mechanism_messages;
 mod moments;
 mod mortar;

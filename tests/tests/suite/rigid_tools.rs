@@ -32,6 +32,7 @@ impl Impact {
             nodes: 0..block.nodes.len() as u32,
             density: Some(1.0),
             mass_kind: MassKind::Consistent,
+            massless: None,
             damping: Default::default(),
         });
         model.reference.extend(block.nodes.iter().flatten());

@@ -63,6 +63,8 @@ pub(crate) struct FrictionState {
     pub step: FrictionStep,
     /// Slip in the frame of the node, a length.
     pub slip: [f64; 2],
+    /// Way of the master's surface beside its mesh, in the same frame.
+    pub way: [f64; 2],
     /// `(history - traction) / stiffness`, a length: zero where a multiplier has converged.
     mismatch: [f64; 2],
     /// Traction in the equations.
@@ -93,11 +95,12 @@ struct Node<T> {
 }
 
 impl<T: Scalar> Node<T> {
-    fn new(normal: V3<T>, along: [V3<T>; 2], weighted_slip: V3<T>, support: f64) -> Self {
+    fn new(normal: V3<T>, along: [V3<T>; 2], (weighted_slip, support): (V3<T>, f64), way: V3<f64>) -> Self {
         let tangents = tangents(normal, along);
+        let way = way.map(T::constant);
         // A node that had no partner at the start of the step begins to slip with the next one.
         let inverse = if support > 0.0 { 1.0 / support } else { 0.0 };
-        Self { tangents, slip: tangents.map(|e| dot(&e, &weighted_slip).scale(inverse)) }
+        Self { tangents, slip: tangents.map(|e| dot(&e, &weighted_slip).scale(inverse) - dot(&e, &way)) }
     }
 
     fn vector(&self, components: [T; 2]) -> V3<T> {
@@ -159,7 +162,8 @@ impl NodeFriction<'_> {
             arguments.push(x);
             start.push(at_n);
         }
-        let node = Node::new(normal, along(arguments, material), slip, self.support(slot, at_end));
+        let way = self.way(at_end);
+        let node = Node::new(normal, along(arguments, material), (slip, self.support(slot, at_end)), way);
         let size: f64 = arguments.iter().map(|x| (dot(&x[1], &x[1]) * dot(&x[2], &x[2])).sqrt()).sum();
         let regular = dot(&normal, &normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
         if !regular {
@@ -177,7 +181,8 @@ impl NodeFriction<'_> {
         // Nothing is known of the slip of a node without a partner at the start: it has the traction of the start, which is zero.
         let settled = if self.has_slip(at_end) { done.force } else { [0.0; 2] };
         let mismatch = [0, 1].map(|i| (history[i] + multiplier[i] - settled[i]) / self.friction.stiffness());
-        Some(FrictionState { step: done, slip: node.slip, mismatch, traction: node.vector(done.force), branch })
+        let way = node.tangents.map(|e| dot(&e, &way));
+        Some(FrictionState { step: done, slip: node.slip, way, mismatch, traction: node.vector(done.force), branch })
     }
 
     /// The same facet at the start of the step.
@@ -198,6 +203,11 @@ impl NodeFriction<'_> {
     /// Whether the slip of the step can be measured: with the weights of the start the node must have had a partner.
     fn has_slip(&self, at_end: bool) -> bool {
         self.weights_of_end(at_end) || self.area > 0.0
+    }
+
+    /// Way of the master's surface beside its mesh in the step, where slip can be measured.
+    fn way(&self, at_end: bool) -> V3<f64> {
+        if self.has_slip(at_end) { self.friction.surface_way() } else { [0.0; 3] }
     }
 
     /// Adds force and tangent of a slot; false if the node has no tangent plane.
@@ -253,8 +263,12 @@ impl NodeFriction<'_> {
         }
         let [a, b] = along(&work.arguments, &work.material);
         let variable = |v: V3<f64>, first: usize| std::array::from_fn(|i| Dual::variable(v[i], first + i));
-        let node =
-            Node::<Dual<NODE>>::new(variable(normal, 0), [variable(a, 3), variable(b, 6)], variable(slip, 9), support);
+        let node = Node::<Dual<NODE>>::new(
+            variable(normal, 0),
+            [variable(a, 3), variable(b, 6)],
+            (variable(slip, 9), support),
+            self.way(at_end),
+        );
         let step = state.branch.as_ref().map_or(&state.step, |(branch, _)| branch);
         let components: [Dual<NODE>; 2] = std::array::from_fn(|i| {
             let [a, b] = step.d_slip[i];

@@ -63,6 +63,10 @@ impl ContactMethod for MortarContact {
         self.augment_friction(q_np1, pressures, active)
     }
 
+    fn surface_way(&self) -> [f64; 3] {
+        self.friction.as_ref().map_or([0.0; 3], |surface| surface.friction.surface_way())
+    }
+
     fn friction_coefficient(&self, slot: usize, pressure: f64, slip: [f64; 2]) -> Option<f64> {
         let surface = self.friction.as_ref()?;
         let of_point = [surface.points[slot].slid, surface.step_size];

@@ -251,16 +251,18 @@ impl MortarContact {
                 |traction| surface.friction.stored(traction) + surface.friction.stored_by(compliance, traction);
             let before = point.support * energy(point.committed);
             let state = if active[slot] { self.friction_state(slot, q_np1, pressures[slot], &mut work) } else { None };
-            let Some(FrictionState { step, .. }) = state else {
+            let Some(FrictionState { step, way, .. }) = state else {
                 // What a released spring held is lost.
                 total.dissipated += before;
                 continue;
             };
             let support = self.slip_area(slot);
+            let driven = -support * (step.force[0] * way[0] + step.force[1] * way[1]);
             if surface.slivers[slot] {
                 // Nothing is kept for the next step.
                 let friction_work = support * step.work;
-                total += ContactWork { dissipated: before + friction_work, friction_work, ..ContactWork::default() };
+                let dissipated = before + friction_work;
+                total += ContactWork { dissipated, friction_work, driven, ..ContactWork::default() };
                 continue;
             }
             // What springs held at the start, on the area of then and on that of the slip: the difference is that of an area that was uncovered.
@@ -273,6 +275,7 @@ impl MortarContact {
                 dissipated: support * (step.dissipated + yielding) + uncovered,
                 friction_stored: stored,
                 friction_work: support * step.work,
+                driven,
                 ..ContactWork::default()
             };
         }

@@ -305,6 +305,7 @@ impl NodeToSurface {
                 dissipated: weight * (state.step.dissipated + yielding + dropped),
                 friction_stored: weight * stored,
                 friction_work: weight * state.step.work,
+                driven: -weight * (0..2).map(|i| state.step.force[i] * state.way[i]).sum::<f64>(),
                 ..ContactWork::default()
             };
         }

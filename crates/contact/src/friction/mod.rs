@@ -4,6 +4,7 @@
 //!   [`StaticDynamic`], [`Regularised`]. A law of one's own implements the trait and needs nothing else;
 //! * [`Friction`]: a law with its tangential stiffness, the way stick is enforced and the time stepping; [`Friction::step`] does the
 //!   step of one point and says what was stored and what was dissipated;
+//! * [`SurfaceVelocity`]: of a master surface that moves along itself;
 //! * [`PointIteration`]: what the iterations of a step need to know of a point: reversals of its slip, augmentation of its multiplier.
 //!
 //! Vectors have two components in an orthonormal frame of the tangent plane. Tractions point *along the slip of the slave relative
@@ -11,6 +12,7 @@
 //!
 //! To add a law: a file beside `coulomb.rs`, a `pub use` here, a line in the tests of `tests/friction.rs`, a scene variant.
 
+mod belt;
 mod coulomb;
 mod iteration;
 mod law;
@@ -19,6 +21,7 @@ mod smooth;
 mod static_dynamic;
 mod step;
 
+pub use belt::SurfaceVelocity;
 pub use coulomb::Coulomb;
 pub use iteration::{AugmentationRound, ConvergedPoint, MAX_AUGMENTATIONS, PointIteration, Stiffening};
 pub use law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};

@@ -1,5 +1,6 @@
 //! The step of one contact point by return mapping (theory/friction#step).
 
+use super::belt::SurfaceVelocity;
 use super::check;
 use super::law::{FrictionInput, FrictionLaw, FrictionOutput, Plane};
 use super::smooth::smoothed_return;
@@ -70,6 +71,9 @@ pub struct Friction {
     midpoint: MidpointFriction,
     /// Smoothing of the pressures; zero: the law as it is.
     smoothing: f64,
+    /// Of a master surface that moves along itself, and its way in the present step.
+    belt: Option<SurfaceVelocity>,
+    way: [f64; 3],
 }
 
 /// One point at the start of its step, and what the iteration says of the step.
@@ -172,6 +176,8 @@ impl Friction {
             stick,
             midpoint,
             smoothing: 0.0,
+            belt: None,
+            way: [0.0; 3],
         })
     }
 
@@ -206,8 +212,21 @@ impl Friction {
         self.resistance
     }
 
+    /// The same on a master surface that moves along itself, beside its mesh. Its part along the normal of the surface has no effect.
+    #[must_use]
+    pub fn with_surface_velocity(mut self, belt: SurfaceVelocity) -> Self {
+        self.belt = belt.moves().then_some(belt);
+        self
+    }
+
+    /// The way of the master's surface beside its mesh in the present step, a length each: slips are less by its tangential part.
+    pub fn surface_way(&self) -> [f64; 3] {
+        self.way
+    }
+
     /// Begins a step; without rates inertia resists nothing.
     pub fn begin(&mut self, step: &Step<'_>) {
+        self.way = self.belt.as_ref().map_or([0.0; 3], |belt| belt.way(step.time, step.end));
         let inertia = if step.rates { self.inertia / (step.dt * step.dt) } else { 0.0 };
         self.resistance = self.body_stiffness + if inertia.is_finite() { inertia } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();

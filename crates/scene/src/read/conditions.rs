@@ -7,7 +7,8 @@ use super::table::Table;
 use super::world::{World, action_name, contact_reference, is_line, meshed_part, set_reference};
 use crate::{
     BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement, GapAtClosing, Integrals,
-    Kind, Load, LoadKind, Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, split_set,
+    Kind, Load, LoadKind, Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, SurfaceMass,
+    split_set,
 };
 use toml::de::DeValue;
 
@@ -130,6 +131,19 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         }
         Some(friction)
     });
+    let surface_velocity = table.optional("surface_velocity", |n| {
+        if matches!(friction, Some(None)) {
+            return n.fail("has no effect without friction", "give the contact a `friction`, or remove it");
+        }
+        if method == Some(ContactMethod::Cat) {
+            return n.fail("is for the methods `nts` and `mortar`", "write method = \"nts\"");
+        }
+        if matches!(between, Some(Some(_))) {
+            let message = "needs to be told which surface moves: it is that of the master";
+            return n.fail(message, "write `slave` and `master` instead of `between`");
+        }
+        series(n, 3)
+    });
     let of_cat = |n: &Node<'_>| {
         if matches!(method, Some(ContactMethod::Nts | ContactMethod::Mortar)) {
             return n.fail("is an option of the method `cat`", "remove it, or write method = \"cat\"");
@@ -177,8 +191,29 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let modified = constraint == Some(Some(Constraint::Modified));
     let is_penalty = matches!(enforcement, Some(Enforcement::Penalty(_)));
     let frozen = integrals == Some(Some(Integrals::Frozen));
+    let surface_mass = table.default("surface_mass", SurfaceMass::default(), |n| {
+        let mass = n.choice(SurfaceMass::NAMES, SurfaceMass::from_name)?;
+        if mass == SurfaceMass::Consistent {
+            return Some(mass);
+        }
+        if world.kind == Some(Kind::QuasiStatic) {
+            return n.fail("is for dynamic scenes only", "remove it");
+        }
+        if method == Some(ContactMethod::Cat) {
+            return n.fail("is for the methods `nts` and `mortar`", "remove it, or write method = \"nts\"");
+        }
+        if matches!(between, Some(Some(_))) {
+            let message = "needs to be told which surface has no mass: it is that of the slave, if it is deformable";
+            return n.fail(message, "write `slave` and `master` instead of `between`");
+        }
+        Some(mass)
+    });
+    let is_massless = surface_mass == Some(SurfaceMass::None);
     let closing = table.optional("closing", |n| {
         let closing = n.choice(Closing::NAMES, Closing::from_name)?;
+        if closing == Closing::Impact && is_massless {
+            return n.fail("is not for a surface without mass, which has no impact", "remove it");
+        }
         if closing == Closing::Impact && (modified || is_penalty || frozen) {
             let message = "is for exact contact: not for a penalty, the modified constraint, or frozen integrals";
             return n.fail(message, "remove it");
@@ -188,7 +223,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let keeps = modified
         || is_penalty
         || frozen
-        || closing == Some(Some(Closing::Keep))
+        || closing == Some(Some(Closing::Keep)) && !is_massless
         || method == Some(ContactMethod::Cat) && closing == Some(None);
     let of_impact = |n: &Node<'_>| {
         if world.kind == Some(Kind::QuasiStatic) {
@@ -204,6 +239,9 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     };
     let restitution = table.optional("restitution", |n| {
         of_impact(n)?;
+        if is_massless {
+            return n.fail("is a number of the law of impact, and a surface without mass has no impact", "remove it");
+        }
         restitution(n)
     });
     let gap = table.default("gap", GapAtClosing::Auto, |n| {
@@ -227,6 +265,11 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         let sets = [&slave, &master].into_iter().flatten().flatten().chain(between.iter().flatten().flatten());
         if edges == Edges::General && sets.clone().any(|set| is_line(set, world)) {
             return n.fail("needs facets on both sides: beams and strings have none", "remove it");
+        }
+        if edges == Edges::General && !matches!(surface_velocity, Some(None)) {
+            let message =
+                "is not for a contact with `surface_velocity`: general contact takes surfaces as their nodes move";
+            return n.fail(message, "remove one of the two");
         }
         Some(edges)
     });
@@ -280,9 +323,11 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         restitution: restitution?,
         gap: gap?,
         settle: settle?,
+        surface_mass: surface_mass?,
         nearness: nearness?,
         edges: edges?,
         friction: friction?,
+        surface_velocity: surface_velocity?,
     })
 }
 

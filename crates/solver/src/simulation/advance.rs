@@ -168,7 +168,6 @@ impl Simulation {
         let speed = self.model.embedding.largest_of(&self.system.own, &self.state.v);
         let reach = 2.0 * speed * dt;
         let end = self.clock.next_time();
-        let has_impacts = Self::has_impacts(&rule);
         let (model, state, support) = (&mut self.model, &self.state, &self.support);
         self.timings.measure(Phase::Search, || -> Result<(), StepError> {
             let step = ContactStep {
@@ -180,14 +179,13 @@ impl Simulation {
                 rule: contact_rule(rule.constraint.rule),
                 rates: rule.has_inertia(),
                 careful,
-                impacts: false,
+                impacts: Self::has_impacts(&rule),
                 reach,
                 support,
             };
             for pair in &mut model.contacts {
                 let reach = reach + 0.5 * pair.method.length_scale();
-                let impacts = has_impacts && pair.restitution.is_some();
-                pair.method.begin(&ContactStep { reach, impacts, ..step })?;
+                pair.method.begin(&ContactStep { reach, ..step })?;
             }
             Ok(())
         })
@@ -357,6 +355,11 @@ impl Simulation {
         }
         self.system.buffers = buffers;
         result?;
+        // Nodes without mass have no velocity in the equations: that of the step is the mean one.
+        for node in self.model.bodies.iter().filter_map(|body| body.massless.as_ref()).flat_map(|of| of.nodes()) {
+            let own = 3 * node as usize..3 * node as usize + 3;
+            next.v[own.clone()].iter_mut().zip(&iterate.increment[own]).for_each(|(v, moved)| *v = moved / dt);
+        }
         let embedding = &self.model.embedding;
         embedding.follow_changes(&mut next.v, &mut followed);
         embedding.follow(&mut next.a);

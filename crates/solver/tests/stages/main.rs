@@ -50,6 +50,7 @@ fn add_block(model: &mut Model, min: [f64; 3], max: [f64; 3], n: [usize; 3]) -> 
         nodes: first..first + mesh.nodes.len() as u32,
         density: Some(2.0),
         mass_kind: MassKind::Consistent,
+        massless: None,
         damping: Default::default(),
     });
     model.reference.extend(mesh.nodes.iter().flatten());

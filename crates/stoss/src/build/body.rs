@@ -109,6 +109,7 @@ pub(super) fn bodies(
                 Mass::Consistent => MassKind::Consistent,
                 Mass::Lumped => MassKind::Lumped,
             },
+            massless: None,
         });
         let mut traces = Traces::add(&mesh, needs, first_node, model);
         if needs.trace {

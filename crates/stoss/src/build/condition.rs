@@ -255,7 +255,7 @@ pub(super) fn gravity(scene: &Scene, model: &mut Model, problems: &mut Problems<
             // The force of the very mass that is accelerated: with another, lumped bodies would not fall alike at all nodes.
             let along: Vec<f64> = (0..components).map(|c| axis[c % 3]).collect();
             for (item, body) in scene.bodies.iter().zip(&model.bodies) {
-                let mass = body.solid.mass(item.density.unwrap_or(0.0), body.mass_kind);
+                let mass = body.mass(item.density.unwrap_or(0.0));
                 mass.multiply_add(1.0, &along, force);
             }
             for part in &model.parts {
@@ -321,7 +321,7 @@ fn centrifugal(
     let length = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
     Some(LoadKind::Centrifugal {
         body,
-        mass: model.bodies[body].solid.mass(density, model.bodies[body].mass_kind),
+        mass: model.bodies[body].mass(density),
         axis: axis.map(|a| a / length),
         about: item.about.unwrap_or_default(),
     })
@@ -356,7 +356,8 @@ fn load_kind(
                 return None;
             }
         }
-        let density = match (kind, scene.bodies[b].density) {
+        // The weight of the very mass that is accelerated, as of gravity.
+        let mass = match (kind, scene.bodies[b].density) {
             (SceneLoad::Acceleration, None) => {
                 let message = format!("`{name}` has no density, and a body without mass needs no force");
                 problems.add(
@@ -367,13 +368,17 @@ fn load_kind(
                 );
                 return None;
             }
-            (SceneLoad::Acceleration, Some(density)) => density,
-            _ => 1.0,
+            (SceneLoad::Acceleration, Some(density)) => Some(model.bodies[b].mass(density)),
+            _ => None,
         };
         let solid = &model.bodies[b].solid;
         let patterns = AXES.map(|axis| {
-            let force_per_volume = axis.map(|a| density * a);
-            pattern(components, key, problems, |f| solid.body_force(force_per_volume, f))
+            pattern(components, key, problems, |f| {
+                let Some(mass) = &mass else { return solid.body_force(axis, f) };
+                let along: Vec<f64> = (0..components).map(|c| axis[c % 3]).collect();
+                mass.multiply_add(1.0, &along, f);
+                Ok(())
+            })
         });
         return Some(LoadKind::Dead { patterns: patterns.into_iter().collect::<Option<_>>()? });
     }

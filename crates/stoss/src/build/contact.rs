@@ -7,7 +7,7 @@ use super::phase::Phases;
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
-use crate::scene::{ContactMethod, Enforcement, Scene, split_set};
+use crate::scene::{Closing, ContactMethod, Enforcement, Scene, split_set};
 use crate::solver::Model;
 use stoss_contact::Support;
 use stoss_reference_element::{FacePiece, FacetNodes};
@@ -113,7 +113,33 @@ pub(super) fn contacts(
         let (bodies, facets) = ([slave.part, master.part], [&slave.facets[..], &master.facets[..]]);
         let pieces = [&slave.pieces[..], &master.pieces[..]];
         let (line, tied) = (&slave.line[..], &ties.tied);
-        let pair = PairInput { scene, placed, laws, phases, key, item, bodies, facets, pieces, line, chosen, tied };
+        let is_massless = surfaces.iter().flat_map(Side::nodes).any(|node| model.is_massless(node));
+        if is_massless && (item.restitution.is_some() || item.closing == Some(Closing::Impact)) {
+            let message = "needs velocities that jump, and another contact has taken the mass of a surface of this one";
+            let which = if item.restitution.is_some() { "restitution" } else { "closing" };
+            problems.add(
+                format!("{key}.{which}"),
+                item.label(),
+                message,
+                "remove it, or that contact's `surface_mass`",
+            );
+            continue;
+        }
+        let pair = PairInput {
+            scene,
+            placed,
+            laws,
+            phases,
+            key,
+            item,
+            bodies,
+            facets,
+            pieces,
+            line,
+            chosen,
+            tied,
+            is_massless,
+        };
         plans.extend(match item.method {
             #[cfg(feature = "nts")]
             ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),

@@ -4,7 +4,9 @@ use super::pair::PairInput;
 use super::{FrictionPlan, OwnLaws, ParameterError, Problems};
 use crate::scene;
 use std::sync::Arc;
-use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick};
+use stoss_contact::friction::{
+    Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
+};
 use stoss_integrators::{GradientRule, SCHEMES};
 
 fn law(item: &scene::Friction, laws: &OwnLaws) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
@@ -136,5 +138,12 @@ pub(super) fn friction(
     // A stiffness that is given is the weight itself.
     let friction =
         if penalty.is_none() { friction.with_careful_weight(CAREFUL_WEIGHT * complementarity) } else { friction };
+    let row = |row: Vec<f64>| (row[0], [row[1], row[2], row[3]]);
+    let friction = match &pair.item.surface_velocity {
+        Some(velocity) => {
+            friction.with_surface_velocity(SurfaceVelocity::new(velocity.rows().into_iter().map(row).collect()))
+        }
+        None => friction,
+    };
     Some((friction, plan))
 }

@@ -21,6 +21,7 @@ mod interacting;
 #[cfg(any(feature = "general", feature = "multibody"))]
 mod joined;
 mod law;
+mod massless;
 mod mesh_files;
 mod missing;
 #[cfg(feature = "mortar")]
@@ -178,6 +179,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         #[cfg(feature = "general")]
         let apart =
             separate::separate(scene, &mut placed, &ties, phases.first(), &mut model, &mut problems, &mut bodies);
+        massless::surfaces(scene, &placed, &phases, &mut model, &mut problems, &mut warnings);
         condition::loads(scene, &placed, &mut model, &mut problems);
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &phases, &mut model, &mut problems, &mut warnings);

@@ -31,6 +31,8 @@ pub(super) struct PairInput<'a> {
     pub chosen: Option<String>,
     /// Slave nodes of ties.
     pub tied: &'a BTreeSet<u32>,
+    /// Whether nodes of a side have no mass: their velocities do not jump, and there is no impact.
+    pub is_massless: bool,
 }
 
 impl PairInput<'_> {
@@ -194,9 +196,6 @@ impl PairInput<'_> {
     /// Restitution of the law of impact, if the contact has it.
     pub fn restitution(&self) -> Option<f64> {
         let item = self.item;
-        let is_exact = item.constraint != Some(Constraint::Modified)
-            && !matches!(item.enforcement, Enforcement::Penalty(_))
-            && item.integrals != Some(Integrals::Frozen);
         let has_law = match item.closing {
             Some(closing) => closing == Closing::Impact,
             // The tangential impulses of the step go with its normal ones. Rigid bodies that touch have them right; the nodes of a mesh open and close as it slides.
@@ -205,7 +204,14 @@ impl PairInput<'_> {
                     && (item.friction.is_none() || self.is_rigid() || item.restitution.is_some())
             }
         };
-        (is_exact && has_law).then(|| self.given_restitution().unwrap_or(0.0))
+        (self.is_exact() && has_law && !self.is_massless).then(|| self.given_restitution().unwrap_or(0.0))
+    }
+
+    /// Whether closed gaps are equations that move with the positions.
+    fn is_exact(&self) -> bool {
+        self.item.constraint != Some(Constraint::Modified)
+            && !matches!(self.item.enforcement, Enforcement::Penalty(_))
+            && self.item.integrals != Some(Integrals::Frozen)
     }
 
     /// The restitution of the contact, or the larger one of its rigid bodies.
@@ -232,7 +238,8 @@ impl PairInput<'_> {
             GapAtClosing::Close => false,
             GapAtClosing::Hold => true,
         };
-        (holds && self.restitution().is_some()).then(|| self.item.settle.unwrap_or(SETTLE))
+        let can_hold = self.restitution().is_some() || self.is_massless && self.is_exact();
+        (holds && can_hold).then(|| self.item.settle.unwrap_or(SETTLE))
     }
 
     /// Elements that a wave passes through in a step, in the solid where they are fewest; infinite without a solid.

@@ -55,6 +55,7 @@ fn add_block(model: &mut Model, name: &str, min: [f64; 3], max: [f64; 3]) {
         nodes: first..first + block.nodes.len() as u32,
         density: Some(1.0),
         mass_kind: MassKind::Consistent,
+        massless: None,
         damping: Default::default(),
     });
     model.reference.extend(block.nodes.iter().flatten());

@@ -296,7 +296,7 @@ impl Simulation {
                 continue;
             }
             let (pressures, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
-            let mut work = of_pairs[c].friction_work;
+            let mut work = of_pairs[c].friction_work - of_pairs[c].driven;
             pair.method.assemble_with(configuration, pressures, auxiliaries, active, false, &mut |local| {
                 for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                     let first = 3 * node as usize;
@@ -375,6 +375,11 @@ impl Simulation {
         let m = closed.rows.len();
         // Impulses of the slots, then of their friction.
         let along = || sliding.iter().flat_map(|of| &of.rows);
+        // Rates of sliding: on a surface that moves beside its mesh they are zero where the slave goes along with it.
+        let slid = |v: &[f64]| -> Vec<f64> {
+            let rows = sliding.iter().flat_map(|of| of.rows.iter().zip(of.carried));
+            rows.map(|(row, carried)| row.dot(v) - carried).collect()
+        };
         let force_of = |j: &[f64]| -> Vec<f64> {
             let mut force = vec![0.0; v_1.len()];
             closed.rows.iter().chain(along()).zip(j).for_each(|(row, &j)| row.add_to(j, &mut force));
@@ -441,12 +446,12 @@ impl Simulation {
         // Energy without the work of supports and drives: that of the step, and the work of the impulses since.
         let first = masses.kinetic_energy(v_1);
         let rates_1 = of_rows(&closed.rows, v_1);
-        let sliding_1: Vec<f64> = along().map(|row| row.dot(v_1)).collect();
+        let sliding_1 = slid(v_1);
         let energy = |response: &Response, of: &Velocities| -> f64 {
             let slots = closed.rows.iter().zip(&of.slots).zip(&rates_1);
             let by_slots: f64 = slots.map(|((row, j), rate)| j * (rate + row.dot(&of.v))).sum();
-            let slid = along().zip(&of.sliding).zip(&sliding_1);
-            let by_sliding: f64 = slid.map(|((row, j), rate)| j * (rate + row.dot(&of.v))).sum();
+            let of_sliding = slid(&of.v).into_iter().zip(&of.sliding).zip(&sliding_1);
+            let by_sliding: f64 = of_sliding.map(|((now, j), rate)| j * (rate + now)).sum();
             let held = response.rows().iter().zip(&of.held).zip(&rates_held).zip(is_driven);
             let not_driven = held.filter(|(_, driven)| !**driven);
             let by_held: f64 = not_driven.map(|(((row, j), rate), _)| j * (rate + row.dot(&of.v))).sum();
@@ -520,7 +525,8 @@ impl Simulation {
             let rates = of_rows(&closed.rows, &last.v);
             let least = (0..m).map(|i| if start[i] > RIGID_AT_REST * largest { rates[i] } else { closed.settling[i] });
             let coefficients: Vec<(usize, f64)> = sliding.iter().map(|of| (of.slot, of.coefficient)).collect();
-            let free_rates: Vec<f64> = closed.rows.iter().chain(along()).map(|row| row.dot(&free_end.v)).collect();
+            let mut free_rates = of_rows(&closed.rows, &free_end.v);
+            free_rates.extend(slid(&free_end.v));
             let with_least = |response: &mut Response, least: &[f64]| -> Result<Velocities, StepError> {
                 let cone = Cone { least, free: &free_rates, sliding: &coefficients };
                 let start: Vec<f64> = start.iter().copied().chain(vec![0.0; 2 * sliding.len()]).collect();
@@ -550,7 +556,8 @@ impl Simulation {
             }
         };
         let of_last = energy(response, &last);
-        let moves = is_driven.contains(&true) || prescribed.iter().any(|&(c, ..)| v_1[c as usize] != 0.0);
+        let is_carried = sliding.iter().any(|of| of.carried != [0.0; 2]);
+        let moves = is_driven.contains(&true) || is_carried || prescribed.iter().any(|&(c, ..)| v_1[c as usize] != 0.0);
         let kinetic = masses.kinetic_energy(&last.v);
         let (mut loss, external) = if moves { (target - of_last, kinetic - of_last) } else { (target - kinetic, 0.0) };
         // What friction takes of it.
@@ -559,7 +566,7 @@ impl Simulation {
         of_slot.by_ref().for_each(|(of, changes)| {
             let taken = (0..2).map(|i| {
                 let j = changes[i] + of.impulses[i];
-                -0.5 * j * (of.rows[i].dot(&free_end.v) + of.rows[i].dot(&last.v))
+                -0.5 * j * (of.rows[i].dot(&free_end.v) + of.rows[i].dot(&last.v) - 2.0 * of.carried[i])
             });
             friction[closed.slots[of.slot].0] += taken.sum::<f64>();
         });

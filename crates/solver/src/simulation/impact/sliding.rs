@@ -20,6 +20,8 @@ pub(super) struct Sliding {
     pub coefficient: f64,
     /// Impulses along the rows that the step has put in.
     pub impulses: [f64; 2],
+    /// Rates of the rows at which the slave goes along with a surface of the master that moves beside its mesh.
+    pub carried: [f64; 2],
 }
 
 /// Two directions normal to a unit vector and to each other.
@@ -53,6 +55,7 @@ impl Simulation {
             if own.is_empty() {
                 continue;
             }
+            let way = method.surface_way();
             let mut is_slave = vec![false; self.model.node_count()];
             pair.method.report(q)?.iter().for_each(|report| is_slave[report.node as usize] = true);
             let (pressures, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
@@ -86,11 +89,12 @@ impl Simulation {
                     });
                     Row::new(&self.model.embedding, nodes, &along.collect::<Vec<f64>>(), 1.0)
                 });
-                let slip = [0, 1].map(|i| dt * rows[i].dot(&self.state.v) / weight);
+                let carried = directions.map(|t| weight / dt * (0..3).map(|i| t[i] * way[i]).sum::<f64>());
+                let slip = [0, 1].map(|i| dt * (rows[i].dot(&self.state.v) - carried[i]) / weight);
                 let Some(coefficient) = method.friction_coefficient(slot, pressures[slot], slip) else { return };
                 let time = rule.constraint.weight * dt;
                 let impulses = directions.map(|t| time / weight * (0..3).map(|i| forces[slot][i] * t[i]).sum::<f64>());
-                sliding.push(Sliding { slot: k, rows, coefficient, impulses });
+                sliding.push(Sliding { slot: k, rows, coefficient, impulses, carried });
             })?;
         }
         Ok(sliding)

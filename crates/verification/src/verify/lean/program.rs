@@ -60,6 +60,7 @@ fn model() -> Result<(), Box<dyn Error>> {
         nodes: 0..mesh.nodes.len() as u32,
         density: Some(1.0),
         mass_kind: MassKind::Consistent,
+        massless: None,
         damping: Default::default(),
     };
     let model = Model {

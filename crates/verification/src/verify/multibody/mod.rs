@@ -9,6 +9,7 @@ mod joints;
 mod obstacle;
 mod pulley;
 mod rigid;
+mod rows;
 mod scene;
 mod stiff;
 mod strings;
@@ -21,7 +22,7 @@ use super::check::{Bound, Check};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
 
-/// Tops, impacts that count the digits of pi, pendulums, mechanisms, bearings, chains, beams, strings, redundancy, extremes, work and precision, trebuchet, rigid tools, bolt, moments, driven reference points.
+/// Tops, impacts that count the digits of pi, cradles and dominoes, pendulums, mechanisms, bearings, chains, beams, strings, redundancy, extremes, work and precision, trebuchet, rigid tools, bolt, moments, driven reference points.
 pub struct Multibody;
 
 /// Drift of momenta over their size, in a step or of a run as the row says.
@@ -42,9 +43,10 @@ impl Suite for Multibody {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 15] = [
+        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 16] = [
             ("rigid bodies", |bench, found| rigid::measure(bench.quick, found)),
             ("impacts that count", |bench, found| collisions::measure(bench.quick, found)),
+            ("rows of impacts", |bench, found| rows::measure(bench.quick, found)),
             ("joints", |bench, found| joints::measure(bench.quick, found)),
             ("chain", |bench, found| chain::measure(bench.quick, found)),
             ("beams", |bench, found| beams::measure(bench.quick, found)),
