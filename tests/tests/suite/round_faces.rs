@@ -123,6 +123,58 @@ fn a_press_fit_of_quadratic_cells_is_that_of_lame() {
     assert!(error.abs() < 5e-4, "{error}");
 }
 
+/// The press fit of parts that fit exactly, by an interference; in time it grows in proportion to it.
+#[test]
+fn an_interference_is_the_press_fit_of_lame() {
+    for (multipliers, bound) in [("standard", 5e-3), ("dual", 1e-3)] {
+        let fit = |more: &str, overlap: f64| {
+            let more = format!("multipliers = \"{multipliers}\"\n{more}");
+            let mut simulation = tubes([12, 10], overlap, [""; 2], &contact("in.in_outer", "out.out_inner", &more));
+            run(&mut simulation);
+            outside(&simulation)
+        };
+        let by_number = fit("interference = 0.0025\n", 0.0);
+        let by_meshes = fit("", OVERLAP);
+        let in_time = fit("interference = { table = [[0.0, 0.0], [4.0, 0.01]] }\n", 0.0);
+        // What the facets of both meshes overlap by themselves is no part of it.
+        let kept = fit("overlap = \"keep\"\ninterference = 0.0025\n", 0.0);
+        for found in [by_number, by_meshes, in_time, kept] {
+            let error = found / press_fit() - 1.0;
+            assert!(error.abs() < bound, "{multipliers}: {error}");
+        }
+        assert!((by_number / by_meshes - 1.0).abs() < 3e-4 && by_number == in_time, "{by_number} {by_meshes}");
+    }
+}
+
+/// A ramp of the overlap: in proportion to time, and the end is that of the sudden one.
+#[test]
+fn a_ramp_closes_an_overlap_in_proportion_to_time() {
+    let stages = "[[stage]]\nname = \"a\"\nkind = \"quasi-static\"\nuntil = 1.0\nstep = 0.25\n";
+    let fit = |more: &str| tubes([12, 10], OVERLAP, [""; 2], &(contact("in.in_outer", "out.out_inner", more) + stages));
+    let mut sudden = fit("");
+    run(&mut sudden);
+    let mut ramp = fit("overlap = \"ramp\"\n");
+    for step in 1..=4 {
+        ramp.advance().unwrap();
+        let part = outside(&ramp) / outside(&sudden);
+        assert!((part - 0.25 * f64::from(step)).abs() < 1e-3, "{step}: {part}");
+    }
+    assert!((outside(&ramp) / outside(&sudden) - 1.0).abs() < 1e-9);
+}
+
+/// Round parts that fit exactly, whose meshes overlap here and there, have no stress with `keep`.
+#[test]
+fn parts_that_fit_have_no_stress_if_overlaps_are_kept() {
+    for multipliers in ["standard", "dual"] {
+        let more = format!("multipliers = \"{multipliers}\"\noverlap = \"keep\"\n");
+        let mut simulation = tubes([12, 10], 0.0, [""; 2], &contact("in.in_outer", "out.out_inner", &more));
+        run(&mut simulation);
+        let moved = simulation.state().q.iter().zip(&simulation.model().reference).map(|(q, x)| (q - x).abs());
+        // Of round-off of 30.
+        assert!(moved.fold(0.0, f64::max) < 1e-12 && stress(&simulation) < 1e-8);
+    }
+}
+
 /// A pressure inside, through tied rings of meshes that do not match: Lame's thick tube.
 #[test]
 fn tied_rings_are_a_thick_tube() {

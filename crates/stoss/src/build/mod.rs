@@ -42,6 +42,8 @@ mod placed;
 mod plan;
 mod plausible;
 mod probe;
+#[cfg(any(feature = "nts", feature = "mortar"))]
+mod reference_gap;
 #[cfg(feature = "general")]
 mod rigid_inset;
 mod round;

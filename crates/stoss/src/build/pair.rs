@@ -7,7 +7,7 @@ use crate::points::Points;
 use crate::scene::{Closing, Constraint, ContactMethod, Enforcement, GapAtClosing, Integrals, Scene, split_set};
 use crate::solver::{Model, contact_rule};
 use std::collections::BTreeSet;
-use stoss_contact::{Auxiliary, Hold, Step, Support};
+use stoss_contact::{Auxiliary, Hold, Overlap, Step, Support};
 use stoss_mesh::Mesh;
 use stoss_reference_element::{FacePiece, FacetNodes};
 
@@ -101,6 +101,11 @@ impl PairInput<'_> {
             support: &support,
             ..Step::new(&model.reference, rule, phase.step())
         };
+        let reference_gap = self.reference_gap(problems);
+        let becomes = reference_gap.overlap;
+        if let Some(own) = method.reference_gap_mut() {
+            own.set(reference_gap);
+        }
         if let Err(error) = method.begin(&begins) {
             problems.add(key.clone(), label.clone(), error.to_string(), "correct the surfaces");
         }
@@ -109,13 +114,13 @@ impl PairInput<'_> {
                 let tolerance = 1.0e-9 * method.length_scale();
                 let inside = reports.iter().filter(|r| r.gap.is_some_and(|g| g < -tolerance)).count();
                 let deepest = reports.iter().filter_map(|r| r.gap).fold(0.0, f64::min);
-                if inside > 0 {
+                if inside > 0 && becomes != Overlap::Keep {
                     let keeps = constraint == Constraint::Modified
                         || (item.method == ContactMethod::Mortar && phase.has_rates());
-                    let then = if keeps {
-                        "they keep that gap"
-                    } else {
-                        "the first step closes that gap and changes the energy"
+                    let then = match (becomes, keeps) {
+                        (Overlap::Ramp, _) => "that gap closes until the end of the stage",
+                        (_, true) => "they keep that gap",
+                        (_, false) => "the first step closes that gap and changes the energy",
                     };
                     warnings.push(format!(
                         "{}: {inside} slave nodes begin behind the master surface (deepest gap {deepest:.3e}); {then}",
