@@ -258,8 +258,8 @@ pub struct Contact {
     /// Master surface, `body.set`, of another body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub master: Option<String>,
-    /// Two surfaces of different bodies, instead of `slave` and `master`. The slave is then the beam or string, otherwise the surface whose motion is not prescribed as a whole, otherwise the one with the finer mesh,
-    /// otherwise the softer one.
+    /// Two surfaces of different bodies, instead of `slave` and `master`. The slave is then the beam or string, otherwise the surface whose motion is not prescribed as a whole, otherwise the one that is not rigid,
+    /// otherwise the one between whose nodes the other one, if it is round, sinks in less, otherwise the one with the finer mesh, otherwise the softer one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub between: Option<[String; 2]>,
     /// Constraint of a closed contact, for `nts` and `cat`; `standard` if left out. With `mortar` the

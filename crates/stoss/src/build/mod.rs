@@ -51,6 +51,8 @@ mod schedule;
 #[cfg(feature = "general")]
 mod separate;
 mod sets;
+#[cfg(any(feature = "nts", feature = "mortar"))]
+mod sides;
 mod sliding_support;
 mod supports;
 mod tie;
