@@ -274,12 +274,11 @@ mod tests {
         let ramp = |friction| {
             let mut gap =
                 of(ReferenceGapOptions { overlap: Overlap::Ramp, friction, ..ReferenceGapOptions::default() });
-            let factors = [(0.0, 0.25), (0.5, 1.0), (1.0, 2.0)].map(|(time, end)| {
+            [(0.0, 0.25), (0.5, 1.0), (1.0, 2.0)].map(|(time, end)| {
                 gap.begin(&step(time, end), 3, measured);
                 gap.commit();
                 gap.friction_factor(&step(time, end))
-            });
-            factors
+            })
         };
         assert_eq!(ramp(ClosingFriction::Full), [1.0; 3]);
         assert_eq!(ramp(ClosingFriction::Grows), [0.25, 1.0, 1.0]);
