@@ -56,6 +56,12 @@ fn tube(text: &mut String, name: &str, radii: [f64; 2], around: usize, first: &m
 
 /// Two quarters of tubes in plane strain, `in` from 10 to 20 and an overlap, `out` from 20 to 30, with elements around; `between` them a contact or a tie.
 fn tubes(around: [usize; 2], overlap: f64, cells: [&str; 2], between: &str) -> Simulation {
+    let (text, folder) = tubes_scene(around, overlap, cells, between);
+    simulation_in(&text, folder.path())
+}
+
+/// Their scene, with the mesh in a folder.
+fn tubes_scene(around: [usize; 2], overlap: f64, cells: [&str; 2], between: &str) -> (String, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let (mut mesh, mut first) = (String::new(), [0, 0]);
     tube(&mut mesh, "in", [10.0, 20.0 + overlap], around[0], &mut first);
@@ -76,7 +82,7 @@ fn tubes(around: [usize; 2], overlap: f64, cells: [&str; 2], between: &str) -> S
         }
     }
     text.push_str(between);
-    simulation_in(&text, folder.path())
+    (text, folder)
 }
 
 /// Radial displacement at (30, 0, 0).
@@ -173,6 +179,23 @@ fn parts_that_fit_have_no_stress_if_overlaps_are_kept() {
         // Of round-off of 30.
         assert!(moved.fold(0.0, f64::max) < 1e-12 && stress(&simulation) < 1e-8);
     }
+}
+
+/// Vertices of `nts` on quadratic faces lie beside them: the fit would be that of the arches of meshes that do not match.
+#[test]
+fn node_to_surface_fits_of_quadratic_faces_are_refused_where_arches_count() {
+    let refused = |around: [usize; 2], overlap: f64, more: &str| {
+        let between = contact("in.in_outer", "out.out_inner", more).replace("mortar", "nts");
+        let (text, folder) = tubes_scene(around, overlap, [""; 2], &between);
+        let scene = stoss::scene::parse(&text, "tubes.toml").unwrap_or_else(|e| panic!("{e}"));
+        stoss::build::build(&scene, folder.path()).err().map(|e| e.to_string())
+    };
+    for (overlap, more) in [(OVERLAP, ""), (0.0, "interference = 0.0025\n"), (0.0, "")] {
+        let told = refused([12, 10], overlap, more).unwrap_or_default();
+        assert!(told.contains("a third of the height of their arches"), "{overlap} {more}{told}");
+    }
+    assert_eq!(refused([12, 12], OVERLAP, ""), None);
+    assert_eq!(refused([12, 10], 0.0, "overlap = \"keep\"\n"), None);
 }
 
 /// A pressure inside, through tied rings of meshes that do not match: Lame's thick tube.

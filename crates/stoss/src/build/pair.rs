@@ -23,7 +23,6 @@ pub(super) struct PairInput<'a> {
     pub bodies: [usize; 2],
     pub facets: [&'a [FacetNodes]; 2],
     /// The same as pieces of their faces.
-    #[cfg_attr(not(feature = "mortar"), expect(dead_code, reason = "mortar surfaces take it"))]
     pub pieces: [&'a [FacePiece]; 2],
     /// Of a slave that is a beam or string its nodes and their lengths; it has no facets then.
     pub line: &'a [(u32, f64)],

@@ -13,6 +13,8 @@ const NEAR: f64 = 2.0;
 const MANY: usize = 50_000_000;
 /// Depths of less than this part of a facet are not worth a word.
 const WORTH: f64 = 0.03;
+/// Curvatures that cancel but for this part are those of surfaces that lie on each other.
+const MOSTLY: f64 = 0.2;
 /// Depths that differ by less than this part are alike.
 const ALIKE: f64 = 0.05;
 
@@ -100,6 +102,30 @@ fn near(centres: &[Vector], facets: &[FacetNodes], other: &[FacetNodes], referen
 /// The facets on the nodes of faces.
 fn facets(pieces: &[FacePiece]) -> Vec<FacetNodes> {
     pieces.iter().map(FacePiece::facet).collect()
+}
+
+/// Whether two surfaces lie on each other as a shaft in its hole does: one is round where the other is hollow.
+pub(super) fn are_curved_alike([a, b]: [&[FacePiece]; 2], reference: &[f64]) -> bool {
+    let [a, b] = [a, b].map(facets);
+    let [first, second] = [curvature(&a, &b, reference), curvature(&b, &a, reference)];
+    let alike = |round: f64, hollow: f64| (round + hollow).abs() < MOSTLY * round;
+    alike(first.round, second.hollow) || alike(second.round, first.hollow)
+}
+
+/// The largest height of the arch of an edge of a quadratic face over its chord, a length; zero of linear faces.
+pub(super) fn arch(pieces: &[FacePiece], reference: &[f64]) -> f64 {
+    let of = |piece: &FacePiece| {
+        let (face, corners) = (piece.face(), piece.face().corners().len());
+        // Middles of edges come after the corners, in the order of the edges.
+        let heights = (0..face.len().saturating_sub(corners).min(corners)).map(|k| {
+            let [a, b, middle] =
+                [face[k], face[(k + 1) % corners], face[corners + k]].map(|node| place(node, reference));
+            let height: Vector = std::array::from_fn(|i| middle[i] - 0.5 * (a[i] + b[i]));
+            dot(height, height).sqrt()
+        });
+        heights.fold(0.0, f64::max)
+    };
+    pieces.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Mean length of facets in their planes along a direction.
