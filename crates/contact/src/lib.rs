@@ -20,6 +20,7 @@ pub mod line;
 mod method;
 mod position;
 mod potential;
+mod reference_gap;
 mod report;
 mod rim;
 pub mod search;
@@ -36,6 +37,7 @@ pub use line::ContactLine;
 pub use method::{Bilateral, Constraint, ContactMethod, History, SlotKind};
 pub use position::position;
 pub use potential::{BodyPair, Potential, PotentialConstraint, SurfaceForce, SurfaceNode};
+pub use reference_gap::{ClosingFriction, Overlap, ReferenceGap, ReferenceGapOptions};
 pub use report::{
     ContactWork, Coverage, JointCoordinate, JointReport, JointTorques, Report, SlotFriction, SlotReport, SupportedNode,
 };

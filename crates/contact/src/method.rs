@@ -1,7 +1,8 @@
 //! The traits of a contact discretisation.
 
 use crate::{
-    Auxiliary, ContactError, ContactRule, ContactWork, Hold, LocalContribution, Report, Step, StepConfiguration,
+    Auxiliary, ContactError, ContactRule, ContactWork, Hold, LocalContribution, ReferenceGap, Report, Step,
+    StepConfiguration,
 };
 
 /// Equations with one multiplier each, and the forces of these. A constraint that is nothing else is bilateral: its slots are active from the first step to the
@@ -160,6 +161,14 @@ pub trait ContactMethod: Constraint + History {
     /// Whether its slots have friction.
     fn has_friction(&self) -> bool {
         false
+    }
+    /// The gaps that its closed slots keep, if it can keep others than zero.
+    fn reference_gap(&self) -> Option<&ReferenceGap> {
+        None
+    }
+    /// The same to be changed between steps.
+    fn reference_gap_mut(&mut self) -> Option<&mut ReferenceGap> {
+        None
     }
     /// Smooths the kinks of its friction until the next step begins, or no more: `pressure` is the smoothing of pressures, a stress (theory/constraints#smoothed).
     fn smooth_friction(&mut self, _pressure: f64) {}

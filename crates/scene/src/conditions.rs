@@ -119,6 +119,30 @@ named! {
     }
 }
 
+named! {
+    /// What becomes of an overlap of the surfaces where their contact begins to act.
+    OverlapAtStart {
+        /// It is closed in the first step.
+        Sudden = "sudden",
+        /// It is closed in proportion to time, until the end of the stage in which the contact begins to act. In statics.
+        Ramp = "ramp",
+        /// It stays, without stress: surfaces that overlap count as just touching. For small sliding, because every slave node keeps the overlap that it had.
+        Keep = "keep",
+    }
+}
+
+named! {
+    /// Friction in the steps in which an overlap or an interference closes.
+    ClosingFriction {
+        /// As ever.
+        Full = "full",
+        /// Its bound grows from zero in proportion to time; with `overlap = "ramp"` or an `interference` that is a table.
+        Grows = "grows",
+        /// None: what closes ends without tangential tractions, as parts do that shrink onto each other.
+        None = "none",
+    }
+}
+
 /// Enforcement of the normal constraint. Stiffnesses are pressures per length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -247,8 +271,8 @@ pub struct Contact {
     /// Master surface, `body.set`, of another body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub master: Option<String>,
-    /// Two surfaces of different bodies, instead of `slave` and `master`. The slave is then the beam or string, otherwise the surface whose motion is not prescribed as a whole, otherwise the one with the finer mesh,
-    /// otherwise the softer one.
+    /// Two surfaces of different bodies, instead of `slave` and `master`. The slave is then the beam or string, otherwise the surface whose motion is not prescribed as a whole, otherwise the one that is not rigid,
+    /// otherwise the one between whose nodes the other one, if it is round, sinks in less, otherwise the one with the finer mesh, otherwise the softer one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub between: Option<[String; 2]>,
     /// Constraint of a closed contact, for `nts` and `cat`; `standard` if left out. With `mortar` the
@@ -307,6 +331,18 @@ pub struct Contact {
     /// Treatment of contact that the method does not detect, such as edge against edge: `method` (none) or `general`, which switches `[general_contact]` on for the two bodies. `method` if left out.
     #[serde(default, skip_serializing_if = "Edges::is_method")]
     pub edges: Edges,
+    /// What becomes of an overlap of the surfaces at the start of the run, or of the stage in which the contact begins to act: `sudden`, `ramp` or `keep`. If left out it is closed in the first step, in
+    /// statics over the stage where that step fails.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overlap: Option<OverlapAtStart>,
+    /// Interference (a length, not negative): the surfaces are to stand apart by so much more than they do, as in a press fit of parts that fit exactly. A value, or a table of time.
+    /// In statics; in dynamic stages that follow it has to stay constant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    pub interference: Option<Series>,
+    /// Friction in the steps in which an overlap or an interference closes: `full`, `grows` or `none`; `full` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub closing_friction: Option<ClosingFriction>,
     /// Friction law with its parameters; frictionless if left out. Not with `constraint = "modified"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,

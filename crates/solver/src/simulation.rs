@@ -3,6 +3,7 @@
 mod advance;
 mod departure;
 mod impact;
+mod overlaps;
 mod pairs;
 mod restart;
 mod sliding_supports;

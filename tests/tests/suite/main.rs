@@ -36,6 +36,7 @@ mod mortar_friction;
 mod mortar_sliding;
 mod mortar_tipping;
 mod no_alarm;
+mod overlaps;
 mod own_friction;
 mod own_law;
 mod pair_table;

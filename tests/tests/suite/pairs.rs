@@ -72,3 +72,44 @@ fn the_slave_of_between_is_chosen() {
         assert_eq!(built.contacts[0].slave.as_deref(), Some(expected));
     }
 }
+
+/// A roller of the radius 5 on a bar whose facets are 2.5 long: as a master it sinks in by `h^2 / 12 R` (theory/mortar#slave); as the slave it does not, whatever its facets.
+#[test]
+fn the_slave_is_the_side_that_a_round_one_sinks_into_least() {
+    let text = |contact: &str, around: [u32; 2]| {
+        format!(
+            "[scene]\ntitle = \"roller\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n\
+             [[body]]\nname = \"bar\"\nmesh = {{ generator = \"block\", min = [-10, 0, -2], max = [10, 5, 0], divisions = [8, 2, 1] }}\n\
+             material = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\n\
+             [[body]]\nname = \"roller\"\nposition = [0.0, 0.0, 5.0]\n\
+             mesh = {{ generator = \"cylinder\", radius = 5.0, length = 5.0, divisions = [{}, {}, 2, 2] }}\n\
+             material = {{ law = \"neo-hooke\", young = 1000.0, poisson = 0.3 }}\n\
+             [[prescribe]]\nset = \"bar.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+             [[contact]]\nmethod = \"mortar\"\n{contact}",
+            around[0], around[1]
+        )
+    };
+    let build = |contact: &str, around| {
+        let scene = stoss::scene::parse(&text(contact, around), "roller.toml").unwrap_or_else(|e| panic!("{e}"));
+        stoss::build::build(&scene, std::path::Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let sinks = |built: &stoss::build::Built| -> Option<String> {
+        built.warnings.iter().find(|warning| warning.contains("sink in")).cloned()
+    };
+    let depth = 2.5 * 2.5 / 12.0 / 5.0;
+    let named = build("slave = \"bar.top\"\nmaster = \"roller.outer\"\n", [8, 8]);
+    let told = sinks(&named).unwrap();
+    assert!(told.contains(&format!("by {depth:.3}; exchange slave and master, or refine")), "{told}");
+    assert!(sinks(&build("slave = \"roller.outer\"\nmaster = \"bar.top\"\n", [8, 8])).is_none());
+    // With facets that are longer than those of the bar, too.
+    for around in [[8, 8], [2, 1]] {
+        let chosen = build("between = [\"bar.top\", \"roller.outer\"]\n", around);
+        let slave = chosen.contacts[0].slave.clone().unwrap();
+        assert!(slave.starts_with("roller.outer (the other one sinks in by 0.000, where it would by 0.1"), "{slave}");
+        assert!(sinks(&chosen).is_none());
+    }
+    // Half of it with dual functions, which is not worth a word.
+    assert!(
+        sinks(&build("multipliers = \"dual\"\nslave = \"bar.top\"\nmaster = \"roller.outer\"\n", [8, 8])).is_none()
+    );
+}

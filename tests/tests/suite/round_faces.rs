@@ -56,6 +56,12 @@ fn tube(text: &mut String, name: &str, radii: [f64; 2], around: usize, first: &m
 
 /// Two quarters of tubes in plane strain, `in` from 10 to 20 and an overlap, `out` from 20 to 30, with elements around; `between` them a contact or a tie.
 fn tubes(around: [usize; 2], overlap: f64, cells: [&str; 2], between: &str) -> Simulation {
+    let (text, folder) = tubes_scene(around, overlap, cells, between);
+    simulation_in(&text, folder.path())
+}
+
+/// Their scene, with the mesh in a folder.
+fn tubes_scene(around: [usize; 2], overlap: f64, cells: [&str; 2], between: &str) -> (String, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let (mut mesh, mut first) = (String::new(), [0, 0]);
     tube(&mut mesh, "in", [10.0, 20.0 + overlap], around[0], &mut first);
@@ -76,7 +82,7 @@ fn tubes(around: [usize; 2], overlap: f64, cells: [&str; 2], between: &str) -> S
         }
     }
     text.push_str(between);
-    simulation_in(&text, folder.path())
+    (text, folder)
 }
 
 /// Radial displacement at (30, 0, 0).
@@ -121,6 +127,75 @@ fn a_press_fit_of_quadratic_cells_is_that_of_lame() {
     run(&mut fine);
     let error = outside(&fine) / press_fit() - 1.0;
     assert!(error.abs() < 5e-4, "{error}");
+}
+
+/// The press fit of parts that fit exactly, by an interference; in time it grows in proportion to it.
+#[test]
+fn an_interference_is_the_press_fit_of_lame() {
+    for (multipliers, bound) in [("standard", 5e-3), ("dual", 1e-3)] {
+        let fit = |more: &str, overlap: f64| {
+            let more = format!("multipliers = \"{multipliers}\"\n{more}");
+            let mut simulation = tubes([12, 10], overlap, [""; 2], &contact("in.in_outer", "out.out_inner", &more));
+            run(&mut simulation);
+            outside(&simulation)
+        };
+        let by_number = fit("interference = 0.0025\n", 0.0);
+        let by_meshes = fit("", OVERLAP);
+        let in_time = fit("interference = { table = [[0.0, 0.0], [4.0, 0.01]] }\n", 0.0);
+        // What the facets of both meshes overlap by themselves is no part of it.
+        let kept = fit("overlap = \"keep\"\ninterference = 0.0025\n", 0.0);
+        for found in [by_number, by_meshes, in_time, kept] {
+            let error = found / press_fit() - 1.0;
+            assert!(error.abs() < bound, "{multipliers}: {error}");
+        }
+        assert!((by_number / by_meshes - 1.0).abs() < 3e-4 && by_number == in_time, "{by_number} {by_meshes}");
+    }
+}
+
+/// A ramp of the overlap: in proportion to time, and the end is that of the sudden one.
+#[test]
+fn a_ramp_closes_an_overlap_in_proportion_to_time() {
+    let stages = "[[stage]]\nname = \"a\"\nkind = \"quasi-static\"\nuntil = 1.0\nstep = 0.25\n";
+    let fit = |more: &str| tubes([12, 10], OVERLAP, [""; 2], &(contact("in.in_outer", "out.out_inner", more) + stages));
+    let mut sudden = fit("");
+    run(&mut sudden);
+    let mut ramp = fit("overlap = \"ramp\"\n");
+    for step in 1..=4 {
+        ramp.advance().unwrap();
+        let part = outside(&ramp) / outside(&sudden);
+        assert!((part - 0.25 * f64::from(step)).abs() < 1e-3, "{step}: {part}");
+    }
+    assert!((outside(&ramp) / outside(&sudden) - 1.0).abs() < 1e-9);
+}
+
+/// Round parts that fit exactly, whose meshes overlap here and there, have no stress with `keep`.
+#[test]
+fn parts_that_fit_have_no_stress_if_overlaps_are_kept() {
+    for multipliers in ["standard", "dual"] {
+        let more = format!("multipliers = \"{multipliers}\"\noverlap = \"keep\"\n");
+        let mut simulation = tubes([12, 10], 0.0, [""; 2], &contact("in.in_outer", "out.out_inner", &more));
+        run(&mut simulation);
+        let moved = simulation.state().q.iter().zip(&simulation.model().reference).map(|(q, x)| (q - x).abs());
+        // Of round-off of 30.
+        assert!(moved.fold(0.0, f64::max) < 1e-12 && stress(&simulation) < 1e-8);
+    }
+}
+
+/// Vertices of `nts` on quadratic faces lie beside them: the fit would be that of the arches of meshes that do not match.
+#[test]
+fn node_to_surface_fits_of_quadratic_faces_are_refused_where_arches_count() {
+    let refused = |around: [usize; 2], overlap: f64, more: &str| {
+        let between = contact("in.in_outer", "out.out_inner", more).replace("mortar", "nts");
+        let (text, folder) = tubes_scene(around, overlap, [""; 2], &between);
+        let scene = stoss::scene::parse(&text, "tubes.toml").unwrap_or_else(|e| panic!("{e}"));
+        stoss::build::build(&scene, folder.path()).err().map(|e| e.to_string())
+    };
+    for (overlap, more) in [(OVERLAP, ""), (0.0, "interference = 0.0025\n"), (0.0, "")] {
+        let told = refused([12, 10], overlap, more).unwrap_or_default();
+        assert!(told.contains("a third of the height of their arches"), "{overlap} {more}{told}");
+    }
+    assert_eq!(refused([12, 12], OVERLAP, ""), None);
+    assert_eq!(refused([12, 10], 0.0, "overlap = \"keep\"\n"), None);
 }
 
 /// A pressure inside, through tied rings of meshes that do not match: Lame's thick tube.

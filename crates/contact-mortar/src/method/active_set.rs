@@ -3,11 +3,27 @@
 use super::{CARRIED, MortarContact, NO_PENETRATION};
 use crate::slot::Want;
 use crate::state::{Need, StepState};
-use stoss_contact::{ContactError, ContactMethod};
+use stoss_contact::{ContactError, ContactMethod, ReferenceGap};
+
+impl MortarContact {
+    /// The distance below which an open row closes.
+    fn closes_at(&self, row: usize) -> f64 {
+        let own = self.reference_gap.of(row);
+        own + (self.step.reference[row] - own).min(0.0)
+    }
+}
 
 impl ContactMethod for MortarContact {
     fn has_friction(&self) -> bool {
         self.friction.is_some()
+    }
+
+    fn reference_gap(&self) -> Option<&ReferenceGap> {
+        Some(&self.reference_gap)
+    }
+
+    fn reference_gap_mut(&mut self) -> Option<&mut ReferenceGap> {
+        Some(&mut self.reference_gap)
     }
 
     fn smooth_friction(&mut self, pressure: f64) {
@@ -21,7 +37,7 @@ impl ContactMethod for MortarContact {
             let gap = if there { slot.gap(q_np1) } else { None };
             let area = slot.support.max(CARRIED * row.area);
             // A gap is held by rows that are closed, and none before it is closed.
-            let reference = if active[k] { self.step.reference[k] } else { self.step.reference[k].min(0.0) };
+            let reference = if active[k] { self.step.reference[k] } else { self.closes_at(k) };
             *out = gap.map_or(f64::INFINITY, |gap| (gap - reference * slot.support) / area);
             // The law gives a closed row the gap that its pressure asks for.
             if active[k] && self.options.overclosure.is_some() {
@@ -46,7 +62,7 @@ impl ContactMethod for MortarContact {
             if self.step.carried[k] || slot.support <= CARRIED * row.area {
                 continue;
             }
-            let kept = self.step.reference[k].min(0.0) * slot.support;
+            let kept = self.closes_at(k) * slot.support;
             let inside = slot.gap(q_np1).is_some_and(|gap| gap < kept - tolerance * row.area);
             self.step.carried[k] = inside;
             changes += usize::from(inside);

@@ -69,33 +69,43 @@ impl Constraint for MortarContact {
         let weights = if frozen { middle.as_ref().unwrap_or(&start) } else { &start };
         let gap: Vec<Option<f64>> =
             weights.slots.iter().map(|slot| if slot.opposite > 0.0 { slot.gap(q_n) } else { None }).collect();
+        let (rows, slots) = (&surfaces.rows, &weights.slots);
+        self.reference_gap.begin(step, rows.len(), |k| {
+            // A mean over next to nothing is no distance.
+            gap[k].filter(|_| slots[k].support > COVERED * rows[k].area).map(|gap| gap / slots[k].support)
+        });
+        if let Some(surface) = &mut self.friction {
+            surface.friction.weaken(self.reference_gap.friction_factor(step));
+        }
         let hold = self.options.hold.filter(|_| step.impacts && !frozen);
         let highest = LARGEST_HELD * surfaces.slave.length_scale();
         let count = surfaces.rows.len();
         let mut settling = vec![0.0; count];
-        let mut reference = vec![0.0; count];
-        let mut distance = vec![0.0; count];
+        let own: Vec<f64> = (0..count).map(|k| self.reference_gap.of(k)).collect();
+        let mut distance = if self.has_rates { own.clone() } else { vec![0.0; count] };
+        let mut reference = own.clone();
         for (k, row) in surfaces.rows.iter().enumerate() {
             let slot = &weights.slots[k];
-            // A mean over next to nothing is no distance.
             let Some(gap) = gap[k].filter(|_| slot.support > COVERED * row.area) else { continue };
-            let (volume, gap) = (gap, gap / slot.support);
+            // Beyond the distance that the row keeps by itself.
+            let own = own[k];
+            let (volume, gap) = (gap - own * slot.support, gap / slot.support - own);
             let closed = self.closed_steps[k];
             match hold {
-                _ if self.has_rates && !frozen && volume < -no_penetration * row.area => reference[k] = gap,
+                _ if self.has_rates && !frozen && volume < -no_penetration * row.area => reference[k] = own + gap,
                 Some(settle) if closed > 0 && gap > 0.0 => {
                     settling[k] = if closed >= settle { -gap / f64::from(settle) } else { 0.0 };
-                    reference[k] = gap + settling[k];
+                    reference[k] = own + gap + settling[k];
                 }
-                Some(_) if closed == 0 && gap <= highest => reference[k] = gap.max(0.0),
+                Some(_) if closed == 0 && gap <= highest => reference[k] = own + gap.max(0.0),
                 _ => {}
             }
             distance[k] = match self.rule {
                 _ if !self.has_rates => 0.0,
-                ContactRule::StartPoint => gap,
+                ContactRule::StartPoint => own + gap,
                 ContactRule::EndPoint => reference[k],
                 ContactRule::Midpoint | ContactRule::EnergyMomentum | ContactRule::EndPointMean => {
-                    0.5 * (gap + reference[k])
+                    0.5 * (own + gap + reference[k])
                 }
             };
         }

@@ -24,6 +24,7 @@ impl History for MortarContact {
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
+        self.reference_gap.commit();
         for (steps, active) in self.closed_steps.iter_mut().zip(active) {
             *steps = if *active { steps.saturating_add(1) } else { 0 };
         }
@@ -34,6 +35,7 @@ impl History for MortarContact {
     fn save_history(&self) -> Vec<u8> {
         let mut out: Vec<u8> = self.closed_steps.iter().flat_map(|steps| steps.to_le_bytes()).collect();
         out.extend(self.save_friction());
+        self.reference_gap.save(&mut out);
         let learnt: Vec<_> = self.secants.iter().enumerate().filter(|(_, secant)| !secant.is_empty()).collect();
         out.extend((learnt.len() as u32).to_le_bytes());
         for (k, secant) in learnt {
@@ -47,11 +49,16 @@ impl History for MortarContact {
         let error = ContactError::History { reason: format!("{} bytes for {} slots", bytes.len(), self.slot_count()) };
         let Some((steps, rest)) = bytes.split_at_checked(4 * self.closed_steps.len()) else { return Err(error) };
         let Some((friction, rest)) = rest.split_at_checked(self.friction_history()) else { return Err(error) };
+        let mut reference_gap = self.reference_gap.clone();
+        let rest = reference_gap.load(rest, self.slot_count())?;
         let Some(secants) = load_secants(rest, self.slot_count()) else { return Err(error) };
         let (numbers, _) = steps.as_chunks::<4>();
         self.closed_steps.iter_mut().zip(numbers).for_each(|(steps, bytes)| *steps = u32::from_le_bytes(*bytes));
         self.load_friction(friction);
         self.secants = secants;
+        self.reference_gap = reference_gap;
+        // Of the step that was begun before they were known.
+        self.step.reference.clear();
         Ok(())
     }
 }

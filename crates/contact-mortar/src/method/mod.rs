@@ -24,7 +24,7 @@ use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickne
 use crate::weights::Integration;
 use crate::{Faces, MortarError};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, ContactSurface, Step, Support, SurfaceTree};
+use stoss_contact::{ContactError, ContactRule, ContactSurface, ReferenceGap, Step, Support, SurfaceTree};
 use stoss_reference_element::FacePiece;
 use stoss_segmentation::FacetSegmentation;
 
@@ -75,6 +75,8 @@ pub struct MortarContact {
     is_sharp: bool,
     /// Stress per length, see [`MortarContact::with_stiffness`].
     pub(crate) stiffness: f64,
+    /// Distances that rows keep by themselves.
+    pub(crate) reference_gap: ReferenceGap,
     /// Steps that each row has been closed without a break; history.
     pub(crate) closed_steps: Vec<u32>,
     pub(crate) step: StepState,
@@ -118,6 +120,7 @@ impl MortarContact {
         let secants = vec![Secant::default(); rows.len()];
         let closed_steps = vec![0; rows.len()];
         Ok(Self {
+            reference_gap: ReferenceGap::default(),
             closed_steps,
             name: name.to_owned(),
             tree: SurfaceTree::new(&master, reference)?,

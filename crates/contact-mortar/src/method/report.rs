@@ -57,8 +57,9 @@ impl Report for MortarContact {
         let report = rows.map(|(k, (row, slot))| {
             let there = slot.support > COVERED * row.area;
             let gap = if there { slot.gap(q).map(|gap| gap / slot.support) } else { None };
-            let kept = self.step.reference.get(k).copied().unwrap_or(0.0);
-            let of_law = gap.filter(|gap| self.options.overclosure.is_some() && *gap < 0.0);
+            let own = self.reference_gap.of(k);
+            let kept = self.step.reference.get(k).copied().unwrap_or(own);
+            let of_law = gap.filter(|gap| self.options.overclosure.is_some() && *gap < own);
             SlotReport {
                 node: nodes[row.local],
                 weight: row.area,

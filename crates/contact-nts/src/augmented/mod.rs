@@ -29,7 +29,7 @@ use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
 use stoss_contact::{
     Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History, Hold, LocalContribution,
-    Report, SlotReport, Step, StepConfiguration, position,
+    ReferenceGap, Report, SlotReport, Step, StepConfiguration, position,
 };
 
 /// Coordinates at `n` on the extension of the facet of `n+1` are cut off here: any value conserves momenta, but far out the extension is
@@ -186,7 +186,7 @@ impl CoordinateAugmented {
             end: &of.end,
             traction: &of.traction,
             pressure,
-            reference: self.inner.slots[slot].reference,
+            reference: self.inner.slots[slot].reference + self.inner.reference_gap.of(slot),
             weight: self.slot_weight(slot),
             length: self.inner.length,
             n: 3 * element.count,
@@ -446,6 +446,14 @@ impl History for CoordinateAugmented {
 impl ContactMethod for CoordinateAugmented {
     fn has_friction(&self) -> bool {
         self.inner.has_friction()
+    }
+
+    fn reference_gap(&self) -> Option<&ReferenceGap> {
+        self.inner.reference_gap()
+    }
+
+    fn reference_gap_mut(&mut self) -> Option<&mut ReferenceGap> {
+        self.inner.reference_gap_mut()
     }
 
     fn smooth_friction(&mut self, pressure: f64) {

@@ -3,7 +3,7 @@
 use crate::kinematics::LOCAL;
 use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
-use stoss_contact::{Constraint as _, ContactError, ContactMethod, Enforcement, MasterPoint};
+use stoss_contact::{Constraint as _, ContactError, ContactMethod, Enforcement, MasterPoint, ReferenceGap};
 
 impl NodeToSurface {
     /// What the gap of a node that is not active may fall to before it counts as closed: a node that was released while it kept a negative gap
@@ -23,7 +23,7 @@ impl NodeToSurface {
     pub(super) fn gap_to_keep(&self, slot: usize, point: &MasterPoint, q: &[f64]) -> f64 {
         match point.pairing {
             Some(pairing) if point.gap < 0.0 => {
-                self.gap(slot, pairing.facet, q).map_or(point.gap, |extended| extended.gap.clamp(point.gap, 0.0))
+                self.gap_beyond(slot, pairing.facet, q).map_or(point.gap, |extended| extended.clamp(point.gap, 0.0))
             }
             _ => point.gap,
         }
@@ -33,13 +33,21 @@ impl NodeToSurface {
     /// facet's extension then. Closing it would push it out with work that no force does.
     pub(super) fn came_from_behind(&self, slot: usize, facet: u32) -> bool {
         let state = &self.slots[slot];
-        state.strayed || state.origin.is_none() && self.gap(slot, facet, &self.q_n).is_ok_and(|at_n| at_n.gap < 0.0)
+        state.strayed || state.origin.is_none() && self.gap_beyond(slot, facet, &self.q_n).is_ok_and(|at_n| at_n < 0.0)
     }
 }
 
 impl ContactMethod for NodeToSurface {
     fn has_friction(&self) -> bool {
         self.friction.is_some()
+    }
+
+    fn reference_gap(&self) -> Option<&ReferenceGap> {
+        Some(&self.reference_gap)
+    }
+
+    fn reference_gap_mut(&mut self) -> Option<&mut ReferenceGap> {
+        Some(&mut self.reference_gap)
     }
 
     fn smooth_friction(&mut self, pressure: f64) {

@@ -69,6 +69,16 @@ impl Constraint for NodeToSurface {
         self.normal.begin(rule);
         self.search.update(q_n, reach);
         let view = self.search.at(q_n);
+        // Not `self.closest`, which counts from the gaps that are asked for here.
+        let mut reference_gap = std::mem::take(&mut self.reference_gap);
+        reference_gap.begin(step, self.slots.len(), |slot| {
+            let point = view.closest(&position(q_n, self.node(slot)), self.slave.normal(slot, q_n).as_ref());
+            point.pairing.map(|_| point.gap)
+        });
+        if let Some(surface) = &mut self.friction {
+            surface.friction.weaken(reference_gap.friction_factor(step));
+        }
+        self.reference_gap = reference_gap;
         // Facets that the last step ended on, for friction only.
         let mut last = Vec::new();
         if self.friction.is_some() {
@@ -76,22 +86,22 @@ impl Constraint for NodeToSurface {
         }
         for slot in 0..self.slots.len() {
             let state = self.slots[slot];
-            let normal = self.slave.normal(slot, q_n);
-            let closest = || view.closest(&position(q_n, self.slave.nodes()[slot]), normal.as_ref());
+            let closest = || self.closest(&view, slot, q_n);
             self.slots[slot] = match state.committed {
                 // A node in contact keeps the gap that its last step ended with. It keeps its facet too, unless it stands on the extension
                 // of that: then it starts from the facet below it, with the gap that it has there. (Crossing the edge with
                 // the gap of the old facet would need a force tilted by the difference of both gaps over the motion.)
                 Some(facet) => {
                     let on_facet = self.gap(slot, facet, q_n)?;
-                    let mut at_n = (facet, on_facet.gap);
+                    let gap = on_facet.gap - self.reference_gap.of(slot);
+                    let mut at_n = (facet, gap);
                     if on_facet.outside() > 0.0
                         && let Some(pairing) = closest().pairing
                         && pairing.facet != facet
                     {
-                        at_n = (pairing.facet, self.gap(slot, pairing.facet, q_n)?.gap);
+                        at_n = (pairing.facet, self.gap_beyond(slot, pairing.facet, q_n)?);
                     }
-                    let kept = state.kept + (at_n.1 - on_facet.gap);
+                    let kept = state.kept + (at_n.1 - gap);
                     match (self.constraint, self.hold) {
                         (ConstraintForm::Modified, _) => Slot::closed(at_n.0, at_n.1, at_n.1, at_n.1),
                         (ConstraintForm::Standard, Some(settle)) if self.holds => {

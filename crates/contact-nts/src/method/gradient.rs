@@ -94,7 +94,7 @@ impl NodeToSurface {
         Crossing {
             q_n: &q_n[..n],
             q_np1: &q_1[..n],
-            gap_n: self.slots[slot].gap_n,
+            gap_n: self.slots[slot].gap_n + self.reference_gap.of(slot),
             end: (end, &element.end),
             mid: (&mid, &element.mid),
             length: self.length,

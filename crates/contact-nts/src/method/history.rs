@@ -15,6 +15,7 @@ impl History for NodeToSurface {
 
     fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
+        self.reference_gap.commit();
         self.normal.commit(pressures, active);
         let view = self.search.at(q_np1);
         let behind: Vec<(bool, f64)> = (0..self.slots.len())
@@ -56,18 +57,23 @@ impl History for NodeToSurface {
         }
         self.normal.save(&mut out);
         self.save_friction(&mut out);
+        self.reference_gap.save(&mut out);
         out
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
         let size = HISTORY + self.normal.bytes() + self.friction_bytes();
-        if bytes.len() != size * self.slots.len() {
-            return Err(ContactError::History {
-                reason: format!("{} bytes for {} slave nodes of {size} bytes", bytes.len(), self.slots.len()),
-            });
+        let count = self.slots.len();
+        let error = || ContactError::History {
+            reason: format!("{} bytes for {count} slave nodes of {size} bytes", bytes.len()),
+        };
+        let (of_slots, of_contact) = bytes.split_at_checked(size * count).ok_or_else(error)?;
+        let (bytes, rest) = of_slots.split_at(HISTORY * count);
+        let (normal, friction) = rest.split_at(self.normal.bytes() * count);
+        let mut reference_gap = self.reference_gap.clone();
+        if !reference_gap.load(of_contact, count)?.is_empty() {
+            return Err(error());
         }
-        let (bytes, rest) = bytes.split_at(HISTORY * self.slots.len());
-        let (normal, friction) = rest.split_at(self.normal.bytes() * self.slots.len());
         let facets = self.search.surface().facets().len() as u32;
         for (slot, chunk) in self.slots.iter_mut().zip(bytes.chunks_exact(HISTORY)) {
             let facet = u32::from_le_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
@@ -81,6 +87,7 @@ impl History for NodeToSurface {
             slot.held = number(13);
             slot.steps = u32::from_le_bytes(std::array::from_fn(|k| chunk[21 + k]));
         }
+        self.reference_gap = reference_gap;
         self.normal.load(normal);
         self.load_friction(friction);
         Ok(())

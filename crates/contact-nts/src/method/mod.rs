@@ -18,7 +18,8 @@ use crate::options::{ConstraintForm, NodeToSurfaceOptions};
 use crate::slave::Slave;
 use crate::slot::Slot;
 use stoss_contact::{
-    Constraint, ContactError, ContactLine, ContactSurface, FacetNodes, MasterSearch, Report, SlotReport, position,
+    Constraint, ContactError, ContactLine, ContactSurface, FacetNodes, MasterSearch, ReferenceGap, Report, SlotReport,
+    position,
 };
 use stoss_geometry::Patch;
 
@@ -35,6 +36,8 @@ pub struct NodeToSurface {
     /// Whether gaps that close in the present step are held.
     pub(crate) holds: bool,
     pub(crate) normal: NormalEnforcement,
+    /// Gaps of slots, of the surface and of the facets' extensions, count from these.
+    pub(crate) reference_gap: ReferenceGap,
     pub(crate) slots: Vec<Slot>,
     /// Positions at `n`, for pairing.
     pub(crate) q_n: Vec<f64>,
@@ -93,6 +96,7 @@ impl NodeToSurface {
             hold: options.hold,
             holds: false,
             normal: NormalEnforcement::new(options, slots.len())?,
+            reference_gap: ReferenceGap::default(),
             slots,
             q_n: Vec::new(),
             length,
@@ -128,6 +132,11 @@ impl NodeToSurface {
         let node = self.node(slot);
         Gap::from_centre(&position(q, node), &self.patch(facet, q)).ok_or(ContactError::Projection { node, facet })
     }
+
+    /// The gap to an extended facet beyond the reference gap of the slot.
+    pub(crate) fn gap_beyond(&self, slot: usize, facet: u32, q: &[f64]) -> Result<f64, ContactError> {
+        Ok(self.gap(slot, facet, q)?.gap - self.reference_gap.of(slot))
+    }
 }
 
 impl Report for NodeToSurface {
@@ -145,15 +154,16 @@ impl Report for NodeToSurface {
         Ok((0..self.slots.len())
             .map(|slot| {
                 let point = self.closest(&view, slot, q);
+                let reference_gap = self.reference_gap.of(slot);
                 SlotReport {
                     node: self.node(slot),
                     weight: self.slot_weight(slot),
                     per_current_area: self.slot_weight(slot) / current[slot],
                     area: current[slot],
-                    gap: point.pairing.map(|_| point.gap),
+                    gap: point.pairing.map(|_| point.gap + reference_gap),
                     normal: point.normal.into(),
                     feature: point.feature.name(),
-                    reference_gap: self.slots[slot].kept,
+                    reference_gap: self.slots[slot].kept + reference_gap,
                     friction: self.last_friction(slot),
                 }
             })

@@ -20,10 +20,10 @@ fn at_end(rule: ContactRule) -> bool {
 }
 
 impl NodeToSurface {
-    /// Gaps at both ends of the step, less the gap that the constraint refers to.
+    /// Gaps at both ends of the step, less the gap that the constraint refers to; `gap` is the one to the facet.
     fn ends(&self, slot: usize, gap: f64) -> [f64; 2] {
-        let slot = &self.slots[slot];
-        [slot.gap_n - slot.reference, gap - slot.reference]
+        let (kept, slot) = (self.reference_gap.of(slot), &self.slots[slot]);
+        [slot.gap_n - slot.reference, gap - kept - slot.reference]
     }
 
     /// Equation of an active, paired slot with a gap at `n+1`.

@@ -98,9 +98,11 @@ impl NodeToSurface {
         Ok(changes)
     }
 
+    /// The closest point of the master; its gap is that beyond the reference gap of the slot.
     pub(crate) fn closest(&self, view: &SearchView<'_>, slot: usize, q: &[f64]) -> MasterPoint {
         let normal = self.slave.normal(slot, q);
-        view.closest(&position(q, self.node(slot)), normal.as_ref())
+        let point = view.closest(&position(q, self.node(slot)), normal.as_ref());
+        MasterPoint { gap: point.gap - self.reference_gap.of(slot), ..point }
     }
 
     pub(crate) fn pair(&self, view: &SearchView<'_>, slot: usize, q: &[f64], hint: u32) -> MasterPoint {
@@ -161,7 +163,7 @@ impl NodeToSurface {
         let mut jumps = Vec::new();
         for path in paths {
             if let Some((facet, _)) = path.behind {
-                let gap = self.gap(path.slot, facet, q_np1)?.gap;
+                let gap = self.gap_beyond(path.slot, facet, q_np1)?;
                 if gap < 0.0 {
                     jumps.push((path.slot, facet, gap));
                 }
@@ -225,13 +227,14 @@ impl NodeToSurface {
             (None, origin) => {
                 let x = position(&self.q_n, self.node(slot));
                 let on_end = Gap::from_centre(&x, &self.patch(end, &self.q_n));
+                let kept = self.reference_gap.of(slot);
                 match (on_end, origin) {
-                    (Some(gap), None) => (end, gap.gap),
+                    (Some(gap), None) => (end, gap.gap - kept),
                     (Some(gap), Some(facet))
                         if facet == end
-                            || gap.outside() <= MODEST_EXTENSION && gap.gap >= state.origin_gap.min(0.0) =>
+                            || gap.outside() <= MODEST_EXTENSION && gap.gap - kept >= state.origin_gap.min(0.0) =>
                     {
-                        (end, gap.gap)
+                        (end, gap.gap - kept)
                     }
                     (_, Some(facet)) => (facet, state.origin_gap),
                     (None, None) => return Err(ContactError::Projection { node: self.node(slot), facet: end }),

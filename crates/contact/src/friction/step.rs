@@ -74,6 +74,8 @@ pub struct Friction {
     /// Of a master surface that moves along itself, and its way in the present step.
     belt: Option<SurfaceVelocity>,
     way: [f64; 3],
+    /// Part of the pressure that the law gets in the present step.
+    part: f64,
 }
 
 /// One point at the start of its step, and what the iteration says of the step.
@@ -178,6 +180,7 @@ impl Friction {
             smoothing: 0.0,
             belt: None,
             way: [0.0; 3],
+            part: 1.0,
         })
     }
 
@@ -231,7 +234,7 @@ impl Friction {
         self.resistance = self.body_stiffness + if inertia.is_finite() { inertia } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();
         self.spring = if weighs { self.penalty + inertia } else { self.penalty };
-        self.smoothing = 0.0;
+        (self.smoothing, self.part) = (0.0, 1.0);
         self.stiffness = self.careful_weight.filter(|_| weighs && step.careful).unwrap_or(self.spring);
     }
 
@@ -241,12 +244,23 @@ impl Friction {
         self.smoothing = pressure;
     }
 
+    /// Lets the law have a part of the pressure until the next step begins: the bound of a law that is proportional to the pressure is multiplied by it.
+    pub fn weaken(&mut self, part: f64) {
+        self.part = part;
+    }
+
+    /// The law at the part of the pressure that counts.
+    fn traction(&self, input: &FrictionInput) -> FrictionOutput {
+        let out = self.law.traction(&FrictionInput { pressure: self.part * input.pressure, ..*input });
+        FrictionOutput { d_pressure: out.d_pressure.map(|d| self.part * d), ..out }
+    }
+
     /// What the law admits along a traction: its return from far beyond any bound.
     fn bound_along(&self, along: Plane, pressure: f64, slip: Plane, [slid, step_size]: [f64; 2]) -> FrictionOutput {
         let along = if along == [0.0; 2] { [1.0, 0.0] } else { along };
         let far = 1.0e6 * (1.0 + pressure.abs() + dot(along, along).sqrt()) / dot(along, along).sqrt();
         let trial = along.map(|a| far * a);
-        self.law.traction(&FrictionInput { pressure, trial, slip, step_size, slid })
+        self.traction(&FrictionInput { pressure, trial, slip, step_size, slid })
     }
 
     /// What multiplies slips in the present step, traction per length.
@@ -344,7 +358,7 @@ impl Friction {
     fn step_with(&self, at_end: bool, point: &FrictionPoint, stuck: bool) -> FrictionStep {
         let law_at = |trial, slip| {
             let FrictionPoint { pressure, step_size, slid, .. } = *point;
-            self.law.traction(&FrictionInput { pressure, trial, slip, step_size, slid })
+            self.traction(&FrictionInput { pressure, trial, slip, step_size, slid })
         };
         let law = |trial| law_at(trial, point.slip);
         let elastic = self.law.is_elastic();

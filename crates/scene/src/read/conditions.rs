@@ -6,9 +6,7 @@ use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name, contact_reference, is_line, meshed_part, set_reference};
 use crate::{
-    BoxRegion, Closing, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement, GapAtClosing, Integrals,
-    Kind, Load, LoadKind, Multipliers, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, SurfaceMass,
-    split_set,
+    BoxRegion, Closing, ClosingFriction, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement, GapAtClosing, Integrals, Kind, Load, LoadKind, Multipliers, OverlapAtStart, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, SurfaceMass, split_set,
 };
 use toml::de::DeValue;
 
@@ -260,6 +258,35 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         mortar_only(n)?;
         n.not_negative()
     });
+    let apart = (modified, frozen);
+    let overlap = table.optional("overlap", |n| {
+        keeps_gaps(n, apart)?;
+        n.choice(OverlapAtStart::NAMES, OverlapAtStart::from_name)
+    });
+    let interference = table.optional("interference", |n| {
+        keeps_gaps(n, apart)?;
+        let given = series(n, 1)?;
+        if given.rows().iter().any(|row| row[1] < 0.0) {
+            return n.fail(
+                "is negative: surfaces cannot be pushed together",
+                "give a clearance by the places of the bodies",
+            );
+        }
+        Some(given)
+    });
+    let in_time = matches!(overlap, Some(Some(OverlapAtStart::Ramp)))
+        || interference.iter().flatten().any(|series| series.rows().len() > 1);
+    let closing_friction = table.optional("closing_friction", |n| {
+        let closing = n.choice(ClosingFriction::NAMES, ClosingFriction::from_name)?;
+        if friction == Some(None) {
+            return n.fail("says when friction acts, and this contact has none", "remove it");
+        }
+        if closing == ClosingFriction::Grows && !in_time {
+            let remedy = "write overlap = \"ramp\", or the interference as a table";
+            return n.fail("is in proportion to time, and what closes does so in the first step", remedy);
+        }
+        Some(closing)
+    });
     let edges = table.default("edges", Edges::default(), |n| {
         let edges = n.choice(Edges::NAMES, Edges::from_name)?;
         let sets = [&slave, &master].into_iter().flatten().flatten().chain(between.iter().flatten().flatten());
@@ -326,9 +353,25 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         surface_mass: surface_mass?,
         nearness: nearness?,
         edges: edges?,
+        overlap: overlap?,
+        interference: interference?,
+        closing_friction: closing_friction?,
         friction: friction?,
         surface_velocity: surface_velocity?,
     })
+}
+
+/// Whether closed slots may keep other gaps than zero: not those of the modified constraint, nor frozen integrals.
+fn keeps_gaps(node: &Node<'_>, (modified, frozen): (bool, bool)) -> Option<()> {
+    match (modified, frozen) {
+        (true, _) => {
+            node.fail("cannot be combined with the modified constraint, which keeps what gap there is", "remove it")
+        }
+        (_, true) => {
+            node.fail("cannot be combined with frozen integrals, which have no gap of the end of a step", "remove it")
+        }
+        _ => Some(()),
+    }
 }
 
 /// A coefficient of restitution.

@@ -18,11 +18,21 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
     let damping = table.default("damping", plain.damping, Node::not_negative);
     let with_itself = table.default("self", plain.with_itself, Node::boolean);
     let initial = table.default("initial", plain.initial, |n| n.choice(Initial::NAMES, Initial::from_name));
+    let of_pair = |key| -> Option<Option<()>> {
+        table.optional(key, |n| {
+            n.fail(
+                "is not for general contact: its layer has no row that could keep a gap, and a layer of another thickness would be another stiffness",
+                "name the pair of surfaces in a [[contact]], which has this key",
+            )
+        })
+    };
+    let no_rows = (of_pair("overlap"), of_pair("interference"), of_pair("closing_friction"));
     let surfaces = |n: &Node<'_>| n.list(|n| surface(n, world));
     let include = table.default("include", Vec::new(), surfaces);
     let exclude = table.default("exclude", Vec::new(), surfaces);
     let pairs = table.default("pairs", Vec::new(), |n| n.list(|n| pair(n, world)));
     table.finish();
+    let (Some(_), Some(_), Some(_)) = no_rows else { return None };
     Some(GeneralContact {
         enabled: enabled?,
         thickness: thickness?.flatten(),

@@ -105,6 +105,9 @@ impl Simulation {
                 Err(cause) => {
                     let (time, dt) = (self.state.time, self.clock.dt());
                     let at_any_size = self.failures.last().is_some_and(|failure| failure.at_any_size);
+                    if !at_any_size && self.ramps_overlaps(&cause) {
+                        continue;
+                    }
                     if at_any_size || !self.clock.cut() {
                         let hint = if at_any_size { AT_ANY_SIZE.to_owned() } else { self.undivided(&cause) };
                         return Err(SimulationError::StepFailed {
@@ -160,7 +163,7 @@ impl Simulation {
     }
 
     /// Search and projection at the last positions.
-    fn begin_contact(&mut self, dt: f64, rule: StepRule, careful: bool) -> Result<(), StepError> {
+    pub(super) fn begin_contact(&mut self, dt: f64, rule: StepRule, careful: bool) -> Result<(), StepError> {
         if self.model.contacts.is_empty() {
             return Ok(());
         }

@@ -4,6 +4,7 @@ use super::condition::resolve;
 use super::missing::not_built_in;
 use super::pair::{PairInput, finer};
 use super::phase::Phases;
+use super::sides::Sinking;
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
@@ -80,6 +81,7 @@ pub(super) fn contacts(
             continue;
         }
         let [slave, master] = &surfaces;
+        warnings.extend(sinking(item, &phases.first_with(&item.label()).support(model), [slave, master], model));
         let is_exact = |contact: &crate::scene::Contact| !matches!(contact.enforcement, Enforcement::Penalty(_));
         if let Some((_, other)) = seen.iter().find(|([s, m], _)| s == master && m == slave)
             && is_exact(item)
@@ -172,24 +174,67 @@ fn impacts(scene: &Scene, phases: &Phases) -> Option<String> {
     })
 }
 
-/// Which of two sides becomes the slave, and why: a beam or string, one whose motion is not prescribed where the contact first acts, the finer one by the mean area of its facets, the softer
-/// one by Young's modulus.
-fn choose_slave(model: &Model, support: &Support, sides: &[Side; 2]) -> (usize, &'static str) {
+/// A warning if the master may sink in between the nodes of the slave.
+fn sinking(
+    item: &crate::scene::Contact,
+    support: &Support,
+    [slave, master]: [&Side; 2],
+    model: &Model,
+) -> Option<String> {
+    if slave.is_line() {
+        return None;
+    }
+    // A rigid or prescribed side is no slave of a soft one.
+    let may_be_slave = young(model, master.part).is_finite() && !is_prescribed(support, master);
+    let here = Sinking::of(&slave.pieces, &master.pieces, &model.reference);
+    let exchanged = may_be_slave.then(|| Sinking::of(&master.pieces, &slave.pieces, &model.reference));
+    Some(format!("{}: {}", item.label(), here.warning(item, exchanged)?))
+}
+
+/// Which of two sides becomes the slave, and why: a beam or string, one whose motion is not prescribed where the contact first acts, the one that is not rigid, the one between whose nodes the other
+/// sinks in less, the finer one by the mean area of its facets, the softer one by Young's modulus.
+fn choose_slave(model: &Model, support: &Support, sides: &[Side; 2]) -> (usize, String) {
+    let (side, reason) = choose(model, support, sides);
+    let sinks = || [0, 1].map(|k| Sinking::of(&sides[k].pieces, &sides[1 - k].pieces, &model.reference));
+    match reason {
+        Reason::Shape(reason) => (side, reason.to_owned()),
+        Reason::Mesh(reason) => match Sinking::better(&sinks()) {
+            Some(better) => {
+                let [least, most] = [better, 1 - better].map(|k| sinks()[k].depth);
+                (better, format!("the other one sinks in by {least:.3}, where it would by {most:.3}"))
+            }
+            None => (side, reason.to_owned()),
+        },
+    }
+}
+
+/// Why a side is the slave: by what the bodies are, or by their meshes.
+enum Reason {
+    Shape(&'static str),
+    Mesh(&'static str),
+}
+
+fn choose(model: &Model, support: &Support, sides: &[Side; 2]) -> (usize, Reason) {
+    use Reason::{Mesh, Shape};
     if let Some(line) = sides.iter().position(Side::is_line) {
-        return (line, "it has no facets");
+        return (line, Shape("it has no facets"));
     }
     let prescribed = [0, 1].map(|k| is_prescribed(support, &sides[k]));
     let moduli = sides.each_ref().map(|side| young(model, side.part));
     if prescribed[0] != prescribed[1] {
-        return (usize::from(prescribed[0]), "the other one is prescribed");
+        return (usize::from(prescribed[0]), Shape("the other one is prescribed"));
+    }
+    let rigid = moduli.map(f64::is_infinite);
+    if rigid[0] != rigid[1] {
+        return (usize::from(rigid[0]), Shape("the other one is rigid"));
     }
     if let Some(finer) = finer(sides.each_ref().map(|side| &side.facets[..]), &model.reference) {
-        return (finer, "finer");
+        return (finer, Mesh("finer"));
     }
     match moduli[0].total_cmp(&moduli[1]) {
-        std::cmp::Ordering::Less => (0, "softer"),
-        std::cmp::Ordering::Greater => (1, "softer"),
-        std::cmp::Ordering::Equal => (0, "both are alike"),
+        std::cmp::Ordering::Less => (0, Mesh("softer")),
+        std::cmp::Ordering::Greater => (1, Mesh("softer")),
+        std::cmp::Ordering::Equal => (0, Mesh("both are alike")),
     }
 }
 

@@ -1,6 +1,8 @@
 //! From a scene to a simulation: meshes, sets, laws, loads, contact. All problems are reported at once, at their places in
 //! the scene's file.
 
+#[cfg(feature = "nts")]
+mod beside;
 mod body;
 mod condition;
 #[cfg(any(feature = "nts", feature = "mortar"))]
@@ -43,6 +45,8 @@ mod placed;
 mod plan;
 mod plausible;
 mod probe;
+#[cfg(any(feature = "nts", feature = "mortar"))]
+mod reference_gap;
 #[cfg(feature = "general")]
 mod rigid_inset;
 mod round;
@@ -50,6 +54,8 @@ mod schedule;
 #[cfg(feature = "general")]
 mod separate;
 mod sets;
+#[cfg(any(feature = "nts", feature = "mortar"))]
+mod sides;
 mod sliding_support;
 mod supports;
 mod tie;

@@ -1,18 +1,14 @@
 //! Node-to-surface contact of a scene.
 
+use super::beside::beside;
 use super::pair::PairInput;
+use super::sides::{arch, are_curved_alike};
 use super::{ContactPlan, Problems};
-use crate::scene::{Constraint, Enforcement as Enforced, split_set};
+use crate::scene::{Constraint, Enforcement as Enforced, OverlapAtStart};
 use crate::solver::{ContactPair, Coupling, Model};
-use std::collections::BTreeSet;
 use stoss_contact::{ContactLine, Enforcement, Report as _};
 use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
 use stoss_mesh::BOUNDARY;
-use stoss_reference_element::FacetNodes;
-
-/// Component of a unit normal from which on a support in that direction holds the facet in its plane, and cosine of its angle with an inclined one.
-const HELD: f64 = 0.5;
-const ALONG: f64 = 0.9;
 
 /// Adds the contact to the model; reports what is wrong.
 pub(super) fn contact(
@@ -52,6 +48,7 @@ pub(super) fn contact(
     };
     warnings.extend(quadratic(pair, model));
     let complementarity = pair.prepare(&mut method, constraint, model, problems, warnings);
+    refuse_arches(pair, &method, model, problems);
     let mut plan = None;
     if let Some(friction) = &item.friction {
         let (friction, described) = super::friction::friction(pair, friction, complementarity, problems, warnings)?;
@@ -85,53 +82,42 @@ pub(super) fn contact(
     Some(plan)
 }
 
-/// What of the master's body lies beside the rims of the master and can be touched: not what supports hold in its plane, as in planes of symmetry, nor surfaces of other contacts and of ties.
-fn beside(pair: &PairInput<'_>, model: &Model) -> Vec<FacetNodes> {
-    let (scene, body, slave) = (pair.scene, &pair.placed[pair.bodies[1]], pair.facets[0]);
-    let Ok(boundary) = body.facets_of(BOUNDARY) else { return Vec::new() };
-    let of_body = |set: &str| {
-        let named = split_set(set).filter(|(name, _)| *name == body.name);
-        named.and_then(|(_, set)| body.facets_of(set).ok()).unwrap_or_default()
-    };
-    let key = |facet: &FacetNodes| facet.iter().copied().collect::<BTreeSet<u32>>();
-    let others = scene.contacts.iter().filter(|other| !std::ptr::eq(*other, pair.item));
-    let others = others
-        .flat_map(|other| other.surfaces())
-        .chain(scene.ties.iter().flat_map(|tie| [&tie.slave[..], &tie.master[..]]));
-    let others: BTreeSet<BTreeSet<u32>> = others.flat_map(|set| of_body(set)).map(|facet| key(&facet)).collect();
-    let slave_nodes: BTreeSet<u32> =
-        slave.iter().flatten().chain(pair.line.iter().map(|(node, _)| node)).copied().collect();
-    let support = pair.first_support(model);
-    let inclined: Vec<([f64; 3], BTreeSet<u32>)> = scene
-        .prescriptions
-        .iter()
-        .filter_map(|item| {
-            let (_, set) = split_set(item.set.as_deref()?).filter(|(name, _)| *name == body.name)?;
-            Some((item.normal?, body.nodes_of(set).ok()?.into_iter().collect()))
-        })
-        .collect();
-    let is_held = |facet: &FacetNodes, normal: &[f64; 3]| {
-        let of = |node: u32| support.prescribed(node);
-        let across = |node: u32| (0..3).all(|c| of(node)[c] || normal[c].abs() < HELD);
-        let is_along = |direction: &[f64; 3]| {
-            let [dot, length] =
-                [[direction, normal], [direction, direction]].map(|[a, b]| (0..3).map(|c| a[c] * b[c]).sum::<f64>());
-            dot.abs() > ALONG * length.sqrt()
-        };
-        let by_components = facet.iter().all(|&node| across(node)) && !facet.iter().all(|&node| of(node) == [true; 3]);
-        by_components
-            || inclined
-                .iter()
-                .any(|(direction, nodes)| is_along(direction) && facet.iter().all(|node| nodes.contains(node)))
-    };
-    let longest =
-        slave.iter().flat_map(|facet| (0..facet.len()).map(move |k| [facet[k], facet[(k + 1) % facet.len()]]));
-    let x = |node: u32| -> [f64; 3] { std::array::from_fn(|i| model.reference[3 * node as usize + i]) };
-    let longest = longest.map(|[a, b]| x(a).iter().zip(x(b)).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt());
-    let reach = longest.chain(pair.line.iter().map(|(_, length)| *length)).fold(0.0, f64::max);
-    stoss_contact::beside_rims(pair.facets[1], &boundary, &model.reference, reach, |facet, normal| {
-        !facet.iter().any(|node| slave_nodes.contains(node)) && !others.contains(&key(facet)) && !is_held(facet, normal)
-    })
+/// Part of an overlap or an interference up to which gaps of nodes beside round faces may be wrong.
+const ARCHES: f64 = 0.05;
+/// Part of the height of arches below which an overlap is that of rounded coordinates.
+const ROUND_OFF: f64 = 1.0e-3;
+/// Part of that height from which on gaps differ because of arches.
+const SHOWS: f64 = 0.1;
+
+/// Vertices of the facets of quadratic faces lie beside the faces by a third of the height of their arches (theory/elements#contact). In the mean over a face that is nothing; between round faces that lie on each
+/// other and do not match every gap is wrong by so much, and so is a press fit.
+fn refuse_arches(pair: &PairInput<'_>, method: &NodeToSurface, model: &Model, problems: &mut Problems<'_>) {
+    let beside = pair.pieces.iter().map(|pieces| arch(pieces, &model.reference)).sum::<f64>() / 3.0;
+    if beside == 0.0 || !are_curved_alike(pair.pieces, &model.reference) {
+        return;
+    }
+    let overlaps = pair.item.overlap != Some(OverlapAtStart::Keep);
+    // What is reported elsewhere is none.
+    let reports = method.report(&model.reference).unwrap_or_default();
+    let gaps = || reports.iter().filter_map(|report| report.gap).filter(|gap| gap.abs() < 2.0 * beside);
+    let deepest = gaps().fold(0.0, |deepest: f64, gap| deepest.max(-gap));
+    // Of meshes that match all gaps are alike.
+    let [low, high] = gaps().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], gap| [a.min(gap), b.max(gap)]);
+    let spread = 0.5 * (high - low);
+    let interference = pair.item.interference.iter().flat_map(|d| d.rows()).map(|row| row[1]).fold(0.0, f64::max);
+    let (what, size) = if interference > 0.0 { ("interference", interference) } else { ("overlap", deepest) };
+    let counts = interference > 0.0 || overlaps && deepest > ROUND_OFF * beside;
+    if counts && spread > ARCHES * size && spread > SHOWS * beside {
+        let message = format!(
+            "takes vertices that lie beside these round quadratic faces by a third of the height of their arches: gaps differ by {spread:.3e} from their mean, and the {what} is {size:.3e}, so that pressures would be those of the arches"
+        );
+        problems.add(
+            format!("{}.method", pair.key),
+            pair.item.method.name(),
+            message,
+            "use `method = \"mortar\"`, which has the faces as they are",
+        );
+    }
 }
 
 /// What to know of quadratic faces here.

@@ -7,7 +7,7 @@ use crate::points::Points;
 use crate::scene::{Closing, Constraint, ContactMethod, Enforcement, GapAtClosing, Integrals, Scene, split_set};
 use crate::solver::{Model, contact_rule};
 use std::collections::BTreeSet;
-use stoss_contact::{Auxiliary, Hold, Step, Support};
+use stoss_contact::{Auxiliary, Hold, Overlap, Step, Support};
 use stoss_mesh::Mesh;
 use stoss_reference_element::{FacePiece, FacetNodes};
 
@@ -23,7 +23,6 @@ pub(super) struct PairInput<'a> {
     pub bodies: [usize; 2],
     pub facets: [&'a [FacetNodes]; 2],
     /// The same as pieces of their faces.
-    #[cfg_attr(not(feature = "mortar"), expect(dead_code, reason = "mortar surfaces take it"))]
     pub pieces: [&'a [FacePiece]; 2],
     /// Of a slave that is a beam or string its nodes and their lengths; it has no facets then.
     pub line: &'a [(u32, f64)],
@@ -43,6 +42,7 @@ impl PairInput<'_> {
     }
 
     /// What prescriptions and ties say of the motion of nodes in the first stage in which the contact acts.
+    #[cfg(feature = "nts")]
     pub fn first_support(&self, model: &Model) -> Support {
         self.support(self.phases.first_with(&self.item.label()), model)
     }
@@ -108,6 +108,11 @@ impl PairInput<'_> {
             support: &support,
             ..Step::new(&model.reference, rule, phase.step())
         };
+        let reference_gap = self.reference_gap(problems);
+        let becomes = reference_gap.overlap;
+        if let Some(own) = method.reference_gap_mut() {
+            own.set(reference_gap);
+        }
         if let Err(error) = method.begin(&begins) {
             problems.add(key.clone(), label.clone(), error.to_string(), "correct the surfaces");
         }
@@ -116,13 +121,13 @@ impl PairInput<'_> {
                 let tolerance = 1.0e-9 * method.length_scale();
                 let inside = reports.iter().filter(|r| r.gap.is_some_and(|g| g < -tolerance)).count();
                 let deepest = reports.iter().filter_map(|r| r.gap).fold(0.0, f64::min);
-                if inside > 0 {
+                if inside > 0 && becomes != Overlap::Keep {
                     let keeps = constraint == Constraint::Modified
                         || (item.method == ContactMethod::Mortar && phase.has_rates());
-                    let then = if keeps {
-                        "they keep that gap"
-                    } else {
-                        "the first step closes that gap and changes the energy"
+                    let then = match (becomes, keeps) {
+                        (Overlap::Ramp, _) => "that gap closes until the end of the stage",
+                        (_, true) => "they keep that gap",
+                        (_, false) => "the first step closes that gap and changes the energy",
                     };
                     warnings.push(format!(
                         "{}: {inside} slave nodes begin behind the master surface (deepest gap {deepest:.3e}); {then}",

@@ -51,7 +51,7 @@ impl Phase {
     }
 
     /// Whether what has this name is not switched off; what has none always acts.
-    #[cfg(feature = "general")]
+    #[cfg(any(feature = "general", feature = "nts", feature = "mortar"))]
     pub fn acts(&self, name: Option<&str>) -> bool {
         name.is_none_or(|name| !self.off.contains(name))
     }

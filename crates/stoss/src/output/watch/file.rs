@@ -8,7 +8,8 @@ use std::path::Path;
 use stoss_mesh::Elements;
 use stoss_mesh_io::VtuData;
 use stoss_watch::{
-    BalanceState, BalanceWatch, Finding, Judge, Limits, TiedPair, Verdict, Watch, WatchBody, WatchModel, WatchShape,
+    BalanceState, BalanceWatch, Finding, Judge, KeptGaps, Limits, TiedPair, Verdict, Watch, WatchBody, WatchModel,
+    WatchShape,
 };
 
 /// Name of the file that says what the frames do not.
@@ -22,6 +23,9 @@ pub(super) struct WatchFile {
     ties: Vec<Tied>,
     /// Pairs of bodies between which a contact is named.
     contacts: Vec<[usize; 2]>,
+    /// Gaps that contacts keep.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    kept: Vec<KeptGaps>,
     /// The balance as it was at the beginning; none in statics.
     balance: Option<BalanceWatch>,
     /// The finding that the scene lacks something of its deck.
@@ -55,7 +59,7 @@ impl WatchFile {
     pub fn new(
         model: &WatchModel,
         limits: Limits,
-        contacts: Vec<[usize; 2]>,
+        (contacts, kept): (Vec<[usize; 2]>, Vec<KeptGaps>),
         balance: Option<BalanceWatch>,
         left_out: Option<Finding>,
     ) -> Self {
@@ -74,7 +78,7 @@ impl WatchFile {
             }
         });
         let ties = model.ties.iter().map(|tie| Tied { bodies: tie.bodies, nodes: tie.nodes.clone() });
-        Self { bodies: bodies.collect(), ties: ties.collect(), limits, contacts, balance, left_out }
+        Self { bodies: bodies.collect(), ties: ties.collect(), limits, contacts, kept, balance, left_out }
     }
 
     /// Writes it into a folder of results.
@@ -189,8 +193,9 @@ pub fn judge_folder(folder: &Path) -> Result<Verdict, OutputError> {
             Some(watch) => watch,
             none => none.insert(Watch::new(file.model(reference, &data))?),
         };
-        let seen = watch.geometry(&q, previous.as_deref());
-        judge.observe(step, data.time.unwrap_or(f64::NAN), &seen, &watch.solids(&q));
+        let time = data.time.unwrap_or(f64::NAN);
+        let seen = watch.geometry(&q, previous.as_deref()).beyond(&file.kept, time);
+        judge.observe(step, time, &seen, &watch.solids(&q));
         previous = Some(q);
     }
     if let Some(mut balance) = file.balance {

@@ -22,8 +22,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use stoss_solver::{Balance, Simulation, StepRecord};
 use stoss_watch::{
-    BalanceState, BalanceWatch, ContactPoint, ContactState, Finding, Judge, Limits, Meeting, PointFriction, Promises,
-    Resolution, Verdict, Watch, WatchModel,
+    BalanceState, BalanceWatch, ContactPoint, ContactState, Finding, Judge, KeptGaps, Limits, Meeting, PointFriction,
+    Promises, Resolution, Verdict, Watch, WatchModel,
 };
 
 /// Columns of `watch.csv`. Depth in the scene's length, and over the edge length of the facet that the node passed.
@@ -131,7 +131,13 @@ impl RunWatch {
         let is_one = promises.iter().all(|of| *of == promised(&promises, stage));
         let stored = balance.clone().filter(|_| is_one);
         let between: Vec<[usize; 2]> = contacts.iter().flatten().copied().collect();
-        let file = WatchFile::new(&model, limits(settings), between.clone(), stored, left_out.clone());
+        let file = WatchFile::new(
+            &model,
+            limits(settings),
+            (between.clone(), kept_gaps(simulation, &contacts)),
+            stored,
+            left_out.clone(),
+        );
         let judge = judge(&model, between, settings);
         let place = |name: &String| model.bodies.iter().position(|body| body.name == *name);
         let parts = parts.iter().map(place).collect();
@@ -217,9 +223,11 @@ impl RunWatch {
         let started = Instant::now();
         let q = self.points.of_all(&simulation.state().q, 3);
         let previous = self.last.is_some().then_some(self.previous.as_slice());
-        let seen = self.watch.geometry(&q, previous);
+        let kept = kept_gaps(simulation, &self.contacts);
+        let seen = self.watch.geometry(&q, previous).beyond(&kept, record.time);
         let solids = self.watch.solids(&q);
-        let meetings = self.observe_acting(simulation, record);
+        let meetings: Vec<Meeting> = self.observe_acting(simulation, record);
+        let meetings: Vec<Meeting> = meetings.into_iter().map(|meeting| meeting.beyond(&kept, record.time)).collect();
         self.judge.observe_driven(record.step, record.time, &seen, &solids, &meetings);
         self.previous.clear();
         self.previous.extend_from_slice(&q);
@@ -423,6 +431,23 @@ impl RunWatch {
         }
         Ok(())
     }
+}
+
+/// Gaps that the contacts that act keep in place of zero, of those with bodies on both sides.
+fn kept_gaps(simulation: &Simulation, bodies: &[Option<[usize; 2]>]) -> Vec<KeptGaps> {
+    let pairs = simulation.model().contacts.iter().filter(|pair| !pair.method.is_bilateral());
+    let of = pairs.zip(bodies).filter_map(|(pair, bodies)| {
+        let gap = pair.method.as_contact()?.reference_gap()?;
+        let rows: Vec<[f64; 3]> = (gap.times().into_iter())
+            .map(|time| {
+                let [least, most] = gap.range(time);
+                [time, least, most]
+            })
+            .collect();
+        let keeps = rows.iter().any(|[_, least, most]| (*least, *most) != (0.0, 0.0));
+        keeps.then_some(KeptGaps { bodies: (*bodies)?, rows })
+    });
+    of.collect()
 }
 
 /// The watch on the balance of a simulation whose nodes are at most `radius` from the origin.
