@@ -54,7 +54,9 @@ mod watch;
 pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape, SectionStiffness, TubeSection};
 pub use body::{Body, Cell, Damping, Integration, Mass, Rotation, Rotations, RoundShape, RoundSurface, Volumetric};
 pub use conditions::{
-    BoxRegion, Closing, ClosingFriction, Component, Constraint, Contact, ContactMethod, Edges, Enforcement, GapAtClosing, Integrals, Load, LoadKind, OverlapAtStart, PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series, SetDefinition, SurfaceMass, Table, split_set,
+    BoxRegion, Closing, ClosingFriction, Component, Constraint, Contact, ContactMethod, Edges, Enforcement,
+    GapAtClosing, Integrals, Load, LoadKind, OverlapAtStart, PlaneRegion, Prescribe, PrescribedRotation, Quadrature,
+    Reduction, Series, SetDefinition, SurfaceMass, Table, split_set,
 };
 pub use coupling::Coupling;
 pub use event::{Event, EventCondition, Stage};

@@ -25,7 +25,8 @@ fn a_rim_of_the_master() {
     let (finding, diagnosis) = diagnosed("open-rim");
     assert_eq!((finding.cause, finding.confidence), (Cause::OpenRim, Confidence::Medium), "{diagnosis:#?}");
     for remedy in 0..2 {
-        let outcome = run(&mended(&text_of("open-rim"), &finding, remedy)).result.unwrap_or_else(|e| panic!("{e}")).outcome;
+        let outcome =
+            run(&mended(&text_of("open-rim"), &finding, remedy)).result.unwrap_or_else(|e| panic!("{e}")).outcome;
         assert_eq!(outcome, stoss::output::Outcome::Completed);
     }
 }

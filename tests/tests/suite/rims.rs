@@ -40,7 +40,8 @@ fn flush_cubes_are_carried_by_their_faces() {
         )
     };
     let pressed = |overlap: f64| {
-        let text = "[scene]\ntitle = \"flush\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\nmax_cuts = 0\n".to_owned()
+        let text = "[scene]\ntitle = \"flush\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\nmax_cuts = 0\n"
+            .to_owned()
             + &cube("a", 0.0)
             + &cube("b", 1.0 - overlap)
             + "[[contact]]\nmethod = \"nts\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n\

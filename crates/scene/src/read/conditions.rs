@@ -6,7 +6,9 @@ use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name, contact_reference, is_line, meshed_part, set_reference};
 use crate::{
-    BoxRegion, Closing, ClosingFriction, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement, GapAtClosing, Integrals, Kind, Load, LoadKind, Multipliers, OverlapAtStart, PartKind, PlaneRegion, Quadrature, Reduction, SetDefinition, SurfaceMass, split_set,
+    BoxRegion, Closing, ClosingFriction, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement,
+    GapAtClosing, Integrals, Kind, Load, LoadKind, Multipliers, OverlapAtStart, PartKind, PlaneRegion, Quadrature,
+    Reduction, SetDefinition, SurfaceMass, split_set,
 };
 use toml::de::DeValue;
 
