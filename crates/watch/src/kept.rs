@@ -82,8 +82,17 @@ mod tests {
         let left = seen(0.15).beyond(&kept, 1.0).penetrations[0].clone();
         assert!((left.depth - 0.05).abs() < 1e-15 && (left.relative - 0.1).abs() < 1e-15);
         assert_eq!(seen(0.15).beyond(&[], 1.0).penetrations[0].depth, 0.15);
-        let meeting =
-            Meeting { bodies: [0, 1], node: 0, position: [0.0; 3], apart: 0.41, edge: 1.0, drive: 0.0, arch: 0.0 };
+        let meeting = Meeting {
+            bodies: [0, 1],
+            node: 0,
+            position: [0.0; 3],
+            apart: 0.41,
+            edge: 1.0,
+            drive: 0.0,
+            arch: 0.0,
+            known_arches: 0.0,
+            by_loads: false,
+        };
         let beyond = meeting.beyond(&kept, 3.0);
         assert!((beyond.apart - 0.01).abs() < 1e-15 && beyond.drive == 0.4);
     }
