@@ -6,7 +6,7 @@ use stoss_contact::{ContactError, ContactLine, ContactSurface};
 /// What the slave nodes belong to.
 #[derive(Clone, Debug)]
 pub(crate) enum Slave {
-    Surface(ContactSurface),
+    Surface(Box<ContactSurface>),
     Line(ContactLine),
 }
 

@@ -60,7 +60,7 @@ impl NodeToSurface {
         reference: &[f64],
         options: NodeToSurfaceOptions,
     ) -> Result<Self, ContactError> {
-        let slave = Slave::Surface(ContactSurface::new("slave", slave_facets, reference)?);
+        let slave = Slave::Surface(Box::new(ContactSurface::new("slave", slave_facets, reference)?));
         Self::of(name, slave, master_facets, reference, options)
     }
 

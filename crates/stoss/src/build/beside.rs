@@ -24,7 +24,7 @@ pub(super) fn beside(pair: &PairInput<'_>, model: &Model) -> Vec<FacetNodes> {
     let others = others
         .flat_map(|other| other.surfaces())
         .chain(scene.ties.iter().flat_map(|tie| [&tie.slave[..], &tie.master[..]]));
-    let others: BTreeSet<BTreeSet<u32>> = others.flat_map(|set| of_body(set)).map(|facet| key(&facet)).collect();
+    let others: BTreeSet<BTreeSet<u32>> = others.flat_map(of_body).map(|facet| key(&facet)).collect();
     let slave_nodes: BTreeSet<u32> =
         slave.iter().flatten().chain(pair.line.iter().map(|(node, _)| node)).copied().collect();
     let support = pair.first_support(model);
