@@ -9,6 +9,9 @@ impl NodeToSurface {
     /// What the gap of a node that is not active may fall to before it counts as closed: a node that was released while it kept a negative gap
     /// must not be caught by that, in this step or later.
     fn allowance(&self, slot: usize) -> f64 {
+        if !self.leaves {
+            return 0.0;
+        }
         let slot = &self.slots[slot];
         if slot.committed.is_none() {
             return slot.kept;

@@ -61,6 +61,7 @@ impl Constraint for NodeToSurface {
     fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
         let Step { q_n, reach, rule, .. } = *step;
         self.holds = self.hold.is_some() && step.impacts;
+        self.leaves = step.rates;
         if let Some(friction) = &mut self.friction {
             friction.begin(self.slave.nodes(), step);
         }
@@ -115,7 +116,11 @@ impl Constraint for NodeToSurface {
                 }
                 None => {
                     let point = closest();
-                    let kept = if state.kept < 0.0 { self.gap_to_keep(slot, &point, q_n).min(0.0) } else { 0.0 };
+                    let kept = if self.leaves && state.kept < 0.0 {
+                        self.gap_to_keep(slot, &point, q_n).min(0.0)
+                    } else {
+                        0.0
+                    };
                     Slot::open(point.pairing.map(|p| p.facet), point.gap, kept, state.strayed)
                 }
             };

@@ -23,7 +23,7 @@ impl History for NodeToSurface {
                 let state = &self.slots[slot];
                 // Most nodes are in front, or far away: nothing to look for.
                 let may_stray = state.origin.is_none() || state.strayed;
-                let was_kept = state.committed.is_some() || state.kept < 0.0;
+                let was_kept = self.leaves && (state.committed.is_some() || state.kept < 0.0);
                 if active[slot] || !(may_stray || was_kept) {
                     return (false, 0.0);
                 }

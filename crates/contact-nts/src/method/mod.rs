@@ -35,6 +35,8 @@ pub struct NodeToSurface {
     hold: Option<u32>,
     /// Whether gaps that close in the present step are held.
     pub(crate) holds: bool,
+    /// Whether a node that is left behind the surface stays there: with inertia to push it out is work that no force does. In statics no energy is at stake, and what overlaps is pushed out.
+    pub(crate) leaves: bool,
     pub(crate) normal: NormalEnforcement,
     /// Gaps of slots, of the surface and of the facets' extensions, count from these.
     pub(crate) reference_gap: ReferenceGap,
@@ -95,6 +97,7 @@ impl NodeToSurface {
             constraint: options.constraint,
             hold: options.hold,
             holds: false,
+            leaves: true,
             normal: NormalEnforcement::new(options, slots.len())?,
             reference_gap: ReferenceGap::default(),
             slots,
