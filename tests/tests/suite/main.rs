@@ -5,6 +5,7 @@ mod bolt;
 mod cat;
 mod centrifugal;
 mod conservation;
+mod contact_springs;
 mod damping;
 mod edges;
 mod elements;

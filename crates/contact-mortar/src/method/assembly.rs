@@ -79,6 +79,7 @@ impl Constraint for MortarContact {
         }
         let hold = self.options.hold.filter(|_| step.impacts && !frozen);
         let highest = LARGEST_HELD * surfaces.slave.length_scale();
+        let is_kept = self.has_rates && !frozen && self.options.overclosure.is_none();
         let count = surfaces.rows.len();
         let mut settling = vec![0.0; count];
         let own: Vec<f64> = (0..count).map(|k| self.reference_gap.of(k)).collect();
@@ -92,7 +93,8 @@ impl Constraint for MortarContact {
             let (volume, gap) = (gap - own * slot.support, gap / slot.support - own);
             let closed = self.closed_steps[k];
             match hold {
-                _ if self.has_rates && !frozen && volume < -no_penetration * row.area => reference[k] = own + gap,
+                // A row that overlaps stays so far inside: to push it out would be work that no force does. The depth of a spring is no gap that is kept.
+                _ if is_kept && volume < -no_penetration * row.area => reference[k] = own + gap,
                 Some(settle) if closed > 0 && gap > 0.0 => {
                     settling[k] = if closed >= settle { -gap / f64::from(settle) } else { 0.0 };
                     reference[k] = own + gap + settling[k];
