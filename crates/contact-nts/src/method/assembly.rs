@@ -62,6 +62,7 @@ impl Constraint for NodeToSurface {
         let Step { q_n, reach, rule, .. } = *step;
         self.holds = self.hold.is_some() && step.impacts;
         self.leaves = step.rates;
+        self.search.take_sides(!step.rates);
         if let Some(friction) = &mut self.friction {
             friction.begin(self.slave.nodes(), step);
         }

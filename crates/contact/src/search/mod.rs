@@ -161,6 +161,7 @@ pub struct MasterSearch {
     options: SearchOptions,
     tree: SurfaceTree,
     reach: f64,
+    takes_sides: bool,
 }
 
 impl MasterSearch {
@@ -172,7 +173,7 @@ impl MasterSearch {
     pub fn new(surface: ContactSurface, q: &[f64], options: SearchOptions) -> Result<Self, ContactError> {
         options.validate()?;
         let tree = SurfaceTree::new(&surface, q)?;
-        Ok(Self { surface, options, tree, reach: f64::INFINITY })
+        Ok(Self { surface, options, tree, reach: f64::INFINITY, takes_sides: true })
     }
 
     /// Refits the tree to positions `q`. Points with a gap larger than `reach` get no partner. No allocation.
@@ -187,6 +188,11 @@ impl MasterSearch {
         if self.surface.carriers().is_some() {
             self.tree.forget();
         }
+    }
+
+    /// Whether facets beside rims ([`ContactSurface::is_beside`]) are partners; they are unless this says otherwise.
+    pub fn take_sides(&mut self, takes_sides: bool) {
+        self.takes_sides = takes_sides;
     }
 
     /// The master surface.

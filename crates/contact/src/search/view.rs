@@ -120,7 +120,7 @@ impl<'a> SearchView<'a> {
                 }
                 None => closest.distance_squared <= radius * radius,
             };
-            if smaller && (slave_normal.is_none() || self.opposes(facet, &patch.normal(closest.xi), slave_normal)) {
+            if smaller && self.opposes(facet, &patch.normal(closest.xi), slave_normal) {
                 best = Some(Foot::new(facet, closest));
                 return limit.min(bound(closest.distance_squared.sqrt()));
             }
@@ -136,6 +136,9 @@ impl<'a> SearchView<'a> {
         for _ in 0..MAX_WALK {
             let here = foot;
             let mut consider = |facet: u32| {
+                if surface.is_beside(facet) && !self.search.takes_sides {
+                    return;
+                }
                 let closest = self.patch(facet).closest_point(x);
                 // The margin prevents walking in circles among facets that share the closest point.
                 if closest.distance_squared < foot.closest.distance_squared * (1.0 - 1e-13) {
@@ -174,7 +177,11 @@ impl<'a> SearchView<'a> {
 
     pub(super) fn opposes(&self, facet: u32, normal: &Vector3<f64>, slave_normal: Option<&Vector3<f64>>) -> bool {
         let options = &self.search.options;
-        let cosine = if self.search.surface.is_beside(facet) { options.cosine_beside } else { options.opposing_cosine };
+        let is_beside = self.search.surface.is_beside(facet);
+        if is_beside && !self.search.takes_sides {
+            return false;
+        }
+        let cosine = if is_beside { options.cosine_beside } else { options.opposing_cosine };
         slave_normal.is_none_or(|n| normal.dot(n) < cosine)
     }
 }
