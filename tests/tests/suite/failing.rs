@@ -87,7 +87,7 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) {
 }
 
 /// The scene with the changes of the first remedy.
-pub(crate) fn mended(text: &str, finding: &Finding, remedy: usize) -> String {
+fn mended(text: &str, finding: &Finding, remedy: usize) -> String {
     let mut table: toml::Table = text.parse().unwrap();
     let mut added = String::new();
     let changes = &finding.remedies[remedy].changes;
