@@ -25,7 +25,7 @@ fn edges(facet: &FacetNodes) -> impl Iterator<Item = [u32; 2]> {
 }
 
 /// The facets of `boundary`, of the same body as `surface`, that lie beside a rim of it, across a convex edge of the body, and those that go on from there without an edge, as far as they are within
-/// `reach` (a length) of the rim. `may` tells which can be touched. In the order of `boundary`.
+/// `reach` (a length) of the rim; `reference` has the positions of all nodes (`3 * nodes` lengths). `may` is asked of a facet and its outward unit normal whether it can be touched. In the order of `boundary`.
 ///
 /// A point that passes over such a rim has a gap to what is beside it, small and continuous, where a surface that ends there lets it go: the height of the rim in the other body appears and disappears
 /// with a move of no length, and no state need be in equilibrium (theory/node-to-surface#rims).
