@@ -2,7 +2,7 @@
 
 use fastrand::Rng;
 use nalgebra::Vector3;
-use stoss_contact::{ContactRule, ContactWork, LocalContribution, Potential, Step, StepConfiguration};
+use stoss_contact::{ContactWork, GradientRule, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, check_initial, mitre,
 };
@@ -54,16 +54,16 @@ struct Scene {
 
 impl Scene {
     /// A step by which the upper body comes down out of reach to `q`, where contacts are in their layers then.
-    fn enter(&mut self, rule: ContactRule, q: &[f64]) {
+    fn enter(&mut self, rule: GradientRule, q: &[f64]) {
         enter(&mut self.contact, &self.upper, rule, q);
     }
 }
 
-fn enter(contact: &mut GeneralContact, upper: &std::ops::Range<usize>, rule: ContactRule, q: &[f64]) {
+fn enter(contact: &mut GeneralContact, upper: &std::ops::Range<usize>, rule: GradientRule, q: &[f64]) {
     let lifted: Vec<f64> =
         q.iter().enumerate().map(|(k, x)| if k % 3 == 2 && upper.contains(&(k / 3)) { x + 0.15 } else { *x }).collect();
     match rule {
-        ContactRule::EndPoint => contact.begin(&Step::quasi_static(&lifted, 1.0)).unwrap(),
+        GradientRule::EndPoint => contact.begin(&Step::quasi_static(&lifted, 1.0)).unwrap(),
         _ => begin(contact, rule, &lifted, q),
     }
     contact.renew(q).unwrap();
@@ -96,7 +96,7 @@ fn two_with(n: [u32; 2], gap: f64, shift: [f64; 2], options: GeneralOptions, fri
 }
 
 /// Residual and tangent of a step, dense.
-fn assemble(contact: &mut GeneralContact, rule: ContactRule, q_n: &[f64], q: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+fn assemble(contact: &mut GeneralContact, rule: GradientRule, q_n: &[f64], q: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
     contact.renew(q).unwrap();
     let n = q.len();
     let (mut residual, mut tangent) = (vec![0.0; n], vec![vec![0.0; n]; n]);
@@ -122,7 +122,7 @@ fn assemble(contact: &mut GeneralContact, rule: ContactRule, q_n: &[f64], q: &[f
     (residual, tangent)
 }
 
-fn begin(contact: &mut GeneralContact, rule: ContactRule, q_n: &[f64], q: &[f64]) {
+fn begin(contact: &mut GeneralContact, rule: GradientRule, q_n: &[f64], q: &[f64]) {
     let step_size = 0.5;
     let velocity: Vec<f64> = q.iter().zip(q_n).map(|(q, q_n)| (q - q_n) / step_size).collect();
     contact.begin(&Step { v_n: &velocity, ..Step::new(q_n, rule, step_size) }).unwrap();
@@ -147,11 +147,11 @@ fn work_is_the_change_of_energy_less_what_is_lost_and_momenta_stay() {
         let mut scene = two_with([2, 3], 0.04, shift, options, friction);
         let size = [1e-3, 1e-2, 1.5e-2][case % 3];
         let (q_n, q) = (noise(&mut random, &scene.reference, size), noise(&mut random, &scene.reference, size));
-        scene.enter(ContactRule::EnergyMomentum, &q_n);
+        scene.enter(GradientRule::DiscreteGradient, &q_n);
         let contact = &mut scene.contact;
         let ContactWork { stored: before, friction_stored: springs, .. } = contact.work(&q_n).unwrap();
-        begin(contact, ContactRule::EnergyMomentum, &q_n, &q);
-        let (residual, _) = assemble(contact, ContactRule::EnergyMomentum, &q_n, &q);
+        begin(contact, GradientRule::DiscreteGradient, &q_n, &q);
+        let (residual, _) = assemble(contact, GradientRule::DiscreteGradient, &q_n, &q);
         let work = contact.work(&q).unwrap();
         let of_layer = work.stored - work.friction_stored;
         assert!((of_layer - contact.energy(&q).unwrap()).abs() <= 1e-13 * work.stored);
@@ -182,12 +182,12 @@ fn work_is_the_change_of_energy_less_what_is_lost_and_momenta_stay() {
 fn tangents_are_derivatives() {
     let mut random = Rng::with_seed(4);
     for (rule, friction, slip_velocity) in [
-        (ContactRule::EnergyMomentum, 0.0, None),
-        (ContactRule::EnergyMomentum, 0.3, None),
-        (ContactRule::EnergyMomentum, 0.3, Some(0.05)),
-        (ContactRule::EndPoint, 0.0, None),
-        (ContactRule::EndPoint, 0.3, None),
-        (ContactRule::EndPoint, 0.3, Some(0.05)),
+        (GradientRule::DiscreteGradient, 0.0, None),
+        (GradientRule::DiscreteGradient, 0.3, None),
+        (GradientRule::DiscreteGradient, 0.3, Some(0.05)),
+        (GradientRule::EndPoint, 0.0, None),
+        (GradientRule::EndPoint, 0.3, None),
+        (GradientRule::EndPoint, 0.3, Some(0.05)),
     ] {
         let options = GeneralOptions { thickness: 0.1, damping: 0.1, slip_velocity };
         let mut scene = two_with([1, 1], 0.05, [0.13, 0.21], options, friction);
@@ -225,10 +225,10 @@ fn friction_along_a_motion_has_an_energy() {
         // From all in stick to all in slip.
         let size = [1e-4, 1e-3, 1e-2][case % 3];
         let (q_n, q) = (scene.reference.clone(), noise(&mut random, &scene.reference, size));
-        scene.enter(ContactRule::EndPoint, &q_n);
+        scene.enter(GradientRule::EndPoint, &q_n);
         let contact = &mut scene.contact;
         contact.begin(&Step::quasi_static(&q_n, 1.0)).unwrap();
-        let (residual, _) = assemble(contact, ContactRule::EndPoint, &q_n, &q);
+        let (residual, _) = assemble(contact, GradientRule::EndPoint, &q_n, &q);
         let increment = noise(&mut random, &vec![0.0; q.len()], size);
         contact.set_line(&increment);
         let step = 1e-4;
@@ -259,9 +259,9 @@ fn a_layer_between_matching_meshes_has_a_uniform_pressure() {
         let thickness = 0.02;
         let mut scene = two([n, n], 0.5 * thickness, [0.0; 2], thickness, 0.0, 0.0);
         let q = scene.reference.clone();
-        scene.enter(ContactRule::EndPoint, &q);
-        begin(&mut scene.contact, ContactRule::EndPoint, &q, &q);
-        let (residual, _) = assemble(&mut scene.contact, ContactRule::EndPoint, &q, &q);
+        scene.enter(GradientRule::EndPoint, &q);
+        begin(&mut scene.contact, GradientRule::EndPoint, &q, &q);
+        let (residual, _) = assemble(&mut scene.contact, GradientRule::EndPoint, &q, &q);
         // y = 1/2: kappa/2 (1 - y^2) / y^2.
         let pressure = MODULUS * 0.5 * 0.75 / 0.25;
         let skin = scene.contact.skin();
@@ -319,7 +319,7 @@ fn motions_are_stopped_before_surfaces_meet() {
     for case in 0..24 {
         let mut scene = two([2, 2], 0.05, [random.f64() * 1.2, random.f64()], 0.02, 0.0, 0.0);
         let mut q = noise(&mut random, &scene.reference, 0.005);
-        begin(&mut scene.contact, ContactRule::EnergyMomentum, &q.clone(), &q);
+        begin(&mut scene.contact, GradientRule::DiscreteGradient, &q.clone(), &q);
         for _ in 0..5 {
             let size = [0.02, 0.1, 0.3][case % 3];
             let direction: Vec<f64> = q.iter().map(|_| size * (2.0 * random.f64() - 1.0)).collect();
@@ -341,7 +341,7 @@ fn what_acts_outlives_a_renewal_of_candidates() {
     let mut random = Rng::with_seed(12);
     for case in 0..40 {
         let (rule, friction) =
-            ([ContactRule::EnergyMomentum, ContactRule::EndPoint][case % 2], [0.0, 0.3][case / 2 % 2]);
+            ([GradientRule::DiscreteGradient, GradientRule::EndPoint][case % 2], [0.0, 0.3][case / 2 % 2]);
         let mut scene =
             two([1 + case as u32 % 3, 2], 0.05, [0.7 * random.f64(), 0.7 * random.f64()], 0.08, 0.1, friction);
         let q = noise(&mut random, &scene.reference, 0.01);
@@ -393,7 +393,7 @@ fn forces_do_not_depend_on_the_way_of_the_iteration() {
     for case in 0..20 {
         let thickness = 0.06;
         let (rule, friction) =
-            ([ContactRule::EnergyMomentum, ContactRule::EndPoint][case % 2], [0.0, 0.3][case / 2 % 2]);
+            ([GradientRule::DiscreteGradient, GradientRule::EndPoint][case % 2], [0.0, 0.3][case / 2 % 2]);
         let shift = [0.6 * random.f64(), 0.7 * random.f64()];
         let mut scenes = [(); 2].map(|()| two([2, 3], 0.05, shift, thickness, 0.0, friction));
         let q_n = noise(&mut random, &scenes[0].reference, 0.01);
@@ -424,7 +424,7 @@ fn forces_do_not_depend_on_the_way_of_the_iteration() {
             (energy - other_energy).abs() <= 1e-12 * energy && count == other_count,
             "{case} {energy:e} {other_energy:e} {count} {other_count}"
         );
-        let bound = if rule == ContactRule::EndPoint { 1e-12 } else { 0.05 };
+        let bound = if rule == GradientRule::EndPoint { 1e-12 } else { 0.05 };
         assert!(largest > 0.0 && apart <= bound * largest, "{case}: {apart:e} of {largest:e}");
     }
 }
@@ -435,7 +435,7 @@ fn what_is_in_the_layer_goes_on_from_a_checkpoint() {
     let mut random = Rng::with_seed(8);
     for case in 0..8 {
         let (rule, friction) =
-            ([ContactRule::EnergyMomentum, ContactRule::EndPoint][case % 2], [0.0, 0.3][case / 2 % 2]);
+            ([GradientRule::DiscreteGradient, GradientRule::EndPoint][case % 2], [0.0, 0.3][case / 2 % 2]);
         let shift = [0.5 * random.f64(), 0.5 * random.f64()];
         let mut scenes = [(); 3].map(|()| two([2, 3], 0.05, shift, 0.08, 0.1, friction));
         let (q_n, q) = (noise(&mut random, &scenes[0].reference, 0.01), noise(&mut random, &scenes[0].reference, 0.01));
@@ -530,9 +530,9 @@ fn a_large_facet_presses_like_a_small_one() {
     let (n, thickness) = (4, 0.01);
     for size in [2.0, 40.0, 1000.0] {
         let Scene { mut contact, reference: q, upper } = on_large(n, size, 0.5 * thickness, thickness);
-        enter(&mut contact, &upper, ContactRule::EndPoint, &q);
-        begin(&mut contact, ContactRule::EndPoint, &q, &q);
-        let (residual, _) = assemble(&mut contact, ContactRule::EndPoint, &q, &q);
+        enter(&mut contact, &upper, GradientRule::EndPoint, &q);
+        begin(&mut contact, GradientRule::EndPoint, &q, &q);
+        let (residual, _) = assemble(&mut contact, GradientRule::EndPoint, &q, &q);
         let (mut sum, mut ratios) = (0.0, (f64::INFINITY, 0.0_f64));
         let (spacing, lowest) = (1.0 / f64::from(n), 0.5 * thickness);
         for node in (0..(n as usize + 1).pow(3)).filter(|&node| (q[3 * node + 2] - lowest).abs() < 1e-12) {
@@ -564,8 +564,8 @@ fn pressures_at_a_rim_are_those_of_the_middle() {
         let skin = Skin::new(facets, &q, &|_| None);
         let options = GeneralOptions { thickness, damping: 0.0, slip_velocity: None };
         let mut contact = GeneralContact::new("general", skin, rules(0.0), options).unwrap();
-        enter(&mut contact, &(0..first as usize), ContactRule::EndPoint, &q);
-        begin(&mut contact, ContactRule::EndPoint, &q, &q);
+        enter(&mut contact, &(0..first as usize), GradientRule::EndPoint, &q);
+        begin(&mut contact, GradientRule::EndPoint, &q, &q);
         contact.renew(&q).unwrap();
         let nodes = contact.surface_nodes(&q);
         let lower = nodes.iter().filter(|node| (q[3 * node.node as usize + 2] - 0.5 * thickness).abs() < 1e-12);
@@ -587,7 +587,7 @@ fn static_friction_does_not_depend_on_the_number_of_steps() {
     let thickness = 0.02;
     for steps in [1, 40, 800] {
         let Scene { mut contact, reference, upper } = on_large(2, 8.0, 0.9 * thickness, thickness);
-        enter(&mut contact, &upper, ContactRule::EndPoint, &reference);
+        enter(&mut contact, &upper, GradientRule::EndPoint, &reference);
         let mut q_n = reference.clone();
         let (mut lost, mut worked, mut stored) = (0.0, 0.0, 0.0);
         let mut forces = Vector3::zeros();

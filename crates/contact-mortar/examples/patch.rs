@@ -5,7 +5,7 @@
 //!
 //! `cargo run --example patch -p stoss-contact-mortar`
 
-use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, Report, Step, StepConfiguration};
+use stoss_contact::{Constraint, ContactError, ContactMethod, GradientRule, Report, Step, StepConfiguration};
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
 
 /// A square of the slave that looks down on two rectangles of the master, of widths 0.3 and 0.7, `gap` below.
@@ -32,7 +32,7 @@ fn main() -> Result<(), ContactError> {
         contact.complementarity_gaps(&q, &active, &mut gaps)?;
 
         let (mut force, mut rows) = (vec![0.0; q.len()], [0.0; 4]);
-        let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPoint };
+        let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPoint };
         contact.assemble(step, &[pressure; 4], &active, false, &mut |local| {
             for (k, &node) in local.nodes.iter().enumerate() {
                 // The residual holds minus the force.

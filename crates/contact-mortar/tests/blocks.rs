@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, Step, StepConfiguration};
+use stoss_contact::{Constraint, ContactMethod, GradientRule, Report, Step, StepConfiguration};
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
 use stoss_testkit::meshes::{Mesh, meshes};
 
@@ -38,7 +38,7 @@ fn force(method: &mut MortarContact, q: &[f64], pressure: f64, directions: &[[f6
     let active: Vec<bool> = method.report(q).unwrap().iter().map(|r| r.gap.is_some() && along(r.normal)).collect();
     let pressures: Vec<f64> = active.iter().map(|a| if *a { pressure } else { 0.0 }).collect();
     method.renew(q, &pressures, &[], &active, true).unwrap();
-    let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+    let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     let mut force = Vector3::zeros();
     method
         .assemble(step, &pressures, &active, false, &mut |local| {
@@ -97,7 +97,7 @@ proptest! {
             (0..2).for_each(|i| x[i] = 40.0 * (x[i] - 2.0));
         }
         let mut method = method(meshes, false, dual, &q).with_factors(Factors { nearness: 0.0, deepest: f64::INFINITY, ..Factors { facing: true, ..Factors::NONE } });
-        method.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::EndPoint, 0.0) }).unwrap();
+        method.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
         let directions: Vec<[f64; 3]> = method.report(&q).unwrap().iter().map(|r| r.normal).collect();
         let force = force(&mut method, &q, 1.0, &directions);
         prop_assert!(force.z > 0.1 && force.x.hypot(force.y) < 1e-8 * force.z, "{force}");

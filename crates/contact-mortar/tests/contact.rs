@@ -8,7 +8,7 @@ use crate::sheets::{
 };
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, ContactRule, Report, Step, StepConfiguration, Support};
+use stoss_contact::{Constraint, ContactMethod, GradientRule, Report, Step, StepConfiguration, Support};
 use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions};
 
 fn lifted(d: &[f64], lift: f64) -> Vec<f64> {
@@ -21,14 +21,14 @@ fn plus(q: &[f64], f: f64, d: &[f64]) -> Vec<f64> {
     q.iter().zip(d).map(|(x, d)| x + f * d).collect()
 }
 
-fn begun(surfaces: [Surface; 2], dual: bool, kind: usize, rule: ContactRule, q_n: &[f64]) -> MortarContact {
+fn begun(surfaces: [Surface; 2], dual: bool, kind: usize, rule: GradientRule, q_n: &[f64]) -> MortarContact {
     let mut method = method(surfaces, options(dual)).with_factors(factors(kind));
     method.begin(&Step { reach: 0.5, ..Step::new(q_n, rule, 0.1) }).unwrap();
     method
 }
 
 /// Minus the weighted gaps at `q`, and the residual.
-fn residual(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64]) -> Vec<f64> {
+fn residual(method: &mut MortarContact, rule: GradientRule, q_n: &[f64], q: &[f64], p: &[f64]) -> Vec<f64> {
     let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
     method.renew(q, &[], &[], &active, true).unwrap();
     assemble(method, StepConfiguration { q_n, q_np1: q, rule }, p, &active).residual
@@ -45,10 +45,10 @@ proptest! {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 0.3, &e);
         let mut method = method(surfaces, options(dual)).with_factors(factors(kind));
-        if let Some([rows, forces]) = tangent_errors(&mut method, ContactRule::ALL[rule], &q_n, &q, &p) {
-            prop_assert!(rows < 1e-6, "{:?} dual {dual} factors {kind}: {rows:e}", ContactRule::ALL[rule]);
+        if let Some([rows, forces]) = tangent_errors(&mut method, GradientRule::ALL[rule], &q_n, &q, &p) {
+            prop_assert!(rows < 1e-6, "{:?} dual {dual} factors {kind}: {rows:e}", GradientRule::ALL[rule]);
             // With gaps of a tenth of a facet they are of the size of all others; a kink of the polygon within the difference, or a sliver, may be more.
-            prop_assert!(ContactRule::ALL[rule] != ContactRule::StartPoint || forces < 1e-6, "{:?} factors {kind}: {forces:e}", ContactRule::ALL[rule]);
+            prop_assert!(GradientRule::ALL[rule] != GradientRule::StartPoint || forces < 1e-6, "{:?} factors {kind}: {forces:e}", GradientRule::ALL[rule]);
         }
     }
 
@@ -61,7 +61,7 @@ proptest! {
         let q = plus(&q_n, 0.3, &e);
         let overclosure = soft.then_some(7.0);
         let mut method = method(surfaces, MortarOptions { overclosure, ..options(dual) }).with_factors(factors(kind));
-        if let Some([rows, forces]) = tangent_errors(&mut method, ContactRule::EndPoint, &q_n, &q, &p) {
+        if let Some([rows, forces]) = tangent_errors(&mut method, GradientRule::EndPoint, &q_n, &q, &p) {
             prop_assert!(rows < 1e-6 && forces < 1e-6, "dual {dual} factors {kind}: {rows:e} {forces:e}");
         }
     }
@@ -72,7 +72,7 @@ proptest! {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 0.02, &e);
         let mut method = method(surfaces, MortarOptions { integrals: Integrals::Frozen, ..options(dual) });
-        if let Some([rows, forces]) = tangent_errors(&mut method, ContactRule::EnergyMomentum, &q_n, &q, &p) {
+        if let Some([rows, forces]) = tangent_errors(&mut method, GradientRule::DiscreteGradient, &q_n, &q, &p) {
             prop_assert!(rows < 1e-7 && forces < 1e-4, "{rows:e} {forces:e}");
         }
     }
@@ -86,10 +86,10 @@ proptest! {
         let q = plus(&q_n, 1.0, &e);
         let middle = plus(&q_n, 0.5, &e);
         for (rule, about) in [
-            (ContactRule::StartPoint, Some(&q_n)), (ContactRule::EndPoint, Some(&q)), (ContactRule::EndPointMean, None),
-            (ContactRule::Midpoint, Some(&middle)), (ContactRule::EnergyMomentum, Some(&middle)),
+            (GradientRule::StartPoint, Some(&q_n)), (GradientRule::EndPoint, Some(&q)), (GradientRule::EndPointMean, None),
+            (GradientRule::Midpoint, Some(&middle)), (GradientRule::DiscreteGradient, Some(&middle)),
         ] {
-            if frozen && rule != ContactRule::EnergyMomentum {
+            if frozen && rule != GradientRule::DiscreteGradient {
                 continue;
             }
             let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
@@ -111,15 +111,15 @@ proptest! {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
         let mut method = method(surfaces, options(dual)).with_factors(factors(kind));
-        method.begin(&Step { reach: 0.5, ..Step::new(&q_n, ContactRule::EnergyMomentum, 0.1) }).unwrap();
+        method.begin(&Step { reach: 0.5, ..Step::new(&q_n, GradientRule::DiscreteGradient, 0.1) }).unwrap();
         let mut force = vec![0.0; q.len()];
         method.constraint_gradients(&q, &[true; SLAVE], &mut |slot, nodes, gradient| {
             for (&node, g) in nodes.iter().zip(gradient.chunks_exact(3)) {
                 (0..3).for_each(|i| force[3 * node as usize + i] -= p[slot] * g[i]);
             }
         }).unwrap();
-        method.begin(&Step { reach: 0.5, ..Step::new(&q_n, ContactRule::EndPoint, 0.1) }).unwrap();
-        let expected = residual(&mut method, ContactRule::EndPoint, &q_n, &q, &p);
+        method.begin(&Step { reach: 0.5, ..Step::new(&q_n, GradientRule::EndPoint, 0.1) }).unwrap();
+        let expected = residual(&mut method, GradientRule::EndPoint, &q_n, &q, &p);
         let size = expected.iter().map(|x| x.abs()).sum::<f64>().max(1.0);
         for (f, r) in force.iter().zip(&expected) {
             prop_assert!((f - r).abs() < 1e-12 * size, "{f:e} {r:e}");
@@ -136,9 +136,9 @@ proptest! {
         let inside = at(&q, 0) + (at(&q, 4) - at(&q, 0)) * corner;
         q[..3].copy_from_slice(inside.as_slice());
         let p = [1.0; SLAVE];
-        let mut method = begun([Surface::Quads; 2], false, 2, ContactRule::EndPoint, &q);
+        let mut method = begun([Surface::Quads; 2], false, 2, GradientRule::EndPoint, &q);
         prop_assert!(method.segments().is_some_and(|s| s.facets[0].frame.is_split()));
-        let r = residual(&mut method, ContactRule::EndPoint, &q, &q, &p);
+        let r = residual(&mut method, GradientRule::EndPoint, &q, &q, &p);
         let (force, moment) = resultants(&r, &q);
         prop_assert!(force.amax() < 1e-11 && moment.amax() < 1e-11, "{force} {moment}");
     }
@@ -151,7 +151,7 @@ proptest! {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
         let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
-        for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
+        for rule in [GradientRule::Midpoint, GradientRule::DiscreteGradient] {
             let mut method = method(surfaces, MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
             method.begin(&Step { reach: 0.5, ..Step::new(&q_n, rule, 0.1) }).unwrap();
             let start = residual(&mut method, rule, &q_n, &q_n, &p);
@@ -176,7 +176,7 @@ proptest! {
         let turn = Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(Vector3::new(0.3, -0.5, 0.8)), angle);
         let q: Vec<f64> = q_n.chunks_exact(3)
             .flat_map(|x| { let y = turn * Vector3::new(x[0], x[1], x[2]) + Vector3::new(1.0, 2.0, -0.5); [y.x, y.y, y.z] }).collect();
-        for rule in ContactRule::ALL {
+        for rule in GradientRule::ALL {
             let mut method = begun(surfaces, dual, kind, rule, &q_n);
             let p = [1.0; SLAVE];
             let (before, after) = (residual(&mut method, rule, &q_n, &q_n, &p), residual(&mut method, rule, &q_n, &q, &p));
@@ -190,9 +190,9 @@ proptest! {
     #[test]
     fn gaps_are_continuous(surfaces in surfaces(), d in warp(), e in warp(), kind in 0usize..3, shift in 0.2f64..1.0) {
         let q_n = moved(&d);
-        let mut method = begun(surfaces, false, kind, ContactRule::EndPoint, &q_n);
+        let mut method = begun(surfaces, false, kind, GradientRule::EndPoint, &q_n);
         let path = |s: f64| { let mut q = plus(&q_n, s, &e); (0..SLAVE).for_each(|k| q[3 * k] += s * shift); q };
-        let mut kind_of = |s: f64| { let q = path(s); let r = residual(&mut method, ContactRule::EndPoint, &q_n, &q, &[1.0; SLAVE]); (sheets::kinds(&method), r) };
+        let mut kind_of = |s: f64| { let q = path(s); let r = residual(&mut method, GradientRule::EndPoint, &q_n, &q, &[1.0; SLAVE]); (sheets::kinds(&method), r) };
         // Bisection for the first change.
         let (mut low, mut high) = (0.0, 1.0);
         let (start, _) = kind_of(low);
@@ -213,7 +213,7 @@ proptest! {
 #[test]
 fn gaps_of_flat_surfaces_are_their_distance() {
     for (surfaces, dual) in Surface::pairs().flat_map(|m| [(m, false), (m, true)]) {
-        let method = begun(surfaces, dual, 1, ContactRule::EndPoint, &base());
+        let method = begun(surfaces, dual, 1, GradientRule::EndPoint, &base());
         let reports = method.report(&base()).unwrap();
         assert!(reports.iter().filter(|r| r.gap.is_some()).count() > 5);
         for report in reports {
@@ -234,7 +234,7 @@ fn crosspoints_keep_the_area() {
             let mut support = Support::new(NODES);
             (0..end).for_each(|node| components.iter().for_each(|&c| support.prescribe(node, c)));
             let q = base();
-            let step = Step { reach: 0.5, support: &support, ..Step::new(&q, ContactRule::EndPoint, 0.0) };
+            let step = Step { reach: 0.5, support: &support, ..Step::new(&q, GradientRule::EndPoint, 0.0) };
             method.begin(&step).unwrap();
             let mut gaps = [0.0; SLAVE];
             method.complementarity_gaps(&base(), &[false; SLAVE], &mut gaps).unwrap();
@@ -262,7 +262,7 @@ fn penetrations_of_the_start_are_kept_in_dynamics() {
         let mut method = method(surfaces, options(false));
         let zero = vec![0.0; 3 * NODES];
         let q_n = lifted(&zero, start);
-        method.begin(&Step { reach: 0.5, rates, ..Step::new(&q_n, ContactRule::EnergyMomentum, 0.1) }).unwrap();
+        method.begin(&Step { reach: 0.5, rates, ..Step::new(&q_n, GradientRule::DiscreteGradient, 0.1) }).unwrap();
         method.renew(&lifted(&zero, end), &[], &[], &[false; SLAVE], false).unwrap();
         let mut gaps = [0.0; SLAVE];
         method.complementarity_gaps(&lifted(&zero, end), &[true; SLAVE], &mut gaps).unwrap();
@@ -280,7 +280,7 @@ fn penetrations_of_the_start_are_kept_in_dynamics() {
 fn a_passage_is_an_error() {
     let zero = vec![0.0; 3 * NODES];
     for surfaces in Surface::pairs() {
-        let mut method = begun(surfaces, false, 2, ContactRule::EnergyMomentum, &base());
+        let mut method = begun(surfaces, false, 2, GradientRule::DiscreteGradient, &base());
         for (lift, passes) in [(-0.1, false), (-0.3, true), (-0.5, true)] {
             let q = lifted(&zero, lift);
             method.renew(&q, &[], &[], &[false; SLAVE], false).unwrap();
@@ -308,7 +308,7 @@ fn changed_stencils_are_told() {
             };
             let mut method = method([Surface::Quads; 2], options(false));
             let q_n = beside(1.0);
-            let rule = if rates { ContactRule::EnergyMomentum } else { ContactRule::EndPoint };
+            let rule = if rates { GradientRule::DiscreteGradient } else { GradientRule::EndPoint };
             method.begin(&Step { reach: 3.0, rates, ..Step::new(&q_n, rule, 0.1) }).unwrap();
             for part in [1.0, 0.6, 0.3, 0.0] {
                 let before = stencils(&method);

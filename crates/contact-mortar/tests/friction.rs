@@ -11,14 +11,14 @@ use std::sync::Arc;
 use stoss_contact::friction::{
     Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
 };
-use stoss_contact::{Constraint, ContactError, ContactRule, History, Report, Step, StepConfiguration, position};
+use stoss_contact::{Constraint, ContactError, GradientRule, History, Report, Step, StepConfiguration, position};
 use stoss_contact_mortar::segmentation::GapRange;
 use stoss_contact_mortar::{
     FaceBlock, Faces, Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure,
     TriangleRule, facet_integrals, segment_surfaces,
 };
 
-const RULES: [ContactRule; 3] = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
+const RULES: [GradientRule; 3] = [GradientRule::EndPoint, GradientRule::Midpoint, GradientRule::DiscreteGradient];
 const PENALTY: f64 = 40.0;
 
 fn coulomb(mu: f64) -> Arc<dyn FrictionLaw> {
@@ -72,10 +72,10 @@ fn lifted(d: &[f64], lift: f64) -> Vec<f64> {
     q
 }
 
-fn measure(of: usize, rule: ContactRule) -> SlipMeasure {
+fn measure(of: usize, rule: GradientRule) -> SlipMeasure {
     match of {
         0 => SlipMeasure::Objective,
-        2 if rule == ContactRule::EndPoint => SlipMeasure::Yang,
+        2 if rule == GradientRule::EndPoint => SlipMeasure::Yang,
         _ => SlipMeasure::Direct,
     }
 }
@@ -84,13 +84,13 @@ fn set(p: &[f64]) -> Vec<bool> {
     p.iter().map(|p| *p != 0.0).collect()
 }
 
-fn begin(method: &mut MortarContact, rule: ContactRule, q_n: &[f64]) {
-    let rates = rule != ContactRule::EndPoint;
+fn begin(method: &mut MortarContact, rule: GradientRule, q_n: &[f64]) {
+    let rates = rule != GradientRule::EndPoint;
     method.begin(&Step { reach: 0.5, rates, ..Step::new(q_n, rule, 0.1) }).unwrap();
 }
 
 /// Does a whole step with given positions and pressures.
-fn go(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: &[f64]) {
+fn go(method: &mut MortarContact, rule: GradientRule, q_n: &[f64], q: &[f64], p: &[f64]) {
     begin(method, rule, q_n);
     method.renew(q, &[], &[], &set(p), false).unwrap();
     method.commit(q, p, &set(p));
@@ -100,7 +100,7 @@ fn go(method: &mut MortarContact, rule: ContactRule, q_n: &[f64], q: &[f64], p: 
 fn friction_force(
     surfaces: [Surface; 2],
     method: &mut MortarContact,
-    rule: ContactRule,
+    rule: GradientRule,
     q_n: &[f64],
     q: &[f64],
     p: &[f64],
@@ -158,7 +158,7 @@ fn weighted_gap(
 /// not smooth there: segments change their kind, or differences of fourth order with two steps do not agree, as at the kink between stick and slip.
 fn directional_error(
     [method, plain]: [&mut MortarContact; 2],
-    rule: ContactRule,
+    rule: GradientRule,
     q_n: &[f64],
     q: &[f64],
     p: &[f64],
@@ -220,7 +220,7 @@ proptest! {
         let midpoint = [MidpointFriction::A, MidpointFriction::B, MidpointFriction::C][midpoint];
         let stick = if exact { Stick::Multiplier } else { Stick::Penalty };
         // With integrals that move the midpoint rules leave the derivatives of their weights out.
-        let integrals = if rule == ContactRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
+        let integrals = if rule == GradientRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
         let options = MortarOptions { integrals, ..options(dual) };
         let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap().with_surface_velocity(belt(moves));
         let mut plain = method(surfaces, options);
@@ -253,7 +253,7 @@ proptest! {
         let mut method = with(surfaces, law(kind), MidpointFriction::B, dual, measure);
         begin(&mut method, rule, &q_n);
         let r = friction_force(surfaces, &mut method, rule, &q_n, &q, &p, dual);
-        let about = if rule == ContactRule::EndPoint { q.clone() } else { plus(&q_n, 0.5, &e) };
+        let about = if rule == GradientRule::EndPoint { q.clone() } else { plus(&q_n, 0.5, &e) };
         let size = r.iter().map(|x| x.abs()).sum::<f64>().max(1.0);
         let (force, moment) = resultants(&r, &about);
         prop_assert!(force.amax() < 1e-11 * size, "{rule:?}: {force}");
@@ -276,7 +276,7 @@ proptest! {
         let mut method = with(surfaces, law(0), MidpointFriction::B, dual, SlipMeasure::Direct).with_factors(factors(kind));
         begin(&mut method, rule, &q_n);
         let r = friction_force(surfaces, &mut method, rule, &q_n, &q, &p, dual);
-        let end = rule == ContactRule::EndPoint;
+        let end = rule == GradientRule::EndPoint;
         // The integrals are those of the place of the force.
         let about = if end { q.clone() } else { plus(&q_n, 0.5, &e) };
         let (gap, weight) = weighted_gap(&method, surfaces, &about, node, dual);
@@ -328,7 +328,7 @@ proptest! {
         surfaces in surfaces(), walk in prop::collection::vec((warp(), pressures()), 4), dual: bool, energy_momentum: bool,
         midpoint in 0usize..2, mu in prop_oneof![Just(0.0), 0.05f64..3.0], objective: bool, moves: bool,
     ) {
-        let rule = if energy_momentum { ContactRule::EnergyMomentum } else { ContactRule::Midpoint };
+        let rule = if energy_momentum { GradientRule::DiscreteGradient } else { GradientRule::Midpoint };
         let midpoint = [MidpointFriction::B, MidpointFriction::C][midpoint];
         let measure = if objective { SlipMeasure::Objective } else { SlipMeasure::Direct };
         let friction = Friction::new(coulomb(mu), PENALTY, Stick::Penalty, midpoint).unwrap();
@@ -402,10 +402,10 @@ fn what_has_no_friction_is_refused() {
     let refused = |error: ContactError| matches!(error, ContactError::FrictionUnavailable { .. });
     let mut yang = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Yang).unwrap();
     let q = sheets::base();
-    yang.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::EndPoint, 0.1) }).unwrap();
-    assert!(refused(yang.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::Midpoint, 0.1) }).unwrap_err()));
+    yang.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::EndPoint, 0.1) }).unwrap();
+    assert!(refused(yang.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::Midpoint, 0.1) }).unwrap_err()));
     let mut objective = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Objective).unwrap();
     assert!(refused(
-        objective.begin(&Step { reach: 0.5, ..Step::new(&q, ContactRule::EndPointMean, 0.1) }).unwrap_err()
+        objective.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::EndPointMean, 0.1) }).unwrap_err()
     ));
 }

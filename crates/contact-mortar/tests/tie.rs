@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_contact::FacetNodes;
-use stoss_contact::{Constraint, ContactRule, Report, StepConfiguration};
+use stoss_contact::{Constraint, GradientRule, Report, StepConfiguration};
 use stoss_contact_mortar::tie::{Interface, MeshTie, TieForm, TieOptions};
 use stoss_contact_mortar::{MortarError, MultiplierSpace};
 use stoss_testkit::meshes::{Mesh, meshes};
@@ -91,7 +91,7 @@ fn assemble(tie: &MeshTie, step: StepConfiguration<'_>, lambda: &[f64]) -> Assem
 }
 
 fn values(tie: &MeshTie, q: &[f64]) -> Vec<f64> {
-    let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+    let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     let a = assemble(tie, step, &vec![0.0; tie.slot_count()]);
     a.residual[q.len()..].iter().map(|r| -r).collect()
 }
@@ -133,10 +133,10 @@ proptest! {
             let tie = p.tie(options);
             let (q_n, q_np1) = (shaken(&p.x, &d, 0.2), shaken(&p.x, &e, 0.2));
             let lambda: Vec<f64> = l.iter().cycle().take(tie.slot_count()).copied().collect();
-            for rule in ContactRule::ALL {
+            for rule in GradientRule::ALL {
                 let exact = assemble(&tie, StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule }, &lambda);
                 let dim = q_n.len() + lambda.len();
-                prop_assert!(tie.is_symmetric(rule) || rule != ContactRule::EndPoint);
+                prop_assert!(tie.is_symmetric(rule) || rule != GradientRule::EndPoint);
                 if tie.is_symmetric(rule) {
                     let k = &exact.tangent;
                     let asymmetry = (0..dim * dim).fold(0f64, |m, e| m.max((k[e] - k[e % dim * dim + e / dim]).abs()));
@@ -174,10 +174,10 @@ proptest! {
                 let tie = p.tie(TieOptions { form, space, interface: Interface::Keep, ..Default::default() });
                 let lambda: Vec<f64> = l.iter().cycle().take(tie.slot_count()).copied().collect();
                 for (rule, about) in [
-                    (ContactRule::StartPoint, &q_n),
-                    (ContactRule::EndPoint, &q_np1),
-                    (ContactRule::Midpoint, &mid),
-                    (ContactRule::EnergyMomentum, &mid),
+                    (GradientRule::StartPoint, &q_n),
+                    (GradientRule::EndPoint, &q_np1),
+                    (GradientRule::Midpoint, &mid),
+                    (GradientRule::DiscreteGradient, &mid),
                 ] {
                     let a = assemble(&tie, StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule }, &lambda);
                     let force = &a.residual[..q_n.len()];
@@ -190,7 +190,7 @@ proptest! {
                     } else {
                         // The known defect: sum of gap vector x traction, less the target in the row.
                         let zero = vec![0.0; lambda.len()];
-                        let step = StepConfiguration { q_n: about, q_np1: about, rule: ContactRule::EndPoint };
+                        let step = StepConfiguration { q_n: about, q_np1: about, rule: GradientRule::EndPoint };
                         let closing = p.tie(TieOptions { form, space, interface: Interface::Close, ..Default::default() });
                         let rows = assemble(&closing, step, &zero).residual;
                         let known: Vector3<f64> = (0..lambda.len() / 3)
@@ -210,7 +210,7 @@ proptest! {
         for form in FORMS {
             let tie = p.tie(TieOptions { form, interface: Interface::Keep, ..Default::default() });
             let lambda: Vec<f64> = l.iter().cycle().take(tie.slot_count()).copied().collect();
-            let step = StepConfiguration { q_n: &p.x, q_np1: &q, rule: ContactRule::EnergyMomentum };
+            let step = StepConfiguration { q_n: &p.x, q_np1: &q, rule: GradientRule::DiscreteGradient };
             let of_node: Vec<u32> = tie.report(&q).unwrap().iter().map(|slot| slot.node).collect();
             let active: Vec<bool> = of_node.iter().map(|node| node % 7 == keep).collect();
             let mut all = Vec::new();
@@ -234,7 +234,7 @@ proptest! {
         for form in FORMS {
             let tie = p.tie(TieOptions { form, interface: Interface::Keep, ..Default::default() });
             let lambda: Vec<f64> = l.iter().cycle().take(tie.slot_count()).copied().collect();
-            let step = StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule: ContactRule::EnergyMomentum };
+            let step = StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule: GradientRule::DiscreteGradient };
             let a = assemble(&tie, step, &lambda);
             let work: f64 = (0..q_n.len()).map(|k| -a.residual[k] * (q_np1[k] - q_n[k])).sum();
             let (before, after) = (values(&tie, &q_n), values(&tie, &q_np1));
@@ -316,7 +316,7 @@ fn uniform_tractions_are_in_the_space_with_supports_too() {
                 assert!((norm(axis) - 1.0).abs() < 1e-13);
                 lambda[s] = (0..3).map(|i| axis[i] * t[i]).sum();
             }
-            let step = StepConfiguration { q_n: &p.x, q_np1: &p.x, rule: ContactRule::EndPoint };
+            let step = StepConfiguration { q_n: &p.x, q_np1: &p.x, rule: GradientRule::EndPoint };
             let a = assemble(&tie, step, &lambda);
             for (sign, areas) in [1.0, -1.0].into_iter().zip(&areas) {
                 for (node, area) in areas.iter().enumerate().filter(|(_, area)| **area > 0.0) {

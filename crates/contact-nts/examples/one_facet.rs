@@ -5,7 +5,7 @@
 //!
 //! `cargo run --example one_facet -p stoss-contact-nts`
 
-use stoss_contact::{Constraint, ContactError, ContactMethod, ContactRule, Report, Step, StepConfiguration};
+use stoss_contact::{Constraint, ContactError, ContactMethod, GradientRule, Report, Step, StepConfiguration};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
 /// Four nodes of the master, whose facet looks up, and four of a small facet of the slave above it, of which the first is watched.
@@ -21,7 +21,7 @@ fn main() -> Result<(), ContactError> {
     // The row of a step is -A (g_np1 - g_n).
     let options = NodeToSurfaceOptions { constraint: ConstraintForm::Modified, ..NodeToSurfaceOptions::default() };
     let mut contact = NodeToSurface::new("pair", &[[4u32, 5, 6, 7]], &[[0u32, 1, 2, 3]], &reference, options)?;
-    let (rule, pressure) = (ContactRule::EnergyMomentum, 20.0);
+    let (rule, pressure) = (GradientRule::DiscreteGradient, 20.0);
     let (pressures, active) = ([pressure, 0.0, 0.0, 0.0], [true, false, false, false]);
     println!("gap before, after      force on the node                     resultant  moment   work / (p A dg) - 1");
     let q_n = positions([0.4, 0.3, 0.02], 0.0);

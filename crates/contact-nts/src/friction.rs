@@ -20,7 +20,7 @@ use crate::kinematics::{Gap, LOCAL, LocalMatrix};
 use nalgebra::Vector3;
 use stoss_contact::dual::{V3, cross, dot, unit};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep, PointIteration, stick_compliance};
-use stoss_contact::{ContactRule, SlotFriction, Step};
+use stoss_contact::{GradientRule, SlotFriction, Step};
 use stoss_geometry::Patch;
 use stoss_reference_element::Nodal;
 
@@ -33,7 +33,7 @@ const FOLDED: f64 = 1.0e-3;
 pub(crate) struct SurfaceFriction {
     pub friction: Friction,
     /// Of the step that began last.
-    pub rule: ContactRule,
+    pub rule: GradientRule,
     pub step_size: f64,
     pub points: Vec<PointHistory>,
     /// Rounds of augmentation in this step.
@@ -47,7 +47,7 @@ pub(crate) struct SurfaceFriction {
 impl SurfaceFriction {
     pub fn new(friction: Friction, slots: usize) -> Self {
         let (points, compliance) = (vec![PointHistory::default(); slots], vec![0.0; slots]);
-        let (rule, step_size, rounds) = (ContactRule::EndPoint, 0.0, 0);
+        let (rule, step_size, rounds) = (GradientRule::EndPoint, 0.0, 0);
         Self { friction, rule, step_size, points, rounds, compliance, is_compliant: false }
     }
 

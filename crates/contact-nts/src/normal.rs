@@ -2,14 +2,14 @@
 
 use crate::options::{ConstraintForm, NodeToSurfaceOptions};
 use stoss_contact::friction::Stiffening;
-use stoss_contact::{ContactError, ContactRule, Enforcement};
+use stoss_contact::{ContactError, Enforcement, GradientRule};
 
 /// Enforcement of a whole surface.
 #[derive(Clone, Debug)]
 pub(crate) struct NormalEnforcement {
     pub enforcement: Enforcement,
     /// Of the step that began last.
-    pub rule: ContactRule,
+    pub rule: GradientRule,
     /// Multipliers of the augmented Lagrangian, one a slot; empty with another enforcement.
     pub multipliers: Vec<f64>,
     /// Those at the start of the step.
@@ -28,11 +28,11 @@ impl NormalEnforcement {
         let slots = if matches!(enforcement, Enforcement::Augmented(_)) { slots } else { 0 };
         let multipliers = vec![0.0; slots];
         let committed = multipliers.clone();
-        let (rule, stiffening) = (ContactRule::EndPoint, Stiffening::default());
+        let (rule, stiffening) = (GradientRule::EndPoint, Stiffening::default());
         Ok(Self { enforcement, rule, multipliers, committed, rounds: 0, stiffening })
     }
 
-    pub fn begin(&mut self, rule: ContactRule) {
+    pub fn begin(&mut self, rule: GradientRule) {
         self.rule = rule;
         self.multipliers.copy_from_slice(&self.committed);
         (self.rounds, self.stiffening) = (0, Stiffening::default());

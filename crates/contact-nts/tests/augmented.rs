@@ -6,13 +6,13 @@ use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, History, Report, Step, StepConfiguration,
+    Auxiliary, Constraint, ContactError, ContactMethod, GradientRule, History, Report, Step, StepConfiguration,
 };
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
-const RULES: [ContactRule; 2] = [ContactRule::EndPoint, ContactRule::Midpoint];
+const RULES: [GradientRule; 2] = [GradientRule::EndPoint, GradientRule::Midpoint];
 const FACETS: u32 = 6;
 const NODES: usize = 2 * (FACETS as usize + 1) + 4;
 const PRESSURE: f64 = 3.0;
@@ -23,7 +23,7 @@ const STEP: f64 = 0.1;
 struct Path {
     meshes: [Mesh; 2],
     q: [Vec<f64>; 3],
-    rule: ContactRule,
+    rule: GradientRule,
     /// Coefficient of friction: none, slip for certain, stick for certain.
     mu: Option<f64>,
     drop_gap_term: bool,
@@ -192,7 +192,7 @@ proptest! {
 
     #[test]
     fn at_the_end_point_it_is_the_direct_form(path in path()) {
-        let path = Path { rule: ContactRule::EndPoint, ..path };
+        let path = Path { rule: GradientRule::EndPoint, ..path };
         let m = path.augmented(Reduction::Second);
         let x = unknowns(&path, &m, &path.off);
         let multipliers = [path.off, [0.0; 6]].concat();
@@ -212,9 +212,9 @@ proptest! {
 fn other_rules_are_refused() {
     let mut m = CoordinateAugmented::new(standard(FACETS), AugmentedOptions::default());
     let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, -0.1]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&q, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
-    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::StartPoint };
+    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::StartPoint };
     let error = m.assemble(step, &[1.0, 0.0, 0.0, 0.0], &ACTIVE, false, &mut |_| {}).unwrap_err();
     assert!(matches!(error, ContactError::RuleUnavailable { .. }), "{error}");
 }
@@ -226,8 +226,8 @@ fn a_slot_without_a_facet_has_identity_rows() {
         let mut m =
             CoordinateAugmented::new(standard(FACETS), AugmentedOptions { reduction, ..AugmentedOptions::default() });
         let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 50.0]);
-        m.begin(&Step { reach: 1.0, ..Step::new(&q, ContactRule::EndPoint, 0.0) }).unwrap();
-        let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::Midpoint };
+        m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
+        let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::Midpoint };
         let mut visits = 0;
         m.assemble(step, &[2.0, 0.0, 0.0, 0.0], &ACTIVE, true, &mut |local| {
             visits += 1;
@@ -260,7 +260,7 @@ fn over_an_edge_the_traction_booked_is_that_of_the_equations() {
         let spring = Friction::new(law, STIFFNESS, Stick::Penalty, MidpointFriction::B).unwrap();
         let rough = standard(FACETS).with_friction(spring).unwrap();
         let options = AugmentedOptions { reduction: Reduction::Second, ..AugmentedOptions::default() };
-        let rule = ContactRule::Midpoint;
+        let rule = GradientRule::Midpoint;
         let [with, without] = [rough, standard(FACETS)]
             .map(|m| second_step(CoordinateAugmented::new(m, options), &path, rule, STEP, 0.0));
         let pressures = [PRESSURE, 0.0, 0.0, 0.0];

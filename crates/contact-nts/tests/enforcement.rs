@@ -4,7 +4,7 @@ use crate::common::*;
 use proptest::prelude::*;
 use stoss_contact::friction::MAX_AUGMENTATIONS;
 use stoss_contact::{
-    Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History, SearchOptions, Step,
+    Constraint, ContactError, ContactMethod, ContactWork, Enforcement, GradientRule, History, SearchOptions, Step,
 };
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 
@@ -12,7 +12,7 @@ const FACETS: u32 = 4;
 const FLAT: [f64; FACETS as usize + 1] = [0.0; FACETS as usize + 1];
 const SLAVE: usize = 2 * (FACETS as usize + 1);
 const STIFFNESS: f64 = 30.0;
-const RULES: [ContactRule; 3] = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
+const RULES: [GradientRule; 3] = [GradientRule::EndPoint, GradientRule::Midpoint, GradientRule::DiscreteGradient];
 
 fn at(x: f64, z: f64) -> Vec<f64> {
     positions(&FLAT, [x, 0.3, z])
@@ -23,13 +23,13 @@ fn spring() -> NodeToSurface {
 }
 
 /// Row of the pressure divided by minus the area.
-fn row(m: &NodeToSurface, q_n: &[f64], q: &[f64], p: f64, rule: ContactRule) -> f64 {
+fn row(m: &NodeToSurface, q_n: &[f64], q: &[f64], p: f64, rule: GradientRule) -> f64 {
     let residual = assembled(m, q_n, q, p, rule, false).0;
     -residual[residual.len() - 1] / m.slot_weight(0)
 }
 
 /// Pressure that solves the row, which is linear in it with the slope `1 / STIFFNESS`.
-fn pressure(m: &NodeToSurface, q_n: &[f64], q: &[f64], rule: ContactRule) -> f64 {
+fn pressure(m: &NodeToSurface, q_n: &[f64], q: &[f64], rule: GradientRule) -> f64 {
     -STIFFNESS * row(m, q_n, q, 0.0, rule)
 }
 
@@ -40,11 +40,11 @@ fn stored(m: &NodeToSurface, q: &[f64], active: &[bool]) -> f64 {
 #[test]
 fn a_spring_has_the_pressure_of_its_depth() {
     let mut m = spring();
-    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, 0.05), ContactRule::EndPoint, 0.1) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, 0.05), GradientRule::EndPoint, 0.1) }).unwrap();
     m.repair(&at(0.4, -0.02), &ACTIVE).unwrap();
-    assert!((pressure(&m, &at(0.4, 0.05), &at(0.4, -0.02), ContactRule::EndPoint) - 0.6).abs() < 1e-13);
+    assert!((pressure(&m, &at(0.4, 0.05), &at(0.4, -0.02), GradientRule::EndPoint) - 0.6).abs() < 1e-13);
     // Closing in a midpoint scheme: energy STIFFNESS 0.02^2 / 2 over the way 0.07.
-    for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
+    for rule in [GradientRule::Midpoint, GradientRule::DiscreteGradient] {
         let mean = STIFFNESS * 0.5 * 0.02 * 0.02 / 0.07;
         assert!((pressure(&m, &at(0.4, 0.05), &at(0.4, -0.02), rule) - mean).abs() < 1e-13);
     }
@@ -52,12 +52,12 @@ fn a_spring_has_the_pressure_of_its_depth() {
     assert!((stored(&m, &at(0.4, -0.02), &ACTIVE) - energy).abs() < 1e-15 && stored(&m, &at(0.4, -0.02), &OPEN) == 0.0);
     // It goes on with its depth in the next step.
     m.commit(&at(0.4, -0.02), &[0.6, 0.0, 0.0, 0.0], &ACTIVE);
-    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, -0.02), ContactRule::EnergyMomentum, 0.1) }).unwrap();
-    assert!((pressure(&m, &at(0.4, -0.02), &at(0.4, -0.04), ContactRule::EnergyMomentum) - 0.9).abs() < 1e-13);
+    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, -0.02), GradientRule::DiscreteGradient, 0.1) }).unwrap();
+    assert!((pressure(&m, &at(0.4, -0.02), &at(0.4, -0.04), GradientRule::DiscreteGradient) - 0.9).abs() < 1e-13);
     // Out again: it stays closed for this step, which has the rest of the spring's force, and opens in the next one.
     assert_eq!(gap(&m, &at(0.4, 0.01), &ACTIVE), 0.0);
     m.commit(&at(0.4, 0.01), &[0.1, 0.0, 0.0, 0.0], &ACTIVE);
-    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, 0.01), ContactRule::EnergyMomentum, 0.1) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, 0.01), GradientRule::DiscreteGradient, 0.1) }).unwrap();
     assert!((gap(&m, &at(0.4, 0.02), &ACTIVE) - 0.02).abs() < 1e-13);
     assert!((gap(&m, &at(0.4, -0.02), &OPEN) + 0.02).abs() < 1e-13, "closes at zero, not at the old depth");
 }
@@ -83,10 +83,10 @@ proptest! {
         let mut m = spring();
         let mut before = 0.0;
         for pair in path.windows(2) {
-            m.begin(&Step { reach: 2.0, ..Step::new(&pair[0], ContactRule::EnergyMomentum, 0.1) }).unwrap();
+            m.begin(&Step { reach: 2.0, ..Step::new(&pair[0], GradientRule::DiscreteGradient, 0.1) }).unwrap();
             m.repair(&pair[1], &ACTIVE).unwrap();
-            let p = pressure(&m, &pair[0], &pair[1], ContactRule::EnergyMomentum);
-            let residual = assembled(&m, &pair[0], &pair[1], p, ContactRule::EnergyMomentum, false).0;
+            let p = pressure(&m, &pair[0], &pair[1], GradientRule::DiscreteGradient);
+            let residual = assembled(&m, &pair[0], &pair[1], p, GradientRule::DiscreteGradient, false).0;
             let work: f64 = residual.iter().zip(pair[1].iter().zip(&pair[0])).map(|(r, (b, a))| r * (b - a)).sum();
             let after = stored(&m, &pair[1], &ACTIVE);
             prop_assert!((work - (after - before)).abs() < 1e-13, "{work:e} {:e}", after - before);

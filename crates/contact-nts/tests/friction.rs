@@ -8,7 +8,7 @@ use stoss_contact::friction::{
     Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
 };
 use stoss_contact::{
-    Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Enforcement, History, Report, Step,
+    Constraint, ContactError, ContactMethod, ContactWork, Enforcement, GradientRule, History, Report, Step,
 };
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
@@ -16,7 +16,7 @@ use stoss_reference_element::FacetKind;
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
-const RULES: [ContactRule; 3] = [ContactRule::EndPoint, ContactRule::Midpoint, ContactRule::EnergyMomentum];
+const RULES: [GradientRule; 3] = [GradientRule::EndPoint, GradientRule::Midpoint, GradientRule::DiscreteGradient];
 const STEPPINGS: [MidpointFriction; 3] = [MidpointFriction::A, MidpointFriction::B, MidpointFriction::C];
 const FACETS: u32 = 6;
 const SLAVE: usize = 2 * (FACETS as usize + 1);
@@ -60,7 +60,7 @@ fn with_coulomb(meshes: [Mesh; 2], mu: f64, stepping: MidpointFriction) -> NodeT
 struct Path {
     meshes: [Mesh; 2],
     q: [Vec<f64>; 3],
-    rule: ContactRule,
+    rule: GradientRule,
     stepping: MidpointFriction,
     /// Pressure of the first step.
     before: f64,
@@ -244,7 +244,7 @@ proptest! {
         let forces = path.friction_with(&m, q, pressure, &auxiliaries);
         let size = forces.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
         prop_assert!(size > 1e-3, "there is friction: {size:e}");
-        if path.rule == ContactRule::EnergyMomentum {
+        if path.rule == GradientRule::DiscreteGradient {
             // Not only the slip's: the work on the motion of all nodes.
             let motion: Vec<f64> = q.iter().zip(&path.q[1]).map(|(a, b)| a - b).collect();
             prop_assert!(dot(&forces, &motion).abs() < 1e-12, "{:e}", dot(&forces, &motion));
@@ -349,7 +349,7 @@ proptest! {
         prop_assert!((after.stored - before.stored).abs() < 1e-11 * before.stored.max(1.0));
         prop_assert!(after.dissipated.abs() < 1e-11 * before.stored.max(1.0), "{}", after.dissipated);
         // And the energy-momentum force does no work on the motion.
-        if rigid.rule == ContactRule::EnergyMomentum {
+        if rigid.rule == GradientRule::DiscreteGradient {
             let forces = rigid.friction(&m);
             prop_assert!(dot(&forces, &rigid.increment()).abs() < 1e-11 * (1.0 + before.stored));
         }
@@ -369,7 +369,7 @@ proptest! {
         prop_assert!(rest.abs() < 1e-13 * (1.0 + scale), "{w:?}, rest {rest:e}");
         prop_assert_eq!(open.stored, 0.0);
         prop_assert!(open.dissipated >= 0.0);
-        if path.rule == ContactRule::EnergyMomentum {
+        if path.rule == GradientRule::DiscreteGradient {
             let before = open.dissipated;
             let done = dot(&path.friction(&start), &path.increment());
             let balance = done + w.stored - before + w.dissipated - w.driven;
@@ -454,20 +454,20 @@ fn a_node_that_comes_back_begins_anew() {
     let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
     let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
     let pressures = [PRESSURE, 0.0, 0.0, 0.0];
-    m.begin(&Step { reach: 1.0, ..Step::new(&above, ContactRule::EndPoint, STEP) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
     m.repair(&flat([0.42, 0.3]), &ACTIVE).unwrap();
     m.commit(&flat([0.42, 0.3]), &pressures, &ACTIVE);
-    m.begin(&Step { reach: 1.0, ..Step::new(&flat([0.42, 0.3]), ContactRule::EndPoint, STEP) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&flat([0.42, 0.3]), GradientRule::EndPoint, STEP) }).unwrap();
     assert!(work(&m, &flat([0.42, 0.3]), PRESSURE, &ACTIVE).stored > 0.0);
     // Open in the next step: what was stored is lost; closed again in the one after: only the new slip counts.
     m.repair(&above, &OPEN).unwrap();
     assert!(work(&m, &above, 0.0, &OPEN).dissipated > 0.0);
     m.commit(&above, &[0.0; 4], &OPEN);
-    m.begin(&Step { reach: 1.0, ..Step::new(&above, ContactRule::EndPoint, STEP) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
     assert_eq!(work(&m, &above, 0.0, &OPEN), ContactWork { closing: None, ..ContactWork::default() });
     let q = flat([0.41, 0.3]);
     m.repair(&q, &ACTIVE).unwrap();
-    let (residual, _) = assembled(&m, &above, &q, PRESSURE, ContactRule::EndPoint, false);
+    let (residual, _) = assembled(&m, &above, &q, PRESSURE, GradientRule::EndPoint, false);
     assert!((residual[3 * SLAVE] - m.slot_weight(0) * PENALTY * 0.01).abs() < 1e-13);
 }
 
@@ -477,18 +477,18 @@ fn the_report_is_that_of_the_last_accepted_step() {
     let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
     let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
     let on = flat([0.42, 0.3]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&above, ContactRule::EndPoint, STEP) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
     m.repair(&on, &ACTIVE).unwrap();
     m.commit(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
     let accepted = m.report(&on).unwrap()[0].friction;
     assert!(accepted.is_some());
     // Attempts with a facet before and without one.
     for reach in [1.0, 0.5] {
-        m.begin(&Step { reach, ..Step::new(&on, ContactRule::EndPoint, STEP) }).unwrap();
+        m.begin(&Step { reach, ..Step::new(&on, GradientRule::EndPoint, STEP) }).unwrap();
         m.repair(&flat([0.9, 0.3]), &ACTIVE).unwrap();
         assert_eq!(m.report(&on).unwrap()[0].friction, accepted);
     }
-    m.begin(&Step { reach: 1.0, ..Step::new(&on, ContactRule::EndPoint, STEP) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::EndPoint, STEP) }).unwrap();
     m.repair(&above, &OPEN).unwrap();
     m.commit(&above, &[0.0; 4], &OPEN);
     assert_eq!(m.report(&above).unwrap()[0].friction, None);
@@ -499,7 +499,7 @@ fn history_goes_through_bytes() {
     let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
     m.begin(&Step {
         reach: 1.0,
-        ..Step::new(&positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]), ContactRule::Midpoint, STEP)
+        ..Step::new(&positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]), GradientRule::Midpoint, STEP)
     })
     .unwrap();
     let on = flat([0.5, 0.33]);
@@ -511,8 +511,8 @@ fn history_goes_through_bytes() {
     assert_eq!(other.save_history(), bytes);
     let next = flat([0.52, 0.33]);
     let both = [&mut m, &mut other].map(|m| {
-        m.begin(&Step { reach: 1.0, ..Step::new(&on, ContactRule::Midpoint, STEP) }).unwrap();
-        assembled(m, &on, &next, PRESSURE, ContactRule::Midpoint, true)
+        m.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::Midpoint, STEP) }).unwrap();
+        assembled(m, &on, &next, PRESSURE, GradientRule::Midpoint, true)
     });
     assert_eq!(both[0], both[1]);
     assert!(both[0].0[3 * SLAVE] > 0.1, "there is friction");
@@ -529,9 +529,9 @@ fn what_has_no_friction_says_so() {
     assert!(matches!(modified.with_friction(friction()), Err(ContactError::FrictionUnavailable { .. })));
     let mut m = standard(FACETS).with_friction(friction()).unwrap();
     let q = flat([0.4, 0.3]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&q, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
-    let step = stoss_contact::StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPointMean };
+    let step = stoss_contact::StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPointMean };
     let error = m.assemble(step, &[1.0, 0.0, 0.0, 0.0], &ACTIVE, false, &mut |_| ()).unwrap_err();
     assert_eq!(error.to_string(), "contact with friction is not available with the rule EndPointMean");
 }
@@ -609,11 +609,11 @@ fn the_slip_is_that_of_the_coordinates_to_second_order() {
             end[3 * SLAVE + i] += size * d;
         }
         let mut m = with_coulomb(QUADS, 1e3, MidpointFriction::C);
-        m.begin(&Step { reach: 1.0, ..Step::new(&q, ContactRule::EndPoint, STEP) }).unwrap();
+        m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, STEP) }).unwrap();
         m.repair(&end, &ACTIVE).unwrap();
-        let (residual, _) = assembled(&m, &q, &end, 0.0, ContactRule::EndPoint, false);
+        let (residual, _) = assembled(&m, &q, &end, 0.0, GradientRule::EndPoint, false);
         assert!(residual[3 * SLAVE..3 * SLAVE + 3].iter().all(|r| *r == 0.0), "no pressure, no friction");
-        let with = assembled(&m, &q, &end, PRESSURE, ContactRule::EndPoint, false).0;
+        let with = assembled(&m, &q, &end, PRESSURE, GradientRule::EndPoint, false).0;
         let ((x_n, patch_n), (x, patch)) =
             (points(&local(&q), FacetKind::Quad4), points(&local(&end), FacetKind::Quad4));
         let at_n = Gap::project(&x_n, &patch_n, [0.0; 2]).unwrap();

@@ -1,7 +1,7 @@
 //! The whole method on a small surface: tangents of what it assembles, crossing, jumps, rims, history.
 
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, ContactRule, History, Step, StepConfiguration};
+use stoss_contact::{Constraint, ContactMethod, GradientRule, History, Step, StepConfiguration};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -26,7 +26,7 @@ fn gaps(m: &NodeToSurface, q: &[f64], active: &[bool]) -> Vec<f64> {
 }
 
 /// Residual of the only active slot over all `3 * nodes + 1` unknowns, and its tangent.
-fn assembled(m: &NodeToSurface, q_n: &[f64], q_1: &[f64], p: f64, rule: ContactRule) -> (Vec<f64>, Vec<f64>) {
+fn assembled(m: &NodeToSurface, q_n: &[f64], q_1: &[f64], p: f64, rule: GradientRule) -> (Vec<f64>, Vec<f64>) {
     let n = q_1.len() + 1;
     let (mut residual, mut tangent) = (vec![0.0; n], vec![0.0; n * n]);
     let active = [true, false, false, false];
@@ -56,13 +56,13 @@ proptest! {
         slide in 0.0..1.5_f64,
         depth in -0.1..-0.01_f64,
         pressure in 0.5..20.0_f64,
-        rule in prop_oneof![Just(ContactRule::EndPoint), Just(ContactRule::Midpoint), Just(ContactRule::EnergyMomentum)],
+        rule in prop_oneof![Just(GradientRule::EndPoint), Just(GradientRule::Midpoint), Just(GradientRule::DiscreteGradient)],
         modified: bool,
     ) {
         let q_n = positions(heights, [from.0, from.1, 0.3]);
         let q_1 = positions(std::array::from_fn(|i| heights[i] + moved[i]), [from.0 + slide, from.1, depth - 0.15]);
         let mut m = method(if modified { ConstraintForm::Modified } else { ConstraintForm::Standard });
-        m.begin(&Step { reach: 10.0, ..Step::new(&q_n, ContactRule::EndPoint, 0.0) }).unwrap();
+        m.begin(&Step { reach: 10.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
         let active = [true, false, false, false];
         m.repair(&q_1, &active).unwrap();
         let (residual, tangent) = assembled(&m, &q_n, &q_1, pressure, rule);
@@ -81,7 +81,7 @@ proptest! {
             let f = &residual[3 * k..3 * k + 3];
             let x: [f64; 3] = std::array::from_fn(|i| {
                 let c = 3 * k + i;
-                if rule == ContactRule::EndPoint { q_1[c] } else { 0.5 * (q_n[c] + q_1[c]) }
+                if rule == GradientRule::EndPoint { q_1[c] } else { 0.5 * (q_n[c] + q_1[c]) }
             });
             for i in 0..3 {
                 force[i] += f[i];
@@ -92,7 +92,7 @@ proptest! {
         for i in 0..3 {
             prop_assert!(force[i].abs() < 1e-12 * pressure && moment[i].abs() < 1e-12 * pressure);
         }
-        if rule == ContactRule::EnergyMomentum && modified {
+        if rule == GradientRule::DiscreteGradient && modified {
             // The constraint row is -A (g_np1 - g_n), and the work of the contact forces p A (g_np1 - g_n).
             prop_assert!((work + pressure * residual[n - 1]).abs() < 1e-12 * pressure, "work {work:e}");
         }
@@ -106,12 +106,12 @@ fn a_node_that_crosses_an_edge_changes_its_facet() {
     let heights = [0.0, 0.0, -0.1, -0.3, -0.6];
     let q_0 = positions(heights, [0.5, 0.3, 0.05]);
     let on = positions(heights, [0.6, 0.3, -1e-3]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&q_0, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&q_0, GradientRule::EndPoint, 0.0) }).unwrap();
     assert!(gaps(&m, &on, &[false; 4])[0] < 0.0);
     assert_eq!(m.repair(&on, &active).unwrap(), 1);
     m.commit(&on, &[1.0, 0.0, 0.0, 0.0], &active);
     // From facet 0 over the ridge to facet 2: the stencil then has the nodes of both.
-    m.begin(&Step { reach: 5.0, ..Step::new(&on, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 5.0, ..Step::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
     let far = positions(heights, [2.5, 0.3, -0.2]);
     assert_eq!(m.repair(&far, &active).unwrap(), 1);
     let mut stencils = Vec::new();
@@ -125,7 +125,7 @@ fn a_node_that_jumps_through_the_surface_is_caught() {
     let mut m = method(ConstraintForm::Standard);
     let q_0 = positions([0.0; 5], [1.4, 0.3, 0.2]);
     let beyond = positions([0.0; 5], [1.6, 0.3, -5.0]);
-    m.begin(&Step { reach: 10.0, ..Step::new(&q_0, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 10.0, ..Step::new(&q_0, GradientRule::EndPoint, 0.0) }).unwrap();
     let gap = gaps(&m, &beyond, &[false; 4])[0];
     assert!((gap + 5.0).abs() < 1e-12, "gap {gap}");
     assert_eq!(m.repair(&beyond, &[true, false, false, false]).unwrap(), 1);
@@ -136,11 +136,11 @@ fn a_node_beyond_the_rim_is_let_go() {
     let mut m = method(ConstraintForm::Standard);
     let active = [true, false, false, false];
     let on = positions([0.0; 5], [3.8, 0.3, 0.0]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&positions([0.0; 5], [3.8, 0.3, 0.01]), ContactRule::EndPoint, 0.0) })
+    m.begin(&Step { reach: 1.0, ..Step::new(&positions([0.0; 5], [3.8, 0.3, 0.01]), GradientRule::EndPoint, 0.0) })
         .unwrap();
     m.repair(&on, &active).unwrap();
     m.commit(&on, &[1.0, 0.0, 0.0, 0.0], &active);
-    m.begin(&Step { reach: 1.0, ..Step::new(&on, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
     let off = positions([0.0; 5], [4.3, 0.3, -0.01]);
     assert_eq!(gaps(&m, &off, &active)[0], f64::INFINITY);
     assert_eq!(gaps(&m, &off, &[false; 4])[0], f64::INFINITY);
@@ -151,7 +151,7 @@ fn history_goes_through_bytes() {
     let mut m = method(ConstraintForm::Standard);
     let active = [true, false, false, false];
     let on = positions([0.0; 5], [2.2, 0.3, -0.01]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&positions([0.0; 5], [2.2, 0.3, 0.1]), ContactRule::EndPoint, 0.0) })
+    m.begin(&Step { reach: 1.0, ..Step::new(&positions([0.0; 5], [2.2, 0.3, 0.1]), GradientRule::EndPoint, 0.0) })
         .unwrap();
     m.repair(&on, &active).unwrap();
     m.commit(&on, &[1.0, 0.0, 0.0, 0.0], &active);
@@ -160,9 +160,9 @@ fn history_goes_through_bytes() {
     other.load_history(&bytes).unwrap();
     assert_eq!(other.save_history(), bytes);
     for method in [&mut m, &mut other] {
-        method.begin(&Step { reach: 1.0, ..Step::new(&on, ContactRule::EndPoint, 0.0) }).unwrap();
+        method.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
     }
-    let both = [&m, &other].map(|m| assembled(m, &on, &on, 2.0, ContactRule::EnergyMomentum));
+    let both = [&m, &other].map(|m| assembled(m, &on, &on, 2.0, GradientRule::DiscreteGradient));
     assert_eq!(both[0], both[1]);
     assert!(other.load_history(&bytes[1..]).is_err());
     assert!(other.load_history(&[7; 16]).is_err());

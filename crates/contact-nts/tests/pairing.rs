@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, ContactRule, History, SearchOptions, Step};
+use stoss_contact::{Constraint, ContactMethod, GradientRule, History, SearchOptions, Step};
 use stoss_contact_nts::ConstraintForm;
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
@@ -48,7 +48,7 @@ proptest! {
         let mut count = 0;
         m.stencils(&ACTIVE, &mut |nodes, _| count = nodes.len());
         prop_assert!(if meshes[1] == Mesh::Quads { count == 13 } else { (7..=13).contains(&count) }, "{count}");
-        let rule = if conserving { ContactRule::EnergyMomentum } else { ContactRule::Midpoint };
+        let rule = if conserving { GradientRule::DiscreteGradient } else { GradientRule::Midpoint };
         let (residual, tangent) = assembled(&m, &q_n, &q_1, 3.0, rule, true);
         prop_assert!(resultant(&residual, &q_n, &q_1) < 1e-12);
         prop_assert_eq!(&assembled(&m, &q_n, &q_1, 3.0, rule, false).0, &residual);
@@ -81,7 +81,7 @@ proptest! {
         in_contact(&mut m, &q_n);
         prop_assert_eq!(m.repair(&q_1, &ACTIVE).unwrap(), 1);
         let pressure = 7.0;
-        for rule in [ContactRule::EnergyMomentum, ContactRule::Midpoint] {
+        for rule in [GradientRule::DiscreteGradient, GradientRule::Midpoint] {
             let (residual, _) = assembled(&m, &q_n, &q_1, pressure, rule, false);
             prop_assert!(residual[q_1.len()].abs() < 1e-14, "closed at n+1");
             prop_assert!(work(&residual, &q_n, &q_1).abs() < 1e-13 * pressure);
@@ -101,11 +101,11 @@ proptest! {
         let q_n = positions(&heights, [x.0, 0.3, height]);
         let q_1 = positions(&heights, [x.1, 0.3, -slope * (x.1 - 1.0_f64).max(0.0) - 0.02]);
         let mut m = method_on(&divide(meshes), 4, ConstraintForm::Modified, SearchOptions::default());
-        m.begin(&Step { reach: 10.0, ..Step::new(&q_n, ContactRule::EndPoint, 0.0) }).unwrap();
+        m.begin(&Step { reach: 10.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
         let closed = gap(&m, &q_1, &OPEN);
         prop_assert!((-0.02..0.0).contains(&closed), "the gap to the surface, no deeper than under its flat facet: {}", closed);
         m.repair(&q_1, &ACTIVE).unwrap();
-        let (residual, _) = assembled(&m, &q_n, &q_1, 3.0, ContactRule::EnergyMomentum, false);
+        let (residual, _) = assembled(&m, &q_n, &q_1, 3.0, GradientRule::DiscreteGradient, false);
         // Row -A (g_np1 - g_n), work p A (g_np1 - g_n).
         prop_assert!((work(&residual, &q_n, &q_1) + 3.0 * residual[q_1.len()]).abs() < 1e-13);
         prop_assert!(work(&residual, &q_n, &q_1) < 0.0, "an open node that closes gives energy to nobody");
@@ -118,9 +118,9 @@ fn an_open_node_behind_the_extension_of_its_facet_keeps_its_true_gap() {
     let heights = [0.0, 0.0, -1.0, -2.0, -3.0];
     let (q_n, q_1) = (positions(&heights, [0.8, 0.3, 0.05]), positions(&heights, [1.3, 0.3, -0.3]));
     let mut m = standard(4);
-    m.begin(&Step { reach: 10.0, ..Step::new(&q_n, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 10.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q_1, &ACTIVE).unwrap();
-    let (residual, _) = assembled(&m, &q_n, &q_1, 1.0, ContactRule::EnergyMomentum, false);
+    let (residual, _) = assembled(&m, &q_n, &q_1, 1.0, GradientRule::DiscreteGradient, false);
     let weight = m.slot_weight(0);
     let loss = work(&residual, &q_n, &q_1) / weight;
     assert!((loss + 0.05).abs() < 1e-14, "the energy lost in closing is p g_n, but it is {loss}");
@@ -129,7 +129,7 @@ fn an_open_node_behind_the_extension_of_its_facet_keeps_its_true_gap() {
 #[test]
 fn the_force_is_continuous_where_the_midpoint_passes_an_edge() {
     let heights = [0.0, 0.0, -0.3, -0.9, -1.5];
-    for rule in [ContactRule::Midpoint, ContactRule::EnergyMomentum] {
+    for rule in [GradientRule::Midpoint, GradientRule::DiscreteGradient] {
         let q_n = positions(&heights, [0.7, 0.3, 0.0]);
         let mut m = standard(4);
         in_contact(&mut m, &q_n);
@@ -149,7 +149,7 @@ fn the_force_is_continuous_where_the_midpoint_passes_an_edge() {
 fn a_jump_is_caught_though_the_depth_limit_is_small() {
     let heights = [0.0; 5];
     let mut m = method(4, ConstraintForm::Standard, SearchOptions { depth_limit: 0.1, ..SearchOptions::default() });
-    m.begin(&Step { reach: 10.0, ..Step::new(&positions(&heights, [1.4, 0.3, 0.05]), ContactRule::EndPoint, 0.0) })
+    m.begin(&Step { reach: 10.0, ..Step::new(&positions(&heights, [1.4, 0.3, 0.05]), GradientRule::EndPoint, 0.0) })
         .unwrap();
     let q_1 = positions(&heights, [1.4, 0.3, -0.35]);
     assert!((gap(&m, &q_1, &OPEN) + 0.35).abs() < 1e-14);
@@ -162,7 +162,7 @@ fn a_chord_over_a_ridge_is_no_jump() {
     let heights = [0.0, 0.0, -1.0, -2.0, -3.0];
     let (q_n, q_1) = (positions(&heights, [0.2, 0.3, 0.01]), positions(&heights, [1.8, 0.3, -0.78]));
     let mut m = standard(4);
-    m.begin(&Step { reach: 10.0, ..Step::new(&q_n, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 10.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
     // In front of facet 1 by the distance of a point 0.02 above a plane of slope one.
     assert!((gap(&m, &q_1, &OPEN) - 0.02 / 2.0_f64.sqrt()).abs() < 1e-14);
 }
@@ -171,7 +171,7 @@ fn a_chord_over_a_ridge_is_no_jump() {
 fn a_long_slide_in_many_repairs_is_followed() {
     let heights = [0.0; 8];
     let mut m = standard(7);
-    m.begin(&Step { reach: 20.0, ..Step::new(&positions(&heights, [0.5, 0.3, 0.0]), ContactRule::EndPoint, 0.0) })
+    m.begin(&Step { reach: 20.0, ..Step::new(&positions(&heights, [0.5, 0.3, 0.0]), GradientRule::EndPoint, 0.0) })
         .unwrap();
     for facet in 0..7 {
         let q = positions(&heights, [0.5 + f64::from(facet), 0.3, -1e-3]);
@@ -190,9 +190,9 @@ fn going_to_and_fro_in_a_valley_ends() {
     assert_eq!(changes, [1, 1, 1, 0, 0, 0, 0, 0, 0, 0]);
     // Closed on the extension at the end of this step, it starts the next one with the gap that it ended with.
     let q_1 = &sides[1];
-    let row = assembled(&m, &on, q_1, 1.0, ContactRule::EnergyMomentum, false).0[q_1.len()];
+    let row = assembled(&m, &on, q_1, 1.0, GradientRule::DiscreteGradient, false).0[q_1.len()];
     m.commit(q_1, &[1.0, 0.0, 0.0, 0.0], &ACTIVE);
-    m.begin(&Step { reach: 20.0, ..Step::new(q_1, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 20.0, ..Step::new(q_1, GradientRule::EndPoint, 0.0) }).unwrap();
     assert!((gap(&m, q_1, &ACTIVE) + row / m.slot_weight(0)).abs() < 1e-14);
 }
 
@@ -201,7 +201,7 @@ fn a_node_released_and_closed_again_gets_its_facet_every_time() {
     let heights = [0.0; 5];
     let q = positions(&heights, [1.4, 0.3, -0.01]);
     let mut m = standard(4);
-    m.begin(&Step { reach: 1.0, ..Step::new(&positions(&heights, [1.4, 0.3, 0.01]), ContactRule::EndPoint, 0.0) })
+    m.begin(&Step { reach: 1.0, ..Step::new(&positions(&heights, [1.4, 0.3, 0.01]), GradientRule::EndPoint, 0.0) })
         .unwrap();
     for _ in 0..10 {
         assert_eq!(m.repair(&q, &ACTIVE).unwrap(), 1);
@@ -214,9 +214,9 @@ fn an_active_slot_without_a_partner_has_no_pressure() {
     let heights = [0.0; 5];
     let far = positions(&heights, [1.4, 0.3, 50.0]);
     let mut m = standard(4);
-    m.begin(&Step { reach: 1.0, ..Step::new(&far, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 1.0, ..Step::new(&far, GradientRule::EndPoint, 0.0) }).unwrap();
     assert_eq!(m.repair(&far, &ACTIVE).unwrap(), 0);
-    let (residual, tangent) = assembled(&m, &far, &far, 2.0, ContactRule::EnergyMomentum, true);
+    let (residual, tangent) = assembled(&m, &far, &far, 2.0, GradientRule::DiscreteGradient, true);
     let (n, weight) = (residual.len(), m.slot_weight(0));
     for (k, r) in residual.iter().enumerate() {
         assert_eq!(*r, if k == n - 1 { -2.0 * weight } else { 0.0 });

@@ -4,7 +4,7 @@
 use crate::common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, ContactRule, FacetNodes, SearchOptions, Step};
+use stoss_contact::{Constraint, ContactMethod, FacetNodes, GradientRule, SearchOptions, Step};
 use stoss_contact_nts::kinematics::Gap;
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_geometry::Patch;
@@ -58,7 +58,7 @@ fn step_on(meshes: [Mesh; 2]) -> impl Strategy<Value = Case> {
             if in_contact_at_n {
                 in_contact(&mut m, &q_n);
             } else {
-                m.begin(&Step { reach: 20.0, ..Step::new(&q_n, ContactRule::EndPoint, 0.0) }).unwrap();
+                m.begin(&Step { reach: 20.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
             }
             m.repair(&q_1, &ACTIVE).unwrap();
             let mut nodes = Vec::new();
@@ -67,7 +67,7 @@ fn step_on(meshes: [Mesh; 2]) -> impl Strategy<Value = Case> {
             let end = *facets.iter().find(|f| nodes[1..].starts_with(f)).unwrap();
             // One facet for the whole step, or from the one that the node was at: that on whose nodes the start-point rule has forces. (Over an edge
             // or a diagonal two facets may be equally near, so that distances do not tell.)
-            let forces = assembled(&m, &q_n, &q_1, PRESSURE, ContactRule::StartPoint, false).0;
+            let forces = assembled(&m, &q_n, &q_1, PRESSURE, GradientRule::StartPoint, false).0;
             let has_force = |n: u32| forces[3 * n as usize..3 * n as usize + 3].iter().any(|f| *f != 0.0);
             let is_start = |f: &&FacetNodes| (0..SLAVE).all(|n| f.contains(&n) || !has_force(n));
             let start = if nodes.len() == 1 + end.len() { end } else { *facets.iter().find(is_start).unwrap() };
@@ -91,7 +91,7 @@ fn gradient_of_gap(facet: &FacetNodes, q: &[f64]) -> Vec<f64> {
 }
 
 impl Case {
-    fn residual(&self, rule: ContactRule) -> Vec<f64> {
+    fn residual(&self, rule: GradientRule) -> Vec<f64> {
         assembled(&self.method, &self.q_n, &self.q_1, PRESSURE, rule, false).0
     }
 
@@ -120,14 +120,14 @@ proptest! {
         let mean: Vec<f64> = at_n.iter().zip(&at_1).map(|(a, b)| 0.5 * (a + b)).collect();
         let factor = -m.slot_weight(0) * PRESSURE;
         for (rule, expected) in
-            [(ContactRule::StartPoint, at_n), (ContactRule::EndPoint, at_1), (ContactRule::EndPointMean, mean)]
+            [(GradientRule::StartPoint, at_n), (GradientRule::EndPoint, at_1), (GradientRule::EndPointMean, mean)]
         {
             let residual = case.residual(rule);
             let expected: Vec<f64> = expected.iter().map(|g| factor * g).collect();
             assert_jacobian_close(&residual[..n], &expected, n, 1e-8, &format!("force of {rule:?}"));
         }
         // The constraint is the gap at the end, under the standard form, and the same row under every rule.
-        let row = case.residual(ContactRule::EndPoint)[n];
+        let row = case.residual(GradientRule::EndPoint)[n];
         let end_gap = gap_to(&case.end, &case.q_1);
         let reference = row / m.slot_weight(0) + end_gap;
         let start_gap = gap_to(&case.start, &case.q_n);
@@ -137,19 +137,19 @@ proptest! {
         // Of facets that are equally near at the start any may be the one that the gap there is measured from.
         let mut possible = std::iter::once(0.0).chain(case.gaps.iter().copied());
         prop_assert!(possible.any(|gap| (reference - gap).abs() < 1e-14), "reference gap {reference}");
-        for rule in ContactRule::ALL {
+        for rule in GradientRule::ALL {
             prop_assert_eq!(case.residual(rule)[n], row);
         }
     }
 
     #[test]
-    fn tangents_are_the_derivatives(case in step(), rule in prop::sample::select(&ContactRule::ALL[..])) {
+    fn tangents_are_the_derivatives(case in step(), rule in prop::sample::select(&GradientRule::ALL[..])) {
         let Case { method: m, q_n, q_1, .. } = &case;
         let (residual, tangent) = assembled(m, q_n, q_1, PRESSURE, rule, true);
         let n = residual.len();
         for (alone, with_tangent) in case.residual(rule).iter().zip(&residual) {
             // The energy-momentum element with its tangent is evaluated in dual numbers, which round differently.
-            let tolerance = if rule == ContactRule::EnergyMomentum { 1e-12 } else { 0.0 };
+            let tolerance = if rule == GradientRule::DiscreteGradient { 1e-12 } else { 0.0 };
             prop_assert!((alone - with_tangent).abs() <= tolerance);
         }
         let mut at = q_1.clone();
@@ -158,13 +158,13 @@ proptest! {
             |x, out| out.copy_from_slice(&assembled(m, q_n, &x[..n - 1], x[n - 1], rule, false).0), &at, 1e-3, n,
         );
         assert_jacobian_close(&tangent, &numeric, n, 1e-7, &format!("tangent of {rule:?}"));
-        prop_assert_eq!(m.is_symmetric(rule), rule == ContactRule::EndPoint);
+        prop_assert_eq!(m.is_symmetric(rule), rule == GradientRule::EndPoint);
         if m.is_symmetric(rule) {
             let size = tangent.iter().fold(0f64, |m, k| m.max(k.abs()));
             let asymmetry = (0..n * n).fold(0f64, |m, k| m.max((tangent[k] - tangent[k % n * n + k / n]).abs()));
             prop_assert!(asymmetry <= 1e-13 * size, "{asymmetry:e} of {size:e}");
         }
-        if rule == ContactRule::StartPoint {
+        if rule == GradientRule::StartPoint {
             let rows = tangent.chunks_exact(n).take(n - 1);
             prop_assert!(rows.flat_map(|row| &row[..n - 1]).all(|k| *k == 0.0), "the force is constant in the step");
         }
@@ -174,29 +174,29 @@ proptest! {
     fn forces_balance_and_moments_where_the_rule_says(case in step()) {
         let n = case.q_1.len();
         let mid = case.mid();
-        for rule in ContactRule::ALL {
+        for rule in GradientRule::ALL {
             let residual = case.residual(rule);
             let at = match rule {
-                ContactRule::StartPoint => &case.q_n,
-                ContactRule::EndPoint => &case.q_1,
+                GradientRule::StartPoint => &case.q_n,
+                GradientRule::EndPoint => &case.q_1,
                 _ => &mid,
             };
             let (force, moment) = resultants(at, &residual[..n]);
             prop_assert!(force.norm() < 1e-12 * PRESSURE, "{:?}: force {:e}", rule, force.norm());
-            if rule != ContactRule::EndPointMean {
+            if rule != GradientRule::EndPointMean {
                 prop_assert!(moment.norm() < 1e-12 * PRESSURE, "{:?}: moment {:e}", rule, moment.norm());
             }
         }
         // The mean of two gradients, each balanced at its own end, is not balanced at the midpoint.
         let increment: Vec<f64> = case.q_1.iter().zip(&case.q_n).map(|(b, a)| b - a).collect();
         let change: Vec<f64> = case
-            .residual(ContactRule::EndPoint)
+            .residual(GradientRule::EndPoint)
             .iter()
-            .zip(case.residual(ContactRule::StartPoint))
+            .zip(case.residual(GradientRule::StartPoint))
             .map(|(b, a)| b - a)
             .collect();
         let expected = -0.25 * resultants(&increment, &change[..n]).1;
-        let moment = resultants(&mid, &case.residual(ContactRule::EndPointMean)[..n]).1;
+        let moment = resultants(&mid, &case.residual(GradientRule::EndPointMean)[..n]).1;
         prop_assert!((moment - expected).norm() < 1e-12 * PRESSURE, "moment {moment} against {expected}");
     }
 
@@ -216,7 +216,7 @@ proptest! {
         let mut m = standard_on(&divide(meshes), FACETS);
         in_contact(&mut m, &q_n);
         prop_assert_eq!(m.repair(&q_1, &ACTIVE).unwrap(), 0);
-        let residual = assembled(&m, &q_n, &q_1, PRESSURE, ContactRule::EndPointMean, false).0;
+        let residual = assembled(&m, &q_n, &q_1, PRESSURE, GradientRule::EndPointMean, false).0;
         let mid: Vec<f64> = q_n.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
         let moment = resultants(&mid, &residual[..q_1.len()]).1;
         prop_assert!(moment.norm() < 1e-12 * PRESSURE, "moment {:e}", moment.norm());
@@ -253,7 +253,7 @@ fn the_moment_of_the_mean_of_the_ends_vanishes_with_the_square_of_the_motion() {
     in_contact(&mut m, &q_n);
     let moment = |size: f64| {
         let q_1: Vec<f64> = q_n.iter().enumerate().map(|(k, x)| x + size * (2.3 * k as f64).cos()).collect();
-        let residual = assembled(&m, &q_n, &q_1, 1.0, ContactRule::EndPointMean, false).0;
+        let residual = assembled(&m, &q_n, &q_1, 1.0, GradientRule::EndPointMean, false).0;
         let mid: Vec<f64> = q_n.iter().zip(&q_1).map(|(a, b)| 0.5 * (a + b)).collect();
         resultants(&mid, &residual[..q_1.len()]).1.norm()
     };

@@ -1,34 +1,6 @@
 //! What a constraint is evaluated at, and what it adds to the equations: rule, configurations, one dense contribution.
 
-/// Where the gradient of the gap is taken that makes the contact force `A p G` of a step (theory/node-to-surface#residual).
-///
-/// The constraint row is `-A` times the gap at `q_np1` (less the gap that it refers to) under every rule, for pressures that are multipliers;
-/// otherwise see [`crate::Enforcement`]. The forces
-/// of every rule have no resultant; about which configuration they have no moment is said for each.
-///
-/// Exhaustive on purpose: a new rule is a compile error in every method that has to decide what to do under it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ContactRule {
-    /// `G = grad g(q_n)`, constant in the step (variational midpoint scheme: theory/integrators#eq-variational). No moment about `q_n`.
-    StartPoint,
-    /// `G = grad g(q_np1)` (statics, backward Euler: theory/integrators#eq-backward-euler). No moment about `q_np1`.
-    EndPoint,
-    /// `G = (grad g(q_n) + grad g(q_np1)) / 2` (trapezoidal rule: theory/integrators#eq-trapezoidal). The moment about `q_mid` is
-    /// `-(1/4) sum dq x (grad g(q_np1) - grad g(q_n))`: it vanishes in a rigid motion on one facet, otherwise only with
-    /// the step.
-    EndPointMean,
-    /// `G = grad g(q_mid)` (midpoint rule: theory/integrators#eq-midpoint). No moment about `q_mid`.
-    Midpoint,
-    /// Discrete gradient of the gap between `q_n` and `q_np1`: `G . (q_np1 - q_n) = g_np1 - g_n`. No moment about
-    /// `q_mid`.
-    EnergyMomentum,
-}
-
-impl ContactRule {
-    /// All rules.
-    pub const ALL: [Self; 5] =
-        [Self::StartPoint, Self::EndPoint, Self::EndPointMean, Self::Midpoint, Self::EnergyMomentum];
-}
+use stoss_integrators::GradientRule;
 
 /// Positions that a step's evaluation may read. All slices have `3 * nodes` entries, node-major.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +10,7 @@ pub struct StepConfiguration<'a> {
     /// Iterate of the positions at `n+1`.
     pub q_np1: &'a [f64],
     /// Rule of the scheme.
-    pub rule: ContactRule,
+    pub rule: GradientRule,
 }
 
 /// A further unknown of a slot, beside its pressure. Each active slot of a method has the same list of them, see

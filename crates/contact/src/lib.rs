@@ -30,7 +30,7 @@ mod surface_tree;
 
 pub use active_set::{ActiveSetControl, ActiveSetOutcome};
 pub use carriers::Carriers;
-pub use contribution::{Auxiliary, ContactRule, LocalContribution, StepConfiguration, multipliers_of};
+pub use contribution::{Auxiliary, LocalContribution, StepConfiguration, multipliers_of};
 pub use enforcement::{Enforcement, NormalRow};
 pub use error::ContactError;
 pub use line::ContactLine;
@@ -44,6 +44,7 @@ pub use report::{
 pub use rim::beside_rims;
 pub use search::{Feature, MasterPoint, MasterSearch, SearchOptions, SearchView};
 pub use step::{Hold, Step, Support};
+pub use stoss_integrators::GradientRule;
 pub use stoss_reference_element::{FacetKind, FacetNodes};
 pub use surface::{ContactSurface, NonManifoldEdge};
 pub use surface_tree::SurfaceTree;

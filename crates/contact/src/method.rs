@@ -1,7 +1,7 @@
 //! The traits of a contact discretisation.
 
 use crate::{
-    Auxiliary, ContactError, ContactRule, ContactWork, Hold, LocalContribution, ReferenceGap, Report, Step,
+    Auxiliary, ContactError, ContactWork, GradientRule, Hold, LocalContribution, ReferenceGap, Report, Step,
     StepConfiguration,
 };
 
@@ -22,7 +22,7 @@ pub trait Constraint: Report {
     /// Whether the tangent is symmetric under a rule (constraint rows are then the gradients of the forces). If bodies, loads and contacts
     /// all are, the matrix is factorised as a symmetric one, which takes two thirds of the time. A wrong promise costs time, not the
     /// answer: the residual is measured with the whole matrix, and the solver falls back. No by default.
-    fn is_symmetric(&self, _rule: ContactRule) -> bool {
+    fn is_symmetric(&self, _rule: GradientRule) -> bool {
         false
     }
     /// What a slot of a bilateral constraint is, for impacts.

@@ -1,7 +1,7 @@
 //! Contact by potentials: forces with an energy and no multiplier.
 
 use crate::{
-    Constraint, ContactError, ContactRule, ContactWork, LocalContribution, Report, SlotReport, Step, StepConfiguration,
+    Constraint, ContactError, ContactWork, GradientRule, LocalContribution, Report, SlotReport, Step, StepConfiguration,
 };
 
 /// What two bodies do to each other at the end of a step, of potentials that act between many bodies.
@@ -72,7 +72,7 @@ pub struct SurfaceForce {
 /// # Protocol
 /// `begin` once for every attempted step (it may be repeated), then any number of `renew` and `assemble`, `longest_step` in between; `work`, then `commit` once when the step was accepted.
 ///
-/// The balance of energy stays exact under [`ContactRule::EnergyMomentum`] if the force of a step does the work `V(q_n) - V(q_np1)`; both momenta stay if it has
+/// The balance of energy stays exact under [`GradientRule::DiscreteGradient`] if the force of a step does the work `V(q_n) - V(q_np1)`; both momenta stay if it has
 /// neither resultant nor moment about `(q_n + q_np1)/2`.
 pub trait Potential: Send + Sync + std::fmt::Debug {
     /// Name for reports and error messages.
@@ -88,11 +88,11 @@ pub trait Potential: Send + Sync + std::fmt::Debug {
         true
     }
     /// Whether the tangent is symmetric under a rule, as [`Constraint::is_symmetric`].
-    fn is_symmetric(&self, _rule: ContactRule) -> bool {
+    fn is_symmetric(&self, _rule: GradientRule) -> bool {
         false
     }
     /// Whether under a rule the forces are the gradient of the energy at the end of the step, but for friction that [`Self::friction_along`] accounts for.
-    fn has_energy(&self, _rule: ContactRule) -> bool {
+    fn has_energy(&self, _rule: GradientRule) -> bool {
         false
     }
     /// Remembers a motion by `increment` (`3 * nodes`) from where the forces were assembled last.
@@ -203,7 +203,7 @@ impl Constraint for PotentialConstraint {
         0.0
     }
 
-    fn is_symmetric(&self, rule: ContactRule) -> bool {
+    fn is_symmetric(&self, rule: GradientRule) -> bool {
         self.0.is_symmetric(rule)
     }
 

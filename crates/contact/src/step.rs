@@ -1,6 +1,6 @@
 //! What constraints and potentials are told when a step begins.
 
-use crate::ContactRule;
+use crate::GradientRule;
 
 /// What a constraint does to a node that it joins, as far as others have to know it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +81,7 @@ pub struct Step<'a> {
     /// Size of the step, a time: zero where nothing moves.
     pub dt: f64,
     /// Where the gradients of constraints are taken.
-    pub rule: ContactRule,
+    pub rule: GradientRule,
     /// Whether there is inertia. In statics nothing is viscous, and no energy is at stake.
     pub rates: bool,
     /// Whether the usual iterations of this step failed: weights that only steer them, and that no result depends on, are chosen with care.
@@ -102,7 +102,7 @@ static FREE: Support =
 impl<'a> Step<'a> {
     /// A step with inertia from `q_n`, from the time zero on, of nodes that nothing else holds, with nothing in reach that does not touch, and no velocities to look ahead with. Other values
     /// go before: `Step { reach: 0.1, ..Step::new(q_n, rule, dt) }`.
-    pub fn new(q_n: &'a [f64], rule: ContactRule, dt: f64) -> Self {
+    pub fn new(q_n: &'a [f64], rule: GradientRule, dt: f64) -> Self {
         Self {
             q_n,
             v_n: &[],
@@ -120,7 +120,7 @@ impl<'a> Step<'a> {
 
     /// A step of statics: as [`Self::new`], without inertia, at the end point.
     pub fn quasi_static(q_n: &'a [f64], dt: f64) -> Self {
-        Self { rates: false, ..Self::new(q_n, ContactRule::EndPoint, dt) }
+        Self { rates: false, ..Self::new(q_n, GradientRule::EndPoint, dt) }
     }
 }
 

@@ -7,7 +7,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::{hint::black_box, sync::Arc};
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{
-    MassKind, SolidBody, SolidOptions, SolidStep, StressRule, TangentTarget, Volumetric, Workspace,
+    ForceRule, MassKind, SolidBody, SolidOptions, SolidStep, TangentTarget, Volumetric, Workspace,
     kernel::{self, LocalTangent, TangentFactors},
 };
 use stoss_linalg::{ScatterMap, SparsityPattern};
@@ -62,7 +62,7 @@ impl Problem {
         Self { body, q_n, q_np1, map, values, force, workspace: Workspace::default() }
     }
 
-    fn assemble(&mut self, rule: StressRule, with_tangent: bool) {
+    fn assemble(&mut self, rule: ForceRule, with_tangent: bool) {
         let step = SolidStep { q_n: &self.q_n, q_np1: &self.q_np1, rule };
         let target = with_tangent.then_some(TangentTarget {
             map: &self.map,
@@ -97,7 +97,7 @@ fn bodies(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(name);
         for law in laws() {
             let mut problem = Problem::new(n, law.clone());
-            for rule in [StressRule::END_POINT, StressRule::MIDPOINT, StressRule::EnergyMomentum] {
+            for rule in [ForceRule::END_POINT, ForceRule::MIDPOINT, ForceRule::DiscreteGradient] {
                 problem.body.begin_step(&problem.q_n, rule).expect("no element is inverted");
                 group.bench_function(format!("{} {rule:?} force and tangent", law.name()), |bencher| {
                     bencher.iter(|| problem.assemble(black_box(rule), true));
@@ -131,7 +131,7 @@ fn cells(criterion: &mut Criterion) {
         let points = mesh.elements.len() * kind.rule(integration).map_or(0, <[_]>::len);
         for volumetric in [Volumetric::Displacement, Volumetric::Mixed] {
             let mut problem = Problem::of(&mesh, laws().swap_remove(0), SolidOptions { integration, volumetric });
-            for rule in [StressRule::END_POINT, StressRule::EnergyMomentum] {
+            for rule in [ForceRule::END_POINT, ForceRule::DiscreteGradient] {
                 problem.body.begin_step(&problem.q_n, rule).expect("no element is inverted");
                 group.bench_function(
                     format!("{kind} {integration:?} {volumetric:?} {rule:?}, {points} points"),

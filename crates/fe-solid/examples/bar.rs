@@ -6,7 +6,7 @@
 
 use std::error::Error;
 use std::sync::Arc;
-use stoss_fe_solid::{SolidBody, SolidStep, StressRule, TangentTarget, Workspace, dead_traction};
+use stoss_fe_solid::{ForceRule, SolidBody, SolidStep, TangentTarget, Workspace, dead_traction};
 use stoss_linalg::{AutoSolver, LinearSolver, MatrixKind, NONE, ScatterMap, SparsityPattern};
 use stoss_materials::NeoHooke;
 use stoss_mesh::generate::Block;
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut solver = AutoSolver::new();
     solver.analyse(&pattern, MatrixKind::Symmetric)?;
 
-    let rule = StressRule::END_POINT;
+    let rule = ForceRule::END_POINT;
     body.begin_step(&reference, rule)?;
     let (mut q, mut workspace) = (reference.clone(), Workspace::default());
     println!("iteration  residual");

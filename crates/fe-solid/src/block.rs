@@ -1,7 +1,7 @@
 //! The elements of one kind in a body: their reference integrals, and the averages that are those of an element.
 
 use crate::{
-    SolidOptions, SolidStep, StressRule, TimeLevel, Volumetric,
+    ForceRule, SolidOptions, SolidStep, TimeLevel, Volumetric,
     assembly::{self, AssemblyTarget, ElementEvaluator},
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory, gather, natural_gradients},
     element_block::{BlockError, ElementBlock, ElementFailure, Material, PointStrain},
@@ -302,7 +302,7 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for BlockStep<'_, N,
         let (rule, at) = (step.rule, |q| gather(&nodes[element], q));
         let q_np1 = at(if rule.reads_end() { step.q_np1 } else { step.q_n });
         let q_n = if rule.reads_start() && rule.reads_end() { at(step.q_n) } else { q_np1 };
-        let history = block.history.get(element).filter(|_| rule == StressRule::EnergyMomentum);
+        let history = block.history.get(element).filter(|_| rule == ForceRule::DiscreteGradient);
         let step = ElementStep { rule, q_n: &q_n, q_np1: &q_np1, history };
         match block.averages(*material, element) {
             None => element::force_and_tangent(material.law, block.integration(element), step, *factor, force, tangent),

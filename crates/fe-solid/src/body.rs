@@ -1,7 +1,7 @@
 //! A body of finite elements with one law. Not its mesh (only nodes and reference integrals are kept), not its unknowns.
 
 use crate::{
-    MassKind, MassMatrix, SolidError, SolidOptions, SolidStep, StressRule, ViscousRate, Volumetric,
+    ForceRule, MassKind, MassMatrix, SolidError, SolidOptions, SolidStep, ViscousRate, Volumetric,
     assembly::{AssemblyTarget, TangentTarget, Workspace},
     blocks,
     element::{Failure, FailureKind},
@@ -188,13 +188,13 @@ impl SolidBody {
         numbers + size_of_val(&*self.reference) + self.blocks.iter().map(|block| block.memory_bytes()).sum::<usize>()
     }
 
-    /// Caches what depends on `q_n` only: `C_n` and `W_n` at every Gauss point for [`StressRule::EnergyMomentum`]. For
+    /// Caches what depends on `q_n` only: `C_n` and `W_n` at every Gauss point for [`ForceRule::DiscreteGradient`]. For
     /// other rules it does nothing.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Constitutive`] (the cache is then empty), [`SolidError::Length`].
-    pub fn begin_step(&mut self, q_n: &[f64], rule: StressRule) -> Result<(), SolidError> {
-        if rule != StressRule::EnergyMomentum {
+    pub fn begin_step(&mut self, q_n: &[f64], rule: ForceRule) -> Result<(), SolidError> {
+        if rule != ForceRule::DiscreteGradient {
             return Ok(());
         }
         self.check_length("the positions q_n", q_n)?;
@@ -211,7 +211,7 @@ impl SolidBody {
 
     /// Adds `force_weight * F(q_n, q_np1)` to `force` (`3 * nodes` of the model) and, if a target is given,
     /// `target.factor * dF/dq_np1` to its values (theory/kinematics#force, theory/integrators#eq-ems-stiffness). A target is left untouched under
-    /// [`StressRule::Configuration`] with `theta = 0`, whose tangent is zero.
+    /// [`ForceRule::Configuration`] with `theta = 0`, whose tangent is zero.
     ///
     /// The target's stencils are [`Self::stencils`]. In rayon's current pool, if it has more than one thread; the bits do not depend on their number. After the first
     /// call with a workspace (the first with a tangent, if there are some) nothing is allocated.
@@ -259,7 +259,7 @@ impl SolidBody {
         }
         // A force that does not depend on q_np1 has no tangent: nothing is to be computed or added.
         let mut target = tangent.filter(|_| step.rule.reads_end());
-        if step.rule == StressRule::EnergyMomentum && !self.blocks.iter().all(|block| block.has_begun()) {
+        if step.rule == ForceRule::DiscreteGradient && !self.blocks.iter().all(|block| block.has_begun()) {
             return Err(SolidError::StepNotBegun { body: self.name.clone() });
         }
         self.for_each_block(|block, cells| {

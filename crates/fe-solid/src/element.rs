@@ -1,7 +1,7 @@
 //! The stress rules at the Gauss points of one element. Not the arithmetic ([`crate::kernel`]), not the loop over elements.
 
 use crate::{
-    StressRule, TimeLevel,
+    ForceRule, TimeLevel,
     kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors},
 };
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2};
@@ -112,7 +112,7 @@ pub(crate) fn energy<const N: usize, const G: usize>(
 /// The configurations of one element in a step.
 #[derive(Clone, Copy)]
 pub(crate) struct ElementStep<'a, const N: usize, const G: usize> {
-    pub rule: StressRule,
+    pub rule: ForceRule,
     /// Anything if the rule does not read it; likewise `q_np1`.
     pub q_n: &'a NodalVectors<N>,
     pub q_np1: &'a NodalVectors<N>,
@@ -132,12 +132,12 @@ pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
 ) -> Result<(), Failure> {
     *force = [[0.0; N]; 3];
     match (step.rule, step.history) {
-        (StressRule::EnergyMomentum, Some(history)) => {
+        (ForceRule::DiscreteGradient, Some(history)) => {
             energy_momentum(law, integration, step, history, factor, force, tangent)
         }
         // The body hands over the history whenever the rule is energy-momentum.
-        (StressRule::EnergyMomentum, None) => unreachable!("energy-momentum rule without history"),
-        (StressRule::Configuration { theta }, _) => {
+        (ForceRule::DiscreteGradient, None) => unreachable!("energy-momentum rule without history"),
+        (ForceRule::Configuration { theta }, _) => {
             if !step.rule.reads_start() {
                 return one_configuration(law, integration, step.q_np1, TimeLevel::End, factor, force, tangent);
             }

@@ -1,6 +1,6 @@
 //! Element and body integrals of finite-strain solids of any cells: energy, force, tangent, mass, momenta, loads.
 //!
-//! A [`SolidBody`] is a mesh with a law. It evaluates, for a [`StressRule`], the internal force `F(q_n, q_np1)` and its
+//! A [`SolidBody`] is a mesh with a law. It evaluates, for a [`ForceRule`], the internal force `F(q_n, q_np1)` and its
 //! derivative with respect to `q_np1`, and adds both to the caller's global arrays. The rules:
 //!
 //! * `Configuration { theta }`: stress and `B` both at `q_{n+theta}`, `theta` times the static tangent. For schemes
@@ -56,5 +56,6 @@ pub use massless::{Massless, MasslessError};
 pub use options::{SolidOptions, Volumetric};
 pub use point::{MaterialPoint, PointState};
 pub use recovery::{GaussPointState, principal_stresses, von_mises};
-pub use rule::{SolidStep, StressRule};
+pub use rule::SolidStep;
+pub use stoss_integrators::ForceRule;
 pub use viscous::ViscousRate;

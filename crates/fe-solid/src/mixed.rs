@@ -5,7 +5,7 @@
 //! `theta_h = sum_a psi_a(h) sum_g w_g psi_a(g) J_g`, and the pressure at a point is the same average of `U'(theta)`.
 
 use crate::{
-    StressRule, TimeLevel,
+    ForceRule, TimeLevel,
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
     kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors},
 };
@@ -203,12 +203,12 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
     ) -> Result<(), Failure> {
         *force = [[0.0; N]; 3];
         match (step.rule, step.history, jacobians) {
-            (StressRule::EnergyMomentum, Some(history), Some(jacobians)) => {
+            (ForceRule::DiscreteGradient, Some(history), Some(jacobians)) => {
                 self.energy_momentum(step, history, jacobians, before, factor, force, tangent)
             }
             // The body hands over the history whenever the rule is energy-momentum.
-            (StressRule::EnergyMomentum, ..) => unreachable!("energy-momentum rule without history"),
-            (StressRule::Configuration { theta }, ..) => {
+            (ForceRule::DiscreteGradient, ..) => unreachable!("energy-momentum rule without history"),
+            (ForceRule::Configuration { theta }, ..) => {
                 if !step.rule.reads_start() {
                     return self.one_configuration(step.q_np1, TimeLevel::End, before, factor, force, tangent);
                 }

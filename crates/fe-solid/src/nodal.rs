@@ -4,7 +4,7 @@
 //! the forces of an element depend on all elements around its nodes, and the tangent has a stencil for each node beside those of the elements.
 
 use crate::{
-    SolidStep, StressRule, TimeLevel,
+    ForceRule, SolidStep, TimeLevel,
     assembly::{self, AssemblyTarget, ElementEvaluator},
     block::Block,
     element::{self, Failure, FailureKind, gather},
@@ -155,10 +155,10 @@ impl NodalTetrahedra {
         let AssemblyTarget { first, before, force_weight, force, target, workspace } = to;
         let end = |element: usize| gather(&nodes[element], step.q_np1);
         let (level, theta) = match step.rule {
-            StressRule::EnergyMomentum => (TimeLevel::End, 1.0),
-            StressRule::Configuration { theta } if !step.rule.reads_start() => (TimeLevel::End, theta),
-            StressRule::Configuration { theta } if !step.rule.reads_end() => (TimeLevel::Start, theta),
-            StressRule::Configuration { theta } => {
+            ForceRule::DiscreteGradient => (TimeLevel::End, 1.0),
+            ForceRule::Configuration { theta } if !step.rule.reads_start() => (TimeLevel::End, theta),
+            ForceRule::Configuration { theta } if !step.rule.reads_end() => (TimeLevel::Start, theta),
+            ForceRule::Configuration { theta } => {
                 self.determinants(end, TimeLevel::End, &mut scratch.jacobians)?;
                 (TimeLevel::Intermediate, theta)
             }
@@ -169,7 +169,7 @@ impl NodalTetrahedra {
             TimeLevel::Intermediate => element::between(&gather(&nodes[element], step.q_n), &end(element), theta),
         };
         self.determinants(place, level, &mut scratch.jacobians)?;
-        let conserving = step.rule == StressRule::EnergyMomentum;
+        let conserving = step.rule == ForceRule::DiscreteGradient;
         self.pressures(scratch, |node, jacobians| {
             let now = self.dilatation(node, |e| jacobians[e]);
             if conserving {

@@ -33,7 +33,7 @@ fn force_is_the_gradient_of_the_energy() {
         let q = Random(4).perturbed(&positions(&mesh), amplitude(kind));
         for law in laws() {
             let body = body_with(&mesh, &law, integration);
-            let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }).unwrap();
+            let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT }).unwrap();
             for j in (0..q.len()).step_by(5) {
                 let expected = derivative(&q, j, 1e-3, |q| vec![body.strain_energy(q).unwrap()])[0];
                 assert!((f[j] - expected).abs() < 1e-7 * max_abs(&f), "{kind} {integration:?} {}", law.name());
@@ -68,8 +68,8 @@ fn a_step_does_the_work_of_the_energy_and_keeps_the_momenta() {
             let increment: Vec<f64> = q_np1.iter().zip(&q_n).map(|(a, b)| a - b).collect();
             for law in laws() {
                 let mut body = body_with(&mesh, &law, integration);
-                body.begin_step(&q_n, StressRule::EnergyMomentum).unwrap();
-                let step = SolidStep { q_n: &q_n, q_np1: &q_np1, rule: StressRule::EnergyMomentum };
+                body.begin_step(&q_n, ForceRule::DiscreteGradient).unwrap();
+                let step = SolidStep { q_n: &q_n, q_np1: &q_np1, rule: ForceRule::DiscreteGradient };
                 let f = force(&body, step).unwrap();
                 let (v_n, v_np1) = (body.strain_energy(&q_n).unwrap(), body.strain_energy(&q_np1).unwrap());
                 let place = format!("{kind} {integration:?} {}", law.name());
@@ -118,7 +118,7 @@ fn the_stiffness_of_one_element_has_its_rank() {
         let (x, law) = (positions(&mesh), &laws()[1]);
         let missing = if (kind, integration) == (CellKind::Hex20, Integration::Reduced) { 12 } else { 6 };
         for body in [body_with(&mesh, law, integration), mixed_body(&mesh, law, integration)] {
-            let (_, k) = force_and_tangent(&body, SolidStep { q_n: &x, q_np1: &x, rule: StressRule::END_POINT });
+            let (_, k) = force_and_tangent(&body, SolidStep { q_n: &x, q_np1: &x, rule: ForceRule::END_POINT });
             assert_eq!(rank(k), x.len() - missing, "{kind} {integration:?} {:?}", body.options());
         }
     }
@@ -162,7 +162,7 @@ fn patch_test() {
             // int N_I n da of the deformed boundary, by the dead pressure on it.
             let mut areas = vec![0.0; q.len()];
             dead_pressure(&facets, &q, -1.0, &mut areas).unwrap();
-            let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }).unwrap();
+            let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT }).unwrap();
             let [xx, yy, zz, xy, yz, xz] = cauchy;
             for (f, n) in f.chunks_exact(3).zip(areas.chunks_exact(3)) {
                 for (f, row) in f.iter().zip([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) {
@@ -403,7 +403,7 @@ fn tet10_sees_its_corners_with_the_full_rule_only() {
     for i in 0..3 {
         q[a + i] += 0.35 * (x[b + i] - x[a + i]);
     }
-    let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
+    let step = SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT };
     let full = body_with(&mesh, &laws()[1], Integration::Full);
     assert!(matches!(force(&full, step), Err(SolidError::InvertedElement { gauss_point: 0, .. })));
     assert!(full.inside_out(&q).unwrap().is_some());
@@ -429,7 +429,7 @@ fn elements_are_numbered_in_the_order_of_the_mesh_and_named_in_errors() {
     for x in q[21..].chunks_exact_mut(3).filter(|x| x[0] > 3.5) {
         x[0] = 2.5;
     }
-    let rule = StressRule::END_POINT;
+    let rule = ForceRule::END_POINT;
     let found = force(&body, SolidStep { q_n: &q, q_np1: &q, rule });
     assert!(matches!(found, Err(SolidError::InvertedElement { element: 4, gauss_point: 0, .. })), "{found:?}");
     assert!(matches!(body.strain_energy(&q), Err(SolidError::InvertedElement { element: 4, .. })));
@@ -447,7 +447,7 @@ fn any_number_of_threads_gives_the_same_bits() {
         let mut body = body(&mesh, &laws()[1]);
         let (pattern, map) = pattern(&body, q_n.len());
         let rate = ViscousRate { q: &q_n, v: &q_np1, factor: 0.1, slopes: [0.5, 2.0] };
-        for rule in [StressRule::END_POINT, StressRule::EnergyMomentum] {
+        for rule in [ForceRule::END_POINT, ForceRule::DiscreteGradient] {
             let mut results = Vec::new();
             for threads in [1, 2, 3] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -1,7 +1,7 @@
 //! Identities of the element at random configurations (theory/integrators#eq-ems, theory/integrators#kept).
 use crate::common::*;
 use proptest::prelude::*;
-use stoss_fe_solid::{SolidStep, StressRule};
+use stoss_fe_solid::{ForceRule, SolidStep};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
@@ -18,7 +18,7 @@ proptest! {
         let q_n: Vec<f64> = random.perturbed(&positions(&mesh), 0.12).iter().map(|x| x + shift).collect();
         let q_np1 = random.perturbed(&q_n, 0.12);
         let mut body = body(&mesh, &laws()[law]);
-        for (rule, theta) in [(StressRule::Configuration { theta }, theta), (StressRule::EnergyMomentum, 0.5)] {
+        for (rule, theta) in [(ForceRule::Configuration { theta }, theta), (ForceRule::DiscreteGradient, 0.5)] {
             let q: Vec<f64> = q_n.iter().zip(&q_np1).map(|(a, b)| (1.0 - theta) * a + theta * b).collect();
             body.begin_step(&q_n, rule).unwrap();
             let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule }).unwrap();
@@ -38,8 +38,8 @@ proptest! {
         // Increments from 1e-5 to 0.12.
         let q_np1 = random.perturbed(&q_n, 10f64.powf(size));
         let mut body = body(&mesh, &laws()[law]);
-        body.begin_step(&q_n, StressRule::EnergyMomentum).unwrap();
-        let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule: StressRule::EnergyMomentum }).unwrap();
+        body.begin_step(&q_n, ForceRule::DiscreteGradient).unwrap();
+        let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule: ForceRule::DiscreteGradient }).unwrap();
         let increment: Vec<f64> = q_np1.iter().zip(&q_n).map(|(a, b)| a - b).collect();
         let (v_n, v_np1) = (body.strain_energy(&q_n).unwrap(), body.strain_energy(&q_np1).unwrap());
         // Round-off of the energies themselves (whose terms are of the size of the moduli) and of the work's terms.
@@ -62,12 +62,12 @@ proptest! {
         let translated: Vec<f64> = q_n.iter().map(|x| x + 0.7).collect();
         let law = &laws()[law];
         let mut body = body(&mesh, law);
-        body.begin_step(&q_n, StressRule::EnergyMomentum).unwrap();
+        body.begin_step(&q_n, ForceRule::DiscreteGradient).unwrap();
         let moduli = law.small_strain_moduli();
         for (q_np1, rule) in [
-            (&q_np1, StressRule::END_POINT),
-            (&q_np1, StressRule::EnergyMomentum),
-            (&translated, StressRule::MIDPOINT),
+            (&q_np1, ForceRule::END_POINT),
+            (&q_np1, ForceRule::DiscreteGradient),
+            (&translated, ForceRule::MIDPOINT),
         ] {
             let f = force(&body, SolidStep { q_n: &q_n, q_np1, rule }).unwrap();
             prop_assert!(max_abs(&f) < 1e-13 * (moduli.shear + moduli.bulk) * 10.0, "{rule:?}");
@@ -83,7 +83,7 @@ fn the_midpoint_rule_does_not_keep_the_energy() {
     let q_np1 = Random(3).perturbed(&q_n, 0.1);
     for law in laws() {
         let body = body(&mesh, &law);
-        let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule: StressRule::MIDPOINT }).unwrap();
+        let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule: ForceRule::MIDPOINT }).unwrap();
         let increment: Vec<f64> = q_np1.iter().zip(&q_n).map(|(a, b)| a - b).collect();
         let change = body.strain_energy(&q_np1).unwrap() - body.strain_energy(&q_n).unwrap();
         assert!((dot(&f, &increment) - change).abs() > 1e-6 * change.abs(), "{}", law.name());

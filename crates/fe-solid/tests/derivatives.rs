@@ -1,6 +1,6 @@
 //! Energy, force and tangent against each other by differences, for all laws and rules.
 use crate::common::*;
-use stoss_fe_solid::{SolidStep, StressRule};
+use stoss_fe_solid::{ForceRule, SolidStep};
 
 #[test]
 fn end_point_force_is_the_gradient_of_the_energy() {
@@ -8,7 +8,7 @@ fn end_point_force_is_the_gradient_of_the_energy() {
     let q = Random(4).perturbed(&positions(&mesh), 0.12);
     for law in laws() {
         let body = body(&mesh, &law);
-        let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }).unwrap();
+        let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT }).unwrap();
         let scale = max_abs(&f);
         for j in 0..q.len() {
             let expected = derivative(&q, j, 1e-3, |q| vec![body.strain_energy(q).unwrap()])[0];
@@ -24,8 +24,8 @@ fn tangents_of_all_rules_match_differences_of_the_force() {
     let q_n = random.perturbed(&positions(&mesh), 0.1);
     let q_np1 = random.perturbed(&q_n, 0.1);
     for law in laws() {
-        let between = [0.3, 0.5, 0.7, 1.0].map(|theta| StressRule::Configuration { theta });
-        for rule in between.into_iter().chain([StressRule::EnergyMomentum]) {
+        let between = [0.3, 0.5, 0.7, 1.0].map(|theta| ForceRule::Configuration { theta });
+        for rule in between.into_iter().chain([ForceRule::DiscreteGradient]) {
             let mut body = body(&mesh, &law);
             body.begin_step(&q_n, rule).unwrap();
             let at = |q: &[f64]| force(&body, SolidStep { q_n: &q_n, q_np1: q, rule }).unwrap();
@@ -42,7 +42,7 @@ fn tangents_of_all_rules_match_differences_of_the_force() {
                         "{} {rule:?} ({i},{j}): {difference:e} of {scale:e}",
                         law.name()
                     );
-                    if rule != StressRule::EnergyMomentum {
+                    if rule != ForceRule::DiscreteGradient {
                         assert!((tangent[i][j] - tangent[j][i]).abs() < 1e-14 * scale);
                     }
                 }
@@ -57,11 +57,11 @@ fn energy_momentum_tangent_in_the_limit_of_no_motion_is_half_the_static_one() {
     let q = Random(8).perturbed(&positions(&mesh), 0.1);
     for law in laws() {
         let mut body = body(&mesh, &law);
-        body.begin_step(&q, StressRule::EnergyMomentum).unwrap();
+        body.begin_step(&q, ForceRule::DiscreteGradient).unwrap();
         let (force_static, tangent_static) =
-            force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT });
+            force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT });
         let (force, tangent) =
-            force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::EnergyMomentum });
+            force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::DiscreteGradient });
         for i in 0..q.len() {
             assert!((force[i] - force_static[i]).abs() < 1e-12 * max_abs(&force_static));
             for j in 0..q.len() {
@@ -78,7 +78,7 @@ fn force_weight_and_tangent_factor_scale_what_is_added() {
     let mesh = distorted_block([1, 1, 2], 0.1, 1);
     let q = Random(2).perturbed(&positions(&mesh), 0.1);
     let body = body(&mesh, &laws()[0]);
-    let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
+    let step = SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT };
     let (force, tangent) = force_and_tangent(&body, step);
     let (pattern, map) = pattern(&body, q.len());
     let (mut values, mut out) = (vec![1.0; pattern.nnz()], vec![2.0; q.len()]);

@@ -2,7 +2,7 @@
 use crate::common::*;
 use std::sync::Arc;
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
-use stoss_fe_solid::{SolidBody, SolidError, SolidStep, StressRule, TimeLevel};
+use stoss_fe_solid::{ForceRule, SolidBody, SolidError, SolidStep, TimeLevel};
 use stoss_mesh::{Elements, Mesh, generate::Block};
 use stoss_reference_element::CellKind;
 
@@ -25,8 +25,8 @@ fn inverted_element_is_found_by_the_sign_of_det_f() {
     }
     for law in laws() {
         let mut body = body(&mesh, &law);
-        body.begin_step(&x, StressRule::EnergyMomentum).unwrap();
-        for rule in [StressRule::END_POINT, StressRule::MIDPOINT, StressRule::EnergyMomentum] {
+        body.begin_step(&x, ForceRule::DiscreteGradient).unwrap();
+        for rule in [ForceRule::END_POINT, ForceRule::MIDPOINT, ForceRule::DiscreteGradient] {
             for threads in [1, 2] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let step = SolidStep { q_n: &x, q_np1: &mirrored, rule };
@@ -41,7 +41,7 @@ fn inverted_element_is_found_by_the_sign_of_det_f() {
         assert!(matches!(body.strain_energy(&mirrored), Err(SolidError::InvertedElement { element: 1, .. })));
         assert!(matches!(body.gauss_point_state(&mirrored), Err(SolidError::InvertedElement { element: 1, .. })));
         assert!(matches!(
-            body.begin_step(&mirrored, StressRule::EnergyMomentum),
+            body.begin_step(&mirrored, ForceRule::DiscreteGradient),
             Err(SolidError::InvertedElement { element: 1, level: TimeLevel::Start, .. })
         ));
     }
@@ -53,13 +53,13 @@ fn half_a_turn_has_no_midpoint_configuration_but_an_energy_momentum_force() {
     let x = positions(&mesh);
     let turned = map_positions(&x, |x| [-x[0], -x[1], x[2]]);
     let mut body = body(&mesh, &laws()[0]);
-    body.begin_step(&x, StressRule::EnergyMomentum).unwrap();
+    body.begin_step(&x, ForceRule::DiscreteGradient).unwrap();
     let step = |rule| SolidStep { q_n: &x, q_np1: &turned, rule };
     assert!(matches!(
-        force(&body, step(StressRule::MIDPOINT)),
+        force(&body, step(ForceRule::MIDPOINT)),
         Err(SolidError::InvertedElement { element: 0, level: TimeLevel::Intermediate, .. })
     ));
-    assert!(max_abs(&force(&body, step(StressRule::EnergyMomentum)).unwrap()) < 1e-12);
+    assert!(max_abs(&force(&body, step(ForceRule::DiscreteGradient)).unwrap()) < 1e-12);
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn not_a_number_in_the_positions_is_an_inverted_element() {
     q[0] = f64::NAN;
     let body = body(&mesh, &laws()[0]);
     assert!(matches!(
-        force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }),
+        force(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT }),
         Err(SolidError::InvertedElement { element: 0, .. })
     ));
 }
@@ -109,8 +109,8 @@ fn a_law_without_a_value_is_reported_with_its_place() {
         source: ConstitutiveError::NonFinite,
     };
     assert_eq!(body.strain_energy(&q), Err(expected(0)));
-    assert_eq!(body.begin_step(&q, StressRule::EnergyMomentum), Err(expected(0)));
-    assert_eq!(force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }), Err(expected(0)));
+    assert_eq!(body.begin_step(&q, ForceRule::DiscreteGradient), Err(expected(0)));
+    assert_eq!(force(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT }), Err(expected(0)));
     assert_eq!(
         expected(0).to_string(),
         "body 'body': element 2, Gauss point 0: the state of strain is out of the law's range (non-finite result)"
@@ -148,7 +148,7 @@ fn bad_meshes_and_arrays_are_errors() {
     let q: Vec<f64> = [0.0; 6].into_iter().chain(positions(&cube)).collect();
     assert_eq!(body.strain_energy(&q).map(|w| w.abs() < 1e-12), Ok(true));
     assert_eq!(
-        force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::EnergyMomentum }).unwrap_err(),
+        force(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::DiscreteGradient }).unwrap_err(),
         SolidError::StepNotBegun { body: "box".into() }
     );
 }

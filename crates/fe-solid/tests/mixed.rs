@@ -35,9 +35,9 @@ fn a_step_does_the_work_of_the_energy_and_keeps_the_momenta() {
                 let near: Vec<f64> = Random(seed).perturbed(&q_n, 1e-9);
                 for law in stiff_laws(ratio) {
                     let mut body = mixed_body(&mesh, &law, integration);
-                    body.begin_step(&q_n, StressRule::EnergyMomentum).unwrap();
+                    body.begin_step(&q_n, ForceRule::DiscreteGradient).unwrap();
                     for end in [&q_np1, &near] {
-                        let step = SolidStep { q_n: &q_n, q_np1: end, rule: StressRule::EnergyMomentum };
+                        let step = SolidStep { q_n: &q_n, q_np1: end, rule: ForceRule::DiscreteGradient };
                         let f = force(&body, step).unwrap();
                         let (v_n, v_np1) = (body.strain_energy(&q_n).unwrap(), body.strain_energy(end).unwrap());
                         let increment: Vec<f64> = end.iter().zip(&q_n).map(|(a, b)| a - b).collect();
@@ -62,7 +62,7 @@ fn force_is_the_gradient_of_the_energy() {
         let q = Random(4).perturbed(&positions(&mesh), amplitude(kind));
         for law in stiff_laws(5e3) {
             let body = mixed_body(&mesh, &law, integration);
-            let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }).unwrap();
+            let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT }).unwrap();
             for j in (0..q.len()).step_by(5) {
                 let expected = derivative(&q, j, 5e-4, |q| vec![body.strain_energy(q).unwrap()])[0];
                 assert!((f[j] - expected).abs() < 1e-7 * max_abs(&f), "{kind} {integration:?} {}", law.name());
@@ -92,9 +92,9 @@ fn without_motion_the_force_is_the_static_one_and_the_tangent_half_of_it() {
         let q = Random(8).perturbed(&positions(&mesh), amplitude(kind));
         for law in stiff_laws(5e3) {
             let mut body = mixed_body(&mesh, &law, integration);
-            body.begin_step(&q, StressRule::EnergyMomentum).unwrap();
+            body.begin_step(&q, ForceRule::DiscreteGradient).unwrap();
             let of = |rule| force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule });
-            let ((f0, k0), (f, k)) = (of(StressRule::END_POINT), of(StressRule::EnergyMomentum));
+            let ((f0, k0), (f, k)) = (of(ForceRule::END_POINT), of(ForceRule::DiscreteGradient));
             let scale = k0.iter().map(|row| max_abs(row)).fold(0.0, f64::max);
             for i in 0..q.len() {
                 assert!((f[i] - f0[i]).abs() < 1e-12 * max_abs(&f0), "{kind} {}", law.name());
@@ -119,7 +119,7 @@ fn patch_test_and_states_of_points() {
         for law in stiff_laws(100.0) {
             let (mixed, plain) = (mixed_body(&mesh, &law, integration), body_with(&mesh, &law, integration));
             let place = format!("{kind} {integration:?} {}", law.name());
-            let step = SolidStep { q_n: &affine, q_np1: &affine, rule: StressRule::END_POINT };
+            let step = SolidStep { q_n: &affine, q_np1: &affine, rule: ForceRule::END_POINT };
             let (a, b) = (force(&mixed, step).unwrap(), force(&plain, step).unwrap());
             let scale = max_abs(&b);
             assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-12 * scale), "{place}");
@@ -140,7 +140,7 @@ fn patch_test_and_states_of_points() {
             let h = [[0.3, -0.2, 0.5], [0.1, 0.7, -0.4], [0.2, 0.6, -0.1]];
             let virtual_motion = map_positions(q, |x| std::array::from_fn(|i| dot(&h[i], &x)));
             let work = dot(
-                &force(&mixed, SolidStep { q_n: q, q_np1: q, rule: StressRule::END_POINT }).unwrap(),
+                &force(&mixed, SolidStep { q_n: q, q_np1: q, rule: ForceRule::END_POINT }).unwrap(),
                 &virtual_motion,
             );
             let (mut expected, mut size) = (0.0, 0.0);
@@ -207,10 +207,10 @@ fn free_flight_keeps_energy_and_momenta() {
             mass.angular_momentum(&q, &v),
         );
         for _ in 0..10 {
-            body.begin_step(&q, StressRule::EnergyMomentum).unwrap();
+            body.begin_step(&q, ForceRule::DiscreteGradient).unwrap();
             let mut end: Vec<f64> = q.iter().zip(&v).map(|(q, v)| q + dt * v).collect();
             for iteration in 0.. {
-                let step = SolidStep { q_n: &q, q_np1: &end, rule: StressRule::EnergyMomentum };
+                let step = SolidStep { q_n: &q, q_np1: &end, rule: ForceRule::DiscreteGradient };
                 let (f, mut k) = force_and_tangent(&body, step);
                 let change: Vec<f64> = (0..n).map(|i| end[i] - q[i] - dt * v[i]).collect();
                 let residual: Vec<f64> = (0..n).map(|i| -(2.0 / (dt * dt) * dot(&m[i], &change) + f[i])).collect();
@@ -257,7 +257,7 @@ fn cook(kind: CellKind, integration: Integration, volumetric: Volumetric, n: usi
     let solved = |start: &[f64], t: f64| -> Option<Vec<f64>> {
         let mut q = start.to_vec();
         for _ in 0..15 {
-            let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
+            let step = SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT };
             force(&body, step).ok()?;
             let (f, k) = force_and_tangent(&body, step);
             let residual: Vec<f64> = free.iter().map(|&c| t * load[c] - f[c]).collect();
@@ -310,7 +310,7 @@ fn compress(kind: CellKind, integration: Integration, lambda: f64, until: f64) -
     let free: Vec<usize> = (0..3 * mesh.nodes.len()).filter(|c| (mesh.nodes[c / 3][2] - 1.0).abs() < 0.9).collect();
     let solved = |mut q: Vec<f64>| -> Option<Vec<f64>> {
         for _ in 0..15 {
-            let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
+            let step = SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT };
             force(&body, step).ok()?;
             let (f, k) = force_and_tangent(&body, step);
             let residual: Vec<f64> = free.iter().map(|&c| -f[c]).collect();
@@ -376,7 +376,7 @@ fn stencils_of_nodes_follow_those_of_elements() {
     assert!(both.stencils().take(25).eq(both.elements().iter()));
     let q = Random(7).perturbed(&positions(&two), 0.05);
     let at = |body: &SolidBody, q: &[f64]| {
-        force_and_tangent(body, SolidStep { q_n: q, q_np1: q, rule: StressRule::END_POINT })
+        force_and_tangent(body, SolidStep { q_n: q, q_np1: q, rule: ForceRule::END_POINT })
     };
     let (force, tangent) = at(&both, &q);
     let count = positions(&mesh).len();
@@ -402,7 +402,7 @@ fn an_average_that_is_not_positive_is_named() {
         [0.5 * s * s, x[1] * s, x[2] * s]
     });
     let law = &stiff_laws(10.0)[0];
-    let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
+    let step = SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT };
     assert!(force(&body_with(&mesh, law, Integration::Full), step).is_ok());
     let mut body = mixed_body(&mesh, law, Integration::Full);
     let error = force(&body, step).unwrap_err();
@@ -413,7 +413,7 @@ fn an_average_that_is_not_positive_is_named() {
     assert!(dilatation < 0.0 && error.to_string().contains("has no volume on average"), "{error}");
     assert!(matches!(body.strain_energy(&q), Err(SolidError::CollapsedElement { .. })));
     assert!(matches!(
-        body.begin_step(&q, StressRule::EnergyMomentum),
+        body.begin_step(&q, ForceRule::DiscreteGradient),
         Err(SolidError::CollapsedElement { level: TimeLevel::Start, .. })
     ));
 }
@@ -436,7 +436,7 @@ fn any_number_of_threads_gives_the_same_bits() {
         let q_np1 = random.perturbed(&q_n, 0.02);
         let mut body = mixed_body(&mesh, &stiff_laws(1e3)[1], Integration::Full);
         let (pattern, map) = pattern(&body, q_n.len());
-        for rule in [StressRule::END_POINT, StressRule::EnergyMomentum] {
+        for rule in [ForceRule::END_POINT, ForceRule::DiscreteGradient] {
             let mut results = Vec::new();
             for threads in [1, 2, 3] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -473,7 +473,7 @@ fn pressures_of_the_linear_solution_widen_the_reach_of_the_iteration() {
         };
         let mut random = Random(71);
         let (q_n, q) = (random.perturbed(&x, 0.02), random.perturbed(&x, 0.02));
-        for rule in [StressRule::END_POINT, StressRule::MIDPOINT, StressRule::EnergyMomentum] {
+        for rule in [ForceRule::END_POINT, ForceRule::MIDPOINT, ForceRule::DiscreteGradient] {
             body.begin_step(&q_n, rule).unwrap();
             let step = SolidStep { q_n: &q_n, q_np1: &q, rule };
             let (force, tangent) = after(None, &q, &body, step);
@@ -490,7 +490,7 @@ fn pressures_of_the_linear_solution_widen_the_reach_of_the_iteration() {
         // The top moves down by 0.4 of an edge; the others follow by the linear response of the body at rest.
         let free: Vec<usize> = (0..x.len()).filter(|c| (x[c - c % 3 + 2] - 1.0).abs() < 0.9).collect();
         let moved: Vec<usize> = (0..x.len()).filter(|c| c % 3 == 2 && x[*c] > 1.9).collect();
-        let rest = SolidStep { q_n: &x, q_np1: &x, rule: StressRule::END_POINT };
+        let rest = SolidStep { q_n: &x, q_np1: &x, rule: ForceRule::END_POINT };
         let k = force_and_tangent(&body, rest).1;
         let right = free.iter().map(|&r| moved.iter().map(|&c| 0.4 * k[r][c]).sum()).collect();
         let response = solve(free.iter().map(|&r| free.iter().map(|&c| k[r][c]).collect()).collect(), right);
@@ -501,7 +501,7 @@ fn pressures_of_the_linear_solution_widen_the_reach_of_the_iteration() {
             let (mut q, mut before) = (start.clone(), Some(x.clone()));
             let mut sizes = Vec::new();
             for _ in 0..12 {
-                let step = SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT };
+                let step = SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT };
                 let from = before.as_deref().filter(|_| continued);
                 if force(&body, step).is_err() {
                     break;

@@ -8,7 +8,7 @@ use common::*;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, Workspace};
+use stoss_fe_solid::{ForceRule, SolidStep, TangentTarget, Workspace};
 use stoss_reference_element::{CellKind, Integration};
 
 struct Counting;
@@ -76,10 +76,10 @@ fn assembly_allocates_nothing_once_warm() {
             let mut workspace = Workspace::default();
             pool.install(|| {
                 for rule in [
-                    StressRule::Configuration { theta: 0.0 },
-                    StressRule::END_POINT,
-                    StressRule::MIDPOINT,
-                    StressRule::EnergyMomentum,
+                    ForceRule::Configuration { theta: 0.0 },
+                    ForceRule::END_POINT,
+                    ForceRule::MIDPOINT,
+                    ForceRule::DiscreteGradient,
                 ] {
                     body.begin_step(&q_n, rule).unwrap();
                     let step = SolidStep { q_n: &q_n, q_np1: &q_np1, rule };

@@ -2,9 +2,7 @@
 use crate::common::*;
 use std::sync::Arc;
 use stoss_continuum::SymmetricTensor2;
-use stoss_fe_solid::{
-    SolidBody, SolidError, SolidStep, StressRule, kernel::determinant, principal_stresses, von_mises,
-};
+use stoss_fe_solid::{ForceRule, SolidBody, SolidError, SolidStep, kernel::determinant, principal_stresses, von_mises};
 use stoss_materials::NeoHooke;
 use stoss_mesh::generate::Block;
 
@@ -34,7 +32,7 @@ fn irregular_block_finds_the_affine_solution_with_uniform_stress() {
             q[c] += 0.05 * random.next();
         }
         for _ in 0..8 {
-            let (f, k) = force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT });
+            let (f, k) = force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT });
             let matrix = free.iter().map(|&r| free.iter().map(|&c| k[r][c]).collect()).collect();
             let increment = solve(matrix, free.iter().map(|&r| -f[r]).collect());
             for (&c, d) in free.iter().zip(increment) {
@@ -72,7 +70,7 @@ fn irregular_block_finds_the_affine_solution_with_uniform_stress() {
         assert!(nodal.iter().all(close), "{}", law.name());
 
         // The face x = 3 carries the resultant P N A = F S e_x * 4.
-        let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT }).unwrap();
+        let f = force(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT }).unwrap();
         for i in 0..3 {
             let resultant: f64 = (0..mesh.nodes.len()).filter(|&n| mesh.nodes[n][0] == 3.0).map(|n| f[3 * n + i]).sum();
             let expected = 4.0 * (0..3).map(|a| F[i][a] * at(a, 0)).sum::<f64>();

@@ -2,13 +2,13 @@
 use crate::common::*;
 use proptest::prelude::*;
 use stoss_continuum::SymmetricTensor2;
-use stoss_fe_solid::{SolidError, SolidStep, StressRule, TangentTarget, TimeLevel, Workspace, kernel::*};
+use stoss_fe_solid::{ForceRule, SolidError, SolidStep, TangentTarget, TimeLevel, Workspace, kernel::*};
 use stoss_mesh::generate::Block;
 use stoss_reference_element::{hex8, quadrature::GAUSS_HEX_2};
 
 const NODES: usize = 8;
 const GAUSS_POINTS: usize = 8;
-const START: StressRule = StressRule::Configuration { theta: 0.0 };
+const START: ForceRule = ForceRule::Configuration { theta: 0.0 };
 
 fn bits(x: &[f64]) -> Vec<u64> {
     x.iter().map(|x| x.to_bits()).collect()
@@ -52,7 +52,7 @@ proptest! {
 
         let nowhere = vec![f64::NAN; q.len()];
         for q_n in [&[] as &[f64], &nowhere] {
-            let (force, tangent) = force_and_tangent(&body, SolidStep { q_n, q_np1: &q, rule: StressRule::END_POINT });
+            let (force, tangent) = force_and_tangent(&body, SolidStep { q_n, q_np1: &q, rule: ForceRule::END_POINT });
             prop_assert_eq!(bits(&force), bits(&(0..24).map(|k| {
                 let node = nodes.iter().position(|&n| n as usize == k / 3).unwrap();
                 0.0 + expected_force[k % 3][node]
@@ -78,9 +78,9 @@ proptest! {
         let q_np1 = random.perturbed(&q_n, 0.12);
         let q: Vec<f64> = q_n.iter().zip(&q_np1).map(|(a, b)| a + theta * (b - a)).collect();
         let body = body(&mesh, &laws()[law]);
-        let rule = StressRule::Configuration { theta };
+        let rule = ForceRule::Configuration { theta };
         let (force, tangent) = force_and_tangent(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule });
-        let static_step = SolidStep { q_n: &[], q_np1: &q, rule: StressRule::END_POINT };
+        let static_step = SolidStep { q_n: &[], q_np1: &q, rule: ForceRule::END_POINT };
         let (static_force, static_tangent) = force_and_tangent(&body, static_step);
         let scale = static_tangent.iter().map(|row| max_abs(row)).fold(0.0, f64::max);
         for i in 0..q.len() {
@@ -97,7 +97,7 @@ proptest! {
         let q = Random(!seed).perturbed(&positions(&mesh), 0.12);
         let body = body(&mesh, &laws()[law]);
         let (pattern, map) = pattern(&body, q.len());
-        let expected = force(&body, SolidStep { q_n: &[], q_np1: &q, rule: StressRule::END_POINT }).unwrap();
+        let expected = force(&body, SolidStep { q_n: &[], q_np1: &q, rule: ForceRule::END_POINT }).unwrap();
         let nowhere = vec![f64::NAN; q.len()];
         for q_np1 in [&[] as &[f64], &nowhere] {
             let marks: Vec<f64> = (0..pattern.nnz()).map(|k| k as f64 - 0.3).collect();
@@ -118,7 +118,7 @@ fn inverted_ends_are_named_as_far_as_they_are_read() {
     let mirrored = map_positions(&x, |x| [-x[0], x[1], x[2]]);
     let body = body(&mesh, &laws()[1]);
     let level = |q_n: &[f64], q_np1: &[f64], theta: f64| {
-        let rule = StressRule::Configuration { theta };
+        let rule = ForceRule::Configuration { theta };
         match force(&body, SolidStep { q_n, q_np1, rule }) {
             Ok(_) => None,
             Err(SolidError::InvertedElement { level, .. }) => Some(level),
@@ -142,7 +142,7 @@ fn only_positions_that_are_read_need_their_length() {
     let x = positions(&mesh);
     let body = body(&mesh, &laws()[0]);
     let missing = |q_n: &[f64], q_np1: &[f64], theta: f64| {
-        let step = SolidStep { q_n, q_np1, rule: StressRule::Configuration { theta } };
+        let step = SolidStep { q_n, q_np1, rule: ForceRule::Configuration { theta } };
         match body.assemble(step, 1.0, &mut [0.0; 24], None, &mut Workspace::default()) {
             Ok(()) => None,
             Err(SolidError::Length { what, found: 0, expected: 24, .. }) => Some(what),

@@ -1,6 +1,6 @@
 //! Any number of threads gives the same bits.
 use crate::common::*;
-use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, Workspace};
+use stoss_fe_solid::{ForceRule, SolidStep, TangentTarget, Workspace};
 
 #[test]
 fn serial_and_parallel_assembly_give_the_same_bits() {
@@ -13,10 +13,10 @@ fn serial_and_parallel_assembly_give_the_same_bits() {
     let mut body = body(&mesh, &laws()[0]);
     let (pattern, map) = pattern(&body, n);
     for rule in [
-        StressRule::Configuration { theta: 0.0 },
-        StressRule::END_POINT,
-        StressRule::MIDPOINT,
-        StressRule::EnergyMomentum,
+        ForceRule::Configuration { theta: 0.0 },
+        ForceRule::END_POINT,
+        ForceRule::MIDPOINT,
+        ForceRule::DiscreteGradient,
     ] {
         let mut results = Vec::new();
         for threads in [1, 2, 3] {

@@ -1,6 +1,6 @@
 //! The viscous force: power, momenta, rigid motions, tangent, and the limit of small strains.
 use crate::common::*;
-use stoss_fe_solid::{SolidBody, SolidStep, StressRule, TangentTarget, ViscousRate, Workspace};
+use stoss_fe_solid::{ForceRule, SolidBody, SolidStep, TangentTarget, ViscousRate, Workspace};
 
 const FACTOR: f64 = 0.3;
 
@@ -64,7 +64,7 @@ fn at_the_reference_the_force_is_the_factor_times_the_stiffness_times_the_veloci
     let v = Random(13).perturbed(&vec![0.0; q.len()], 1.0);
     for law in laws() {
         let body = body(&mesh, &law);
-        let (_, k) = force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: StressRule::END_POINT });
+        let (_, k) = force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT });
         let f = viscous(&body, &q, &v);
         for (row, f) in k.iter().zip(&f) {
             let expected: f64 = FACTOR * row.iter().zip(&v).map(|(k, v)| k * v).sum::<f64>();

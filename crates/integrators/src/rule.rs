@@ -2,15 +2,20 @@
 //!
 //! The rules are exhaustive on purpose: a new one is a compile error wherever somebody has to decide what to do under it.
 
-/// Configuration at which the forces `F(q)` of a step are evaluated.
+/// Configuration at which the forces `F(q)` of a step are evaluated, of solids (theory/kinematics#force, theory/integrators#schemes), parts and loads alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ForceRule {
-    /// At `q_{n+theta} = (1 - theta) q_n + theta q_np1`: 0 the start, 1/2 the midpoint, 1 the end of the step.
+    /// The force `F(q)` at one configuration `q_{n+theta} = (1 - theta) q_n + theta q_np1`: 0 the start, 1/2 the midpoint, 1 the end of the step. Of a solid: stress and strain-displacement
+    /// matrix both with `F(q_{n+theta})`.
+    ///
+    /// Its derivative by `q_np1` is `theta` times the static one, symmetric. Forces have no resultant and, about `q_{n+theta}`, no moment; what that means for the momenta of a step is the
+    /// scheme's matter (both are kept for `theta = 1/2` with `q_np1 - q_n = dt (v_n + v_np1)/2`).
     Configuration {
-        /// In `[0, 1]`.
+        /// In `[0, 1]`. `q_n` is not read for 1; `q_np1` is not read for 0, whose derivative is zero and is not computed. A number outside extrapolates.
         theta: f64,
     },
-    /// Discrete gradient between `q_n` and `q_np1`: `F_bar . (q_np1 - q_n) = V_np1 - V_n`.
+    /// Discrete gradient between `q_n` and `q_np1`: `F_bar . (q_np1 - q_n) = V_np1 - V_n`. Of a solid: the stress of theory/integrators#eq-ems with the mean deformation gradient. Keeps
+    /// momenta, and its work is the change of energy. Unsymmetric derivative (theory/integrators#eq-ems-stiffness).
     DiscreteGradient,
 }
 
@@ -22,6 +27,16 @@ impl ForceRule {
     /// At `q_np1`.
     pub const END_POINT: Self = Self::Configuration { theta: 1.0 };
 
+    /// Whether the force depends on `q_n`.
+    pub fn reads_start(self) -> bool {
+        self != Self::END_POINT
+    }
+
+    /// Whether the force depends on `q_np1`; if not, its derivative is zero.
+    pub fn reads_end(self) -> bool {
+        self != Self::START
+    }
+
     /// Fraction of the step at which time-dependent loads are evaluated (`t_n + fraction * dt`).
     pub fn load_fraction(self) -> f64 {
         match self {
@@ -31,19 +46,28 @@ impl ForceRule {
     }
 }
 
-/// Configuration at which the constraint gradients `G(q)` of a step are evaluated. The constraint itself is always that of `q_np1`.
+/// Configuration at which the constraint gradients `G(q)` of a step are evaluated: those of joints, and of the gap that make the contact force `A p G` (theory/node-to-surface#residual).
+///
+/// The constraint itself is always that of `q_np1`, for multipliers. The forces of every rule have no resultant; about which configuration they have no moment is said for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GradientRule {
-    /// At `q_n`.
+    /// `G(q_n)`, constant in the step (variational midpoint scheme: theory/integrators#eq-variational). No moment about `q_n`.
     StartPoint,
-    /// At the midpoint configuration.
+    /// `G(q_mid)` (midpoint rule: theory/integrators#eq-midpoint). No moment about `q_mid`.
     Midpoint,
-    /// At `q_np1`.
+    /// `G(q_np1)` (statics, backward Euler: theory/integrators#eq-backward-euler). No moment about `q_np1`.
     EndPoint,
-    /// Mean of the gradients at both ends.
+    /// `(G(q_n) + G(q_np1)) / 2` (trapezoidal rule: theory/integrators#eq-trapezoidal). The moment about `q_mid` is `-(1/4) sum dq x (G(q_np1) - G(q_n))`: for a contact it vanishes in a
+    /// rigid motion on one facet, otherwise only with the step.
     EndPointMean,
-    /// Discrete gradient.
+    /// Discrete gradient between `q_n` and `q_np1`: `G . (q_np1 - q_n) = g_np1 - g_n`. No moment about `q_mid`.
     DiscreteGradient,
+}
+
+impl GradientRule {
+    /// All rules.
+    pub const ALL: [Self; 5] =
+        [Self::StartPoint, Self::EndPoint, Self::EndPointMean, Self::Midpoint, Self::DiscreteGradient];
 }
 
 /// `increment (q_np1 - q_n) + velocity v_n + acceleration a_n`.

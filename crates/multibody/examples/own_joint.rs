@@ -6,7 +6,7 @@
 //! `cargo run --example own_joint -p stoss-multibody`; docs/how-to-add/joint.md explains it.
 
 use std::error::Error;
-use stoss_contact::{Bilateral, Constraint, ContactError, ContactRule, LocalContribution, StepConfiguration};
+use stoss_contact::{Bilateral, Constraint, ContactError, GradientRule, LocalContribution, StepConfiguration};
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_multibody::{ConstraintSet, Embedded, Equation, QuadraticsBuilder, RigidBody, RigidMass};
@@ -69,7 +69,7 @@ fn largest(differences: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// Tangent of residual and row against differences, for a rule of the scheme.
-fn tangent_error(rule: ContactRule) -> Result<f64, Box<dyn Error>> {
+fn tangent_error(rule: GradientRule) -> Result<f64, Box<dyn Error>> {
     let Pair { model, points } = pair(0.1, [[0.0; 3]; 2], [[0.0; 3]; 2])?;
     let rod = rod("rod", &points[0], &points[1], LENGTH);
     let q_n = &model.reference;
@@ -98,7 +98,7 @@ fn tangent_error(rule: ContactRule) -> Result<f64, Box<dyn Error>> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    for rule in [ContactRule::EndPoint, ContactRule::EnergyMomentum] {
+    for rule in [GradientRule::EndPoint, GradientRule::DiscreteGradient] {
         let worst = tangent_error(rule)?;
         println!("{rule:?}: tangent against differences {worst:.1e}");
         assert!(worst < 1e-8);

@@ -3,7 +3,7 @@
 use crate::compliance::{Compliance, Weights};
 use crate::quadratic::{Evaluation, Quadratics};
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, History, LocalContribution, Report, SlotReport, Step, StepConfiguration,
+    Constraint, ContactError, GradientRule, History, LocalContribution, Report, SlotReport, Step, StepConfiguration,
 };
 
 /// Equations of the same vectors: each of the functions is to be zero.
@@ -26,11 +26,11 @@ impl Equation {
 
 /// Fraction of the step at which a rule takes the gradients. They are linear in `q`, so that the mean of the gradients at both ends and the discrete
 /// gradient are those at the midpoint.
-pub(crate) fn gradient_fraction(rule: ContactRule) -> f64 {
+pub(crate) fn gradient_fraction(rule: GradientRule) -> f64 {
     match rule {
-        ContactRule::StartPoint => 0.0,
-        ContactRule::EndPoint => 1.0,
-        ContactRule::EndPointMean | ContactRule::Midpoint | ContactRule::EnergyMomentum => 0.5,
+        GradientRule::StartPoint => 0.0,
+        GradientRule::EndPoint => 1.0,
+        GradientRule::EndPointMean | GradientRule::Midpoint | GradientRule::DiscreteGradient => 0.5,
     }
 }
 
@@ -145,8 +145,8 @@ impl Constraint for ConstraintSet {
         1.0
     }
 
-    fn is_symmetric(&self, rule: ContactRule) -> bool {
-        rule == ContactRule::EndPoint
+    fn is_symmetric(&self, rule: GradientRule) -> bool {
+        rule == GradientRule::EndPoint
     }
 
     fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {

@@ -6,7 +6,7 @@
 
 use crate::{ConstraintSet, Joint};
 use std::collections::BTreeMap;
-use stoss_contact::{Constraint, ContactError, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, ContactError, GradientRule, StepConfiguration};
 
 /// A row counts as zero if its entries fell below this part of its largest entry before the elimination.
 const TOLERANCE: f64 = 1e-8;
@@ -174,7 +174,7 @@ pub fn analyse(
 pub fn velocity_violation(set: &dyn Equations, q: &[f64], v: &[f64]) -> Result<f64, ContactError> {
     let slots = set.slot_count();
     let (multipliers, active) = (vec![0.0; slots], (0..slots).map(|s| set.is_equation(s)).collect::<Vec<_>>());
-    let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+    let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     let mut largest = 0.0_f64;
     set.assemble(step, &multipliers, &active, true, &mut |local| {
         let (n, dim) = (3 * local.nodes.len(), local.dim());
@@ -198,7 +198,7 @@ fn collect(
 ) -> Result<(), ContactError> {
     let slots = constraint.slot_count();
     let (multipliers, active) = (vec![0.0; slots], (0..slots).map(|s| constraint.is_equation(s)).collect::<Vec<_>>());
-    let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+    let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     constraint.assemble(step, &multipliers, &active, true, &mut |local| {
         let (n, dim) = (3 * local.nodes.len(), local.dim());
         let component = |i: usize| 3 * local.nodes[i / 3] + (i % 3) as u32;

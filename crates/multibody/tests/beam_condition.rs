@@ -1,7 +1,7 @@
 //! Which length of the directors makes the best matrix: condition numbers of the linear equations of a clamped beam, rigidity included.
 
 use nalgebra::DMatrix;
-use stoss_contact::{Constraint, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, GradientRule, StepConfiguration};
 use stoss_multibody::{Beam, BeamAxis, Section, SectionMaterial};
 use stoss_part::{ForceRule, Part, PartStep};
 
@@ -34,7 +34,7 @@ fn condition(beam: &Beam, inertia: f64) -> f64 {
         }
     });
     let scale = beam.section().axial / beam.length_scale();
-    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPoint };
+    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPoint };
     let (zero, active) = (vec![0.0; set.slot_count()], vec![true; set.slot_count()]);
     set.assemble(step, &zero, &active, true, &mut |local| {
         let mut rows = rows_of(&local.nodes);

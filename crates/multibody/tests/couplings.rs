@@ -3,7 +3,7 @@
 use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, finish, rod, run};
 use std::ops::Range;
 use std::sync::Arc;
-use stoss_contact::{Constraint, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, GradientRule, StepConfiguration};
 use stoss_multibody::{
     ConstraintSet, CoordinateOptions, DriveFunction, Embedded, GradientAt, Joint, JointKind, Kernel, QuadraticEnergy,
     Quadratics, QuadraticsBuilder, RigidBody, distributing_coupling, kinematic_coupling,
@@ -178,7 +178,7 @@ fn force_and_torque_reach_the_nodes() {
     };
     let (q_n, q_np1) = (move_by(0.3), move_by(1.7));
     let multipliers = [0.3, -0.8, 0.5, 1.1, -0.4, 0.9];
-    let step = StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule: ContactRule::EnergyMomentum };
+    let step = StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule: GradientRule::DiscreteGradient };
     let (mut sums, mut moments) = ([[0.0; 3]; 2], [[0.0; 3]; 2]);
     coupling
         .assemble(step, &multipliers, &[true; 6], false, &mut |local| {
@@ -215,7 +215,7 @@ fn the_frame_turns_with_its_nodes() {
             [c * x[0] - s * x[1] + shift, s * x[0] + c * x[1] - shift, x[2] + 2.0 * shift]
         })
         .collect();
-    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::EndPoint };
+    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPoint };
     for set in [&coupling, &kinematic_coupling("k", &frame, &[0, 1, 2, 3, 4, 5], &model.reference).unwrap()] {
         let slots = set.slot_count();
         set.assemble(step, &vec![0.0; slots], &vec![true; slots], false, &mut |local| {

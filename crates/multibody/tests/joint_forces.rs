@@ -1,7 +1,7 @@
 //! Forces and tangents of joints against differences, resultants, moments and work, at random states.
 
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactRule, History, LocalContribution, Report, Step, StepConfiguration};
+use stoss_contact::{Constraint, GradientRule, History, LocalContribution, Report, Step, StepConfiguration};
 use stoss_multibody::{
     CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, Pretension,
     RigidBody, RigidMass,
@@ -72,11 +72,17 @@ fn options(which: usize) -> CoordinateOptions {
     options
 }
 
-fn begin(joint: &mut Joint, q_n: &[f64], rule: ContactRule) {
+fn begin(joint: &mut Joint, q_n: &[f64], rule: GradientRule) {
     joint.begin(&Step::new(q_n, rule, 0.05)).unwrap();
 }
 
-fn assemble(joint: &Joint, q: [&[f64]; 2], rule: ContactRule, multipliers: &[f64], tangent: bool) -> LocalContribution {
+fn assemble(
+    joint: &Joint,
+    q: [&[f64]; 2],
+    rule: GradientRule,
+    multipliers: &[f64],
+    tangent: bool,
+) -> LocalContribution {
     let active = vec![true; joint.slot_count()];
     let mut made = LocalContribution::default();
     let step = StepConfiguration { q_n: q[0], q_np1: q[1], rule };
@@ -110,7 +116,7 @@ fn torques_of_the_coordinate_are_those_of_their_laws_and_parts_of_the_moment() {
         let turned = turn(std::array::from_fn(|i| q_n[3 * vector + i] - origin[i]));
         (0..3).for_each(|i| q_np1[3 * vector + i] = origin[i] + turned[i]);
     }
-    begin(&mut joint, &q_n, ContactRule::EnergyMomentum);
+    begin(&mut joint, &q_n, GradientRule::DiscreteGradient);
     let (mut multipliers, active) = (vec![0.0; joint.slot_count()], vec![true; joint.slot_count()]);
     let first = joint.kind().equations();
     multipliers[first..].copy_from_slice(&[0.2, -1.5, 0.9]);
@@ -131,7 +137,7 @@ fn torques_of_the_coordinate_are_those_of_their_laws_and_parts_of_the_moment() {
     check(&joint);
     // What the last step was is in the history.
     let mut other = joint.clone();
-    begin(&mut other, &q_np1, ContactRule::EnergyMomentum);
+    begin(&mut other, &q_np1, GradientRule::DiscreteGradient);
     other.load_history(&joint.save_history()).unwrap();
     check(&other);
 }
@@ -142,7 +148,7 @@ fn friction_and_limits_that_give_energy_are_seen() {
     for (which, multiplier) in [(2, -0.3), (4, -0.3)] {
         let mut joint = joint(JointKind::Slider, true).with_options(options(which)).unwrap();
         let q_n = reference();
-        begin(&mut joint, &q_n, ContactRule::EnergyMomentum);
+        begin(&mut joint, &q_n, GradientRule::DiscreteGradient);
         let active = vec![true; joint.slot_count()];
         let mut multipliers = vec![0.0; joint.slot_count()];
         multipliers[joint.kind().equations()] = multiplier;
@@ -166,7 +172,7 @@ fn friction_and_limits_that_give_energy_are_seen() {
 }
 
 /// Largest difference of the tangent to central differences, relative to its largest entry.
-fn tangent_error(joint: &Joint, q_n: &[f64], q_np1: &[f64], rule: ContactRule, multipliers: &[f64]) -> f64 {
+fn tangent_error(joint: &Joint, q_n: &[f64], q_np1: &[f64], rule: GradientRule, multipliers: &[f64]) -> f64 {
     let h = 1e-6;
     let made = assemble(joint, [q_n, q_np1], rule, multipliers, true);
     let (dim, n) = (made.dim(), 3 * made.nodes.len());
@@ -206,7 +212,7 @@ proptest! {
     #[test]
     fn tangents_of_the_kinds([q_n, q_np1] in state(), m in proptest::collection::vec(-2.0..2.0_f64, 6), ground in any::<bool>()) {
         for kind in KINDS.into_iter().chain([JointKind::Distance { length: 0.7 }]) {
-            for rule in ContactRule::ALL {
+            for rule in GradientRule::ALL {
                 let mut joint = joint(kind, ground);
                 begin(&mut joint, &q_n, rule);
                 let error = tangent_error(&joint, &q_n, &q_np1, rule, &m[..joint.slot_count()]);
@@ -220,7 +226,7 @@ proptest! {
     fn tangents_of_the_options([q_n, q_np1] in state(), m in proptest::collection::vec(-1.0..1.0_f64, 10)) {
         for kind in [JointKind::Hinge, JointKind::Cylindrical, JointKind::Slider] {
             for which in 0..8 {
-                for rule in ContactRule::ALL {
+                for rule in GradientRule::ALL {
                     let mut joint = joint(kind, false).with_options(options(which)).unwrap();
                     begin(&mut joint, &q_n, rule);
                     let error = tangent_error(&joint, &q_n, &q_np1, rule, &m[..joint.slot_count()]);
@@ -239,7 +245,7 @@ proptest! {
     fn tangents_of_two_coordinates([q_n, q_np1] in state(), m in proptest::collection::vec(-1.0..1.0_f64, 8)) {
         for kind in [JointKind::Cylindrical, JointKind::Universal] {
             for which in 0..6 {
-                for rule in ContactRule::ALL {
+                for rule in GradientRule::ALL {
                     let joint = joint(kind, false).with_options_of(1, options(which)).unwrap();
                     let mut joint = joint.with_options(options(5 - which)).unwrap();
                     begin(&mut joint, &q_n, rule);
@@ -264,7 +270,7 @@ proptest! {
             let mut joint = joint.with_options_of(1, options(5)).unwrap();
             let q_n = moved(kind, about, turns.0, [0.0; 3], own.0);
             let q_np1 = moved(kind, about, turns.1, shift, own.1);
-            let rule = ContactRule::EnergyMomentum;
+            let rule = GradientRule::DiscreteGradient;
             begin(&mut joint, &q_n, rule);
             prop_assert_eq!(joint.slot_count(), 8);
             let local = assemble(&joint, [&q_n, &q_np1], rule, &m, false);
@@ -386,7 +392,7 @@ proptest! {
             let mut joint = joint(kind, false).with_options(options(5)).unwrap();
             let q_n = admissible(kind, about, turns.0, [0.0; 3], own.0);
             let q_np1 = admissible(kind, about, turns.1, shift, own.1);
-            let rule = ContactRule::EnergyMomentum;
+            let rule = GradientRule::DiscreteGradient;
             begin(&mut joint, &q_n, rule);
             let multipliers = &m[..joint.slot_count()];
             let local = assemble(&joint, [&q_n, &q_np1], rule, multipliers, false);
@@ -437,7 +443,7 @@ proptest! {
 fn work_of_the_ledger() {
     let mut joint = joint(JointKind::Hinge, false).with_options(options(5)).unwrap();
     let q = |own: f64| admissible(JointKind::Hinge, [1.0, 0.0, 0.0], 0.3, [0.0; 3], own);
-    begin(&mut joint, &q(0.0), ContactRule::EnergyMomentum);
+    begin(&mut joint, &q(0.0), GradientRule::DiscreteGradient);
     let mut multipliers = vec![0.0; joint.slot_count()];
     multipliers[5] = 0.5;
     let active = vec![true; joint.slot_count()];
@@ -447,7 +453,7 @@ fn work_of_the_ledger() {
     assert!((joint.stored_at_start(&q(0.0)) - 1.5 * 0.09).abs() < 1e-14);
     joint.commit(&q(0.1), &multipliers, &active);
     // Released: the spring's energy is lost, once.
-    begin(&mut joint, &q(0.1), ContactRule::EnergyMomentum);
+    begin(&mut joint, &q(0.1), GradientRule::DiscreteGradient);
     let released = vec![false; joint.slot_count()];
     let work = joint.work(&q(0.2), &multipliers, &released).unwrap();
     assert!((work.dissipated - 1.5 * 0.04).abs() < 1e-14 && work.stored == 0.0);
@@ -463,7 +469,7 @@ fn angles_are_followed_and_restored() {
     let active = vec![true; 5];
     let mut angle = 0.0;
     for _ in 0..40 {
-        begin(&mut first, &q(angle), ContactRule::EnergyMomentum);
+        begin(&mut first, &q(angle), GradientRule::DiscreteGradient);
         angle -= 1.3;
         first.commit(&q(angle), &[0.3; 5], &active);
         assert!((first.coordinate(0, &q(angle)).unwrap() - angle).abs() < 1e-12);
@@ -505,7 +511,7 @@ fn misplaced_frames_are_refused() {
         visited += 1;
     });
     ball.stencils(&[false; 3], &mut |_, _| visited += 1);
-    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: ContactRule::Midpoint };
+    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::Midpoint };
     ball.assemble(step, &[1.0; 3], &[false; 3], true, &mut |_| visited += 1).unwrap();
     assert_eq!(visited, 1);
 }

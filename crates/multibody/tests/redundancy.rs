@@ -3,7 +3,7 @@
 use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, rod, run, run_with};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
-use stoss_contact::{Constraint, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, GradientRule, StepConfiguration};
 use stoss_multibody::{
     ConstraintSet, CoordinateOptions, Equations, Frame, Joint, JointKind, PiecewiseLinear, RigidBody, RigidMass,
     Weights, analyse,
@@ -36,7 +36,7 @@ fn add_joints(model: &mut Model, bodies: &[&RigidBody], joints: &[Joint]) -> (us
 }
 
 /// Gradients of all functions as columns, without what the rigidity of the bodies takes.
-fn gradients(sets: &[Joint], bodies: &[&RigidBody], q_n: &[f64], q_np1: &[f64], rule: ContactRule) -> DMatrix<f64> {
+fn gradients(sets: &[Joint], bodies: &[&RigidBody], q_n: &[f64], q_np1: &[f64], rule: GradientRule) -> DMatrix<f64> {
     let step = StepConfiguration { q_n, q_np1, rule };
     let of = |set: &dyn Constraint| {
         let slots = set.slot_count();
@@ -86,11 +86,11 @@ fn distance_to_least_norm(
     q_n: &[f64],
     bodies: &[&RigidBody],
     joints: &[Joint],
-    rule: ContactRule,
+    rule: GradientRule,
 ) -> f64 {
     let q_np1 = &simulation.state().q;
     let g = gradients(joints, bodies, q_n, q_np1, rule);
-    let h = gradients(joints, bodies, q_n, q_np1, ContactRule::EndPoint);
+    let h = gradients(joints, bodies, q_n, q_np1, GradientRule::EndPoint);
     let multipliers = simulation.pressures()[first..first + joints.len()].iter().flatten().copied();
     let found = DVector::from_iterator(g.ncols(), multipliers);
     // What of them is in the null space: `l - N c` is at right angles to that of `H`. (nalgebra's SVD is not accurate enough here.)
@@ -107,7 +107,8 @@ fn run_to_end(simulation: &mut Simulation, first: usize, bodies: &[&RigidBody], 
     while !simulation.finished() {
         let q_n = simulation.state().q.clone();
         most = most.max(simulation.advance().unwrap().iterations);
-        worst = worst.max(distance_to_least_norm(simulation, first, &q_n, bodies, joints, ContactRule::EnergyMomentum));
+        worst =
+            worst.max(distance_to_least_norm(simulation, first, &q_n, bodies, joints, GradientRule::DiscreteGradient));
     }
     (most, worst)
 }
@@ -153,8 +154,14 @@ fn a_door_on_three_hinges() {
         let record = simulation.advance().unwrap();
         single.advance().unwrap();
         most = most.max(record.iterations);
-        worst =
-            worst.max(distance_to_least_norm(&simulation, first, &q_n, &[&body], &joints, ContactRule::EnergyMomentum));
+        worst = worst.max(distance_to_least_norm(
+            &simulation,
+            first,
+            &q_n,
+            &[&body],
+            &joints,
+            GradientRule::DiscreteGradient,
+        ));
         let both = simulation.state().q.iter().zip(&single.state().q);
         apart = apart.max(both.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max));
     }
@@ -334,7 +341,7 @@ fn least_norm_at_the_end_of_a_step() {
     while !simulation.finished() {
         let q_n = simulation.state().q.clone();
         simulation.advance().unwrap();
-        worst = worst.max(distance_to_least_norm(&simulation, first, &q_n, &[&body], &joints, ContactRule::EndPoint));
+        worst = worst.max(distance_to_least_norm(&simulation, first, &q_n, &[&body], &joints, GradientRule::EndPoint));
     }
     println!("door, backward Euler: least norm {worst:e}");
     assert!(worst < 1e-6, "{worst:e}");

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use stoss_contact::{Constraint, ContactRule, StepConfiguration};
+use stoss_contact::{Constraint, GradientRule, StepConfiguration};
 use stoss_multibody::{Beam, BeamAxis, ElasticString, Section, SectionMaterial, StringMaterial};
 use stoss_part::{ForceRule, LocalForce, Part, PartError, PartStep};
 use stoss_solver::Model;
@@ -214,7 +214,7 @@ fn determinant_sign(beam: &Beam, set: &impl Constraint, q: &[f64], multipliers: 
     };
     let step = PartStep { q_n: q, q_np1: q, rule: ForceRule::END_POINT, dt: 1.0, has_rates: false };
     beam.assemble(step, true, &mut |local| add(&components(&local.vectors), &local.tangent)).unwrap();
-    let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+    let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     let active = vec![true; multipliers.len()];
     set.assemble(step, multipliers, &active, true, &mut |local| {
         let mut rows = components(&local.nodes);

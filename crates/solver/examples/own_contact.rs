@@ -6,7 +6,9 @@
 
 use std::error::Error;
 use std::sync::Arc;
-use stoss_contact::{ContactError, ContactRule, ContactSurface, LocalContribution, Potential, Step, StepConfiguration};
+use stoss_contact::{
+    ContactError, ContactSurface, GradientRule, LocalContribution, Potential, Step, StepConfiguration,
+};
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
@@ -34,14 +36,14 @@ impl PenaltyPlane {
         self.stiffness * self.surface.nodal_areas()[local]
     }
     /// Slope of the energy that makes the force of a step, and its derivative by the gap at its end.
-    fn slope(&self, local: usize, rule: ContactRule, start: f64, end: f64) -> Result<(f64, f64), ContactError> {
+    fn slope(&self, local: usize, rule: GradientRule, start: f64, end: f64) -> Result<(f64, f64), ContactError> {
         let (half, sum) = (0.5 * self.spring(local), start.min(0.0) + end.min(0.0));
         let closed = f64::from(u8::from(end < 0.0));
         match rule {
-            ContactRule::EndPoint => Ok((2.0 * half * end.min(0.0), 2.0 * half * closed)),
-            ContactRule::EnergyMomentum if (start < 0.0) == (end < 0.0) => Ok((half * sum, half * closed)),
+            GradientRule::EndPoint => Ok((2.0 * half * end.min(0.0), 2.0 * half * closed)),
+            GradientRule::DiscreteGradient if (start < 0.0) == (end < 0.0) => Ok((half * sum, half * closed)),
             // (V(end) - V(start)) / (end - start): the work of the force is the change of the energy.
-            ContactRule::EnergyMomentum => {
+            GradientRule::DiscreteGradient => {
                 let ratio = (end.min(0.0) - start.min(0.0)) / (end - start);
                 Ok((half * sum * ratio, half * (closed * ratio + sum * (closed - ratio) / (end - start))))
             }

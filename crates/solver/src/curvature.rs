@@ -3,7 +3,6 @@
 use crate::StepError;
 use crate::assembly::Iterate;
 use crate::problem::{SMALLEST_SHIFT, StepProblem};
-use crate::system::contact_rule;
 use crate::timing::Phase;
 use stoss_contact::StepConfiguration as ContactStep;
 
@@ -57,11 +56,8 @@ impl StepProblem<'_> {
 
     /// The tangent with the parts of contact by potentials that have no negative curvature.
     fn without_softening(&mut self) -> Result<Vec<f64>, StepError> {
-        let step = ContactStep {
-            q_n: &self.step.state_n.q,
-            q_np1: &self.iterate.q,
-            rule: contact_rule(self.step.rule.constraint.rule),
-        };
+        let step =
+            ContactStep { q_n: &self.step.state_n.q, q_np1: &self.iterate.q, rule: self.step.rule.constraint.rule };
         let (model, s) = (&*self.model, &mut *self.system);
         let mut values = s.values.clone();
         let (mut k, mut expanded) = (0, Vec::new());

@@ -2,7 +2,7 @@
 
 use crate::Coupling;
 use crate::numbering::Numbering;
-use stoss_contact::{ContactRule, LocalContribution, Step, StepConfiguration};
+use stoss_contact::{GradientRule, LocalContribution, Step, StepConfiguration};
 use stoss_linalg::NONE;
 
 /// Part of the length of a joint by which free components are moved to see which of its rows depend on them.
@@ -23,7 +23,7 @@ pub(crate) fn depends_on_free(method: &mut Coupling, numbering: &Numbering, begi
     let mut rows = |end: &[f64], multiplier: f64| -> Option<Vec<f64>> {
         let mut rows = vec![0.0; count];
         let auxiliaries = vec![0.0; count * method.auxiliaries().len()];
-        let step = StepConfiguration { q_n: q, q_np1: end, rule: ContactRule::EndPoint };
+        let step = StepConfiguration { q_n: q, q_np1: end, rule: GradientRule::EndPoint };
         let mut add = |local: &LocalContribution| {
             let coordinates = 3 * local.nodes.len();
             local

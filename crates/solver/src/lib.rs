@@ -71,7 +71,6 @@ pub use sliding_support::SlidingSupport;
 pub use stabilise::Stabilise;
 pub use stoss_contact::{BodyPair, SurfaceForce, SurfaceNode};
 pub use switches::{Release, Switches};
-pub use system::contact_rule;
 pub use table::{Table, TableError};
 pub use timing::{Phase, PhaseTime, Timings};
 pub use words::{digits, short, significant};

@@ -5,7 +5,7 @@ use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, T
 use std::collections::BTreeMap;
 use std::ops::Range;
 use stoss_contact::{
-    Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, Hold,
+    Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactWork, GradientRule, Hold,
     LocalContribution, Potential, PotentialConstraint, Report, SlotReport, Step, StepConfiguration, Support,
     SurfaceForce, SurfaceNode,
 };
@@ -258,7 +258,7 @@ impl Coupling {
     }
 
     /// Whether its forces are the gradient of an energy, but for friction, as far as no multiplier acts; see [`Potential::has_energy`].
-    pub(crate) fn has_energy(&self, rule: ContactRule) -> bool {
+    pub(crate) fn has_energy(&self, rule: GradientRule) -> bool {
         match self {
             Self::Potential(of) => of.0.has_energy(rule),
             _ => true,
@@ -359,7 +359,7 @@ impl Constraint for SwitchedOff {
     fn slot_weight(&self, slot: usize) -> f64 {
         self.0.slot_weight(slot)
     }
-    fn is_symmetric(&self, _rule: ContactRule) -> bool {
+    fn is_symmetric(&self, _rule: GradientRule) -> bool {
         true
     }
     fn stencils(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}

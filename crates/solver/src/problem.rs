@@ -2,7 +2,7 @@
 
 use crate::assembly::{Iterate, System, has_condensed, with_nodes};
 use crate::diagnosis::{blocked, linear_error};
-use crate::system::{FeSystem, contact_rule};
+use crate::system::FeSystem;
 use crate::{Load, Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
 use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
@@ -316,7 +316,7 @@ impl StepProblem<'_> {
     /// have none, are not their gradients.
     pub(crate) fn is_symmetric(&self) -> bool {
         let rule = &self.step.rule;
-        let contact = contact_rule(rule.constraint.rule);
+        let contact = rule.constraint.rule;
         rule.force.rule != ForceRule::DiscreteGradient
             && self.acting_loads().all(Load::is_symmetric)
             && (!(self.system.has_damping && self.system.has_rates)
@@ -331,7 +331,7 @@ impl StepProblem<'_> {
 impl StepProblem<'_> {
     /// Whether the residual is the gradient of a potential, but for friction: a static step under dead loads, with no force but those of energies, and no multiplier.
     fn has_potential(&self) -> bool {
-        let rule = contact_rule(self.step.rule.constraint.rule);
+        let rule = self.step.rule.constraint.rule;
         !self.step.rule.has_inertia()
             && !self.acting_loads().any(Load::follows)
             && self.has_symmetric_parts()
@@ -501,7 +501,7 @@ impl StepProblem<'_> {
 }
 
 pub(crate) fn contact_step<'a>(step: &Step<'a>, q_np1: &'a [f64]) -> ContactStep<'a> {
-    ContactStep { q_n: &step.state_n.q, q_np1, rule: contact_rule(step.rule.constraint.rule) }
+    ContactStep { q_n: &step.state_n.q, q_np1, rule: step.rule.constraint.rule }
 }
 
 impl NewtonProblem for StepProblem<'_> {

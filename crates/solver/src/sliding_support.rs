@@ -2,8 +2,8 @@
 
 use crate::Table;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, ContactWork, History, Hold, LocalContribution, Report, SlotKind, SlotReport,
-    Step, StepConfiguration, SupportedNode,
+    Constraint, ContactError, ContactWork, GradientRule, History, Hold, LocalContribution, Report, SlotKind,
+    SlotReport, Step, StepConfiguration, SupportedNode,
 };
 
 /// Tolerance, as a part of the length scale, of the constraint of a slot without a multiplier.
@@ -131,7 +131,7 @@ impl Constraint for SlidingSupport {
         if self.moves() { SlotKind::Driven } else { SlotKind::Equation }
     }
 
-    fn is_symmetric(&self, _rule: ContactRule) -> bool {
+    fn is_symmetric(&self, _rule: GradientRule) -> bool {
         true
     }
 
@@ -227,12 +227,12 @@ mod tests {
     }
 
     fn dynamics(dt: f64) -> Step<'static> {
-        Step::new(&REFERENCE, ContactRule::EnergyMomentum, dt)
+        Step::new(&REFERENCE, GradientRule::DiscreteGradient, dt)
     }
 
     fn contributions(support: &SlidingSupport, q: &[f64], multipliers: &[f64]) -> Vec<LocalContribution> {
         let mut list = Vec::new();
-        let step = StepConfiguration { q_n: &REFERENCE, q_np1: q, rule: ContactRule::EnergyMomentum };
+        let step = StepConfiguration { q_n: &REFERENCE, q_np1: q, rule: GradientRule::DiscreteGradient };
         support.assemble(step, multipliers, &[true; 2], true, &mut |local| list.push(local.clone())).unwrap();
         list
     }

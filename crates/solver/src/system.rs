@@ -6,8 +6,8 @@ use crate::moment::moment_forces;
 use crate::rows::SmoothedPair;
 use crate::{Load, LoadKind, Model, StepError};
 use std::ops::Range;
-use stoss_contact::{Auxiliary, ContactRule, StepConfiguration as ContactStep};
-use stoss_fe_solid::{SolidStep, StressRule, TangentTarget, add_follower_pressure, follower_pressure};
+use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
+use stoss_fe_solid::{SolidStep, TangentTarget, add_follower_pressure, follower_pressure};
 use stoss_integrators::{DampingTangent, ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::vector;
 use stoss_part::{PartError, PartStep};
@@ -15,25 +15,6 @@ use stoss_reference_element::MAX_FACE_NODES;
 
 /// Evaluations with a tangent in a step in which the equations of constraints between rigid bodies are written for the multipliers themselves and not for their increments.
 const FROM_ZERO: u32 = 2;
-
-/// The stress rule of a scheme's force rule.
-pub(crate) fn stress_rule(rule: ForceRule) -> StressRule {
-    match rule {
-        ForceRule::Configuration { theta } => StressRule::Configuration { theta },
-        ForceRule::DiscreteGradient => StressRule::EnergyMomentum,
-    }
-}
-
-/// The contact rule of a scheme's rule for constraints.
-pub fn contact_rule(rule: GradientRule) -> ContactRule {
-    match rule {
-        GradientRule::StartPoint => ContactRule::StartPoint,
-        GradientRule::Midpoint => ContactRule::Midpoint,
-        GradientRule::EndPoint => ContactRule::EndPoint,
-        GradientRule::EndPointMean => ContactRule::EndPointMean,
-        GradientRule::DiscreteGradient => ContactRule::EnergyMomentum,
-    }
-}
 
 /// `out <- out - x` in those components.
 fn subtract(x: &[f64], ranges: &[Range<usize>], out: &mut [f64]) {
@@ -184,7 +165,7 @@ impl SecondOrderSystem for FeSystem<'_> {
         out: &mut [f64],
     ) -> Result<(), StepError> {
         let s = &mut *self.system;
-        let solid_step = SolidStep { q_n: step.q_n, q_np1: step.q_np1, rule: stress_rule(rule) };
+        let solid_step = SolidStep { q_n: step.q_n, q_np1: step.q_np1, rule };
         for (b, body) in self.model.bodies.iter().enumerate() {
             let target = tangent.map(|factor| TangentTarget {
                 map: &s.solid_map,
@@ -315,7 +296,7 @@ impl FeSystem<'_> {
         let from_zero = s.tangents <= FROM_ZERO;
         let mut k = 0;
         for (c, pair) in model.contacts.iter().enumerate() {
-            let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule: contact_rule(rule) };
+            let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule };
             let method = &pair.method;
             let length = method.length_scale();
             let compliance = s.rigid_compliance(step.dt, length);

@@ -10,7 +10,7 @@ use crate::slip::SlipLine;
 use crate::{Friction, FrictionForce, Layer, PairStart, PairTerm, StepForce, Stick, Tangent};
 use nalgebra::Vector3;
 use std::ops::Range;
-use stoss_contact::ContactRule;
+use stoss_contact::GradientRule;
 use stoss_geometry::{ClosestPair, PairKind, closest};
 
 /// Shear stiffness of the layer of a contact that sticks, in moduli over thicknesses: that of an isotropic skin, 1/(2 (1 + nu)).
@@ -117,7 +117,7 @@ impl GeneralContact {
         self.contacts = contacts;
         let (mut acts, mut pieces) = (std::mem::take(&mut self.acts), std::mem::take(&mut self.pieces));
         acts.clear();
-        let both = self.rule == ContactRule::EnergyMomentum;
+        let both = self.rule == GradientRule::DiscreteGradient;
         for contact in self.contacts.iter() {
             let Some((end, close)) = self.nearest(contact, &self.x) else { continue };
             let patch = self.patch(contact);
@@ -225,7 +225,7 @@ impl GeneralContact {
         }
         let base = self.gather(act, joint);
         let law = friction.as_ref().map(|law| (law, base));
-        let at_end = self.rule != ContactRule::EnergyMomentum;
+        let at_end = self.rule != GradientRule::DiscreteGradient;
         let Sums { energy, dissipated, slid } = joint.act(&layer, at_end, law, wants_tangent);
         let slid = slid.unwrap_or_default();
         ActForce { first: 1, energy, dissipated, work: slid.work, stored: slid.stored, stretch: slid.stretch }
@@ -243,7 +243,7 @@ impl GeneralContact {
         if joint.terms.is_empty() {
             let slots = act.end.points.map(|p| joint.slot(p));
             let (slots_n, start) = match self.rule {
-                ContactRule::EnergyMomentum => (act.begin.points.map(|p| joint.slot(p)), act.start),
+                GradientRule::DiscreteGradient => (act.begin.points.map(|p| joint.slot(p)), act.start),
                 _ => (slots, act.close),
             };
             joint.terms.push(Term { weight: act.weight, slots_n, start, slots, end: act.close });
@@ -266,7 +266,7 @@ impl GeneralContact {
         let mut tangent: Tangent = [[0.0; 12]; 12];
         let wanted = wants_tangent.then_some(&mut tangent);
         let StepForce { barrier, friction } = match self.rule {
-            ContactRule::EnergyMomentum => PairStart::new(term, *layer, &x_n).step(&x, friction, wanted),
+            GradientRule::DiscreteGradient => PairStart::new(term, *layer, &x_n).step(&x, friction, wanted),
             _ => term.at_end(layer, &x_n, &x, friction, wanted),
         };
         joint.points.clear();

@@ -26,7 +26,7 @@ use nalgebra::Vector3;
 use pieces::PieceList;
 use scatter::Scatter;
 use stoss_contact::{
-    BodyPair, ContactError, ContactRule, ContactWork, LocalContribution, Potential, Step, StepConfiguration,
+    BodyPair, ContactError, ContactWork, GradientRule, LocalContribution, Potential, Step, StepConfiguration,
     SurfaceForce, SurfaceNode,
 };
 
@@ -49,8 +49,8 @@ pub struct GeneralOptions {
 
 /// Contact of everything with everything: points of integration and vertices of a skin against patches of its triangles, and edges that cross.
 ///
-/// A contact begins, and ends, where its energy is zero; while it is in the layer it keeps its weight and its thickness, so the energy is continuous in time. Under [`ContactRule::EnergyMomentum`] the force of a step
-/// does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, theory/barrier#gradient; under [`ContactRule::EndPoint`] it is the gradient at the end. Nothing passes through anything as long as each iterate is reached
+/// A contact begins, and ends, where its energy is zero; while it is in the layer it keeps its weight and its thickness, so the energy is continuous in time. Under [`GradientRule::DiscreteGradient`] the force of a step
+/// does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, theory/barrier#gradient; under [`GradientRule::EndPoint`] it is the gradient at the end. Nothing passes through anything as long as each iterate is reached
 /// from the last by a motion that [`Potential::longest_step`] admits. What carries over from step to step are the contacts in their layers, and the springs of those that stick.
 ///
 /// [`Potential::energy`] is that of the contacts of the step that was begun last: nothing before the first one.
@@ -61,7 +61,7 @@ pub struct GeneralContact {
     rules: Interactions,
     options: GeneralOptions,
     proximity: Proximity,
-    rule: ContactRule,
+    rule: GradientRule,
     step_size: f64,
     has_rates: bool,
     /// Positions of the points at the start of the step and at the iterate.
@@ -110,7 +110,7 @@ impl GeneralContact {
             skin,
             rules,
             options,
-            rule: ContactRule::EndPoint,
+            rule: GradientRule::EndPoint,
             step_size: 0.0,
             has_rates: false,
             x_n: Vec::new(),
@@ -152,7 +152,7 @@ impl GeneralContact {
             predicted,
             springs: &self.history.springs,
             thickness: self.options.thickness,
-            between_states: self.rule == ContactRule::EnergyMomentum,
+            between_states: self.rule == GradientRule::DiscreteGradient,
         }
     }
 
@@ -173,12 +173,12 @@ impl Potential for GeneralContact {
         self.options.thickness
     }
 
-    fn is_symmetric(&self, rule: ContactRule) -> bool {
-        rule == ContactRule::EndPoint && !self.rules.has_friction()
+    fn is_symmetric(&self, rule: GradientRule) -> bool {
+        rule == GradientRule::EndPoint && !self.rules.has_friction()
     }
 
-    fn has_energy(&self, rule: ContactRule) -> bool {
-        rule == ContactRule::EndPoint
+    fn has_energy(&self, rule: GradientRule) -> bool {
+        rule == GradientRule::EndPoint
     }
 
     fn set_line(&mut self, increment: &[f64]) {
@@ -200,7 +200,7 @@ impl Potential for GeneralContact {
     fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
         let Step { q_n, v_n, .. } = *step;
         (self.rule, self.step_size, self.has_rates) = (step.rule, step.dt, step.rates);
-        if !matches!(self.rule, ContactRule::EnergyMomentum | ContactRule::EndPoint) {
+        if !matches!(self.rule, GradientRule::DiscreteGradient | GradientRule::EndPoint) {
             return Err(ContactError::RuleUnavailable { method: "general", rule: format!("{:?}", self.rule) });
         }
         if let Some(history) = self.next_history.take() {

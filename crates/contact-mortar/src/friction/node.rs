@@ -10,7 +10,7 @@ use crate::surfaces::diagonals;
 use nalgebra::Vector3;
 use stoss_contact::dual::{Dual, Scalar, V3, dot};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep};
-use stoss_contact::{ContactRule, LocalContribution, StepConfiguration, position};
+use stoss_contact::{GradientRule, LocalContribution, StepConfiguration, position};
 
 /// Arguments of a facet, in components.
 const FACET: usize = 12;
@@ -137,7 +137,7 @@ impl Slot {
 impl NodeFriction<'_> {
     /// Evaluates the step of a slot with a partner; `None` if the node has no tangent plane.
     pub fn state(&self, slot: &Slot, step: StepConfiguration<'_>, work: &mut Scratch) -> Option<FrictionState> {
-        let at_end = step.rule == ContactRule::EndPoint;
+        let at_end = step.rule == GradientRule::EndPoint;
         let Scratch { arguments, start, material, .. } = work;
         arguments.clear();
         start.clear();
@@ -235,7 +235,7 @@ impl NodeFriction<'_> {
         }
         if let Some((branch, shift)) = &state.branch {
             out.shift.resize(out.dim(), 0.0);
-            for k in (0..out.auxiliaries).filter(|_| self.has_slip(step.rule == ContactRule::EndPoint)) {
+            for k in (0..out.auxiliaries).filter(|_| self.has_slip(step.rule == GradientRule::EndPoint)) {
                 let more = branch.force[k] - state.step.force[k];
                 out.shift[first + k] -= self.weight * more / self.friction.stiffness();
             }
@@ -307,7 +307,7 @@ impl NodeFriction<'_> {
         work: &mut Scratch,
         out: &mut LocalContribution,
     ) {
-        let at_end = step.rule == ContactRule::EndPoint;
+        let at_end = step.rule == GradientRule::EndPoint;
         let n = 3 * slot.nodes.len();
         // Of the row of a force: coordinates and the pressure.
         let (dim, stride) = (n + 1, out.dim());
@@ -403,7 +403,7 @@ impl NodeFriction<'_> {
     fn move_arguments(&self, slot: &Slot, f: usize, step: StepConfiguration<'_>, motion: &mut [f64]) {
         let n = 3 * slot.nodes.len();
         let group = &slot.facets()[f];
-        let at_end = step.rule == ContactRule::EndPoint;
+        let at_end = step.rule == GradientRule::EndPoint;
         let factor = if at_end { 1.0 } else { 0.5 };
         Slot::for_each_coefficient(group, |a, k, c| {
             for i in 0..3 {

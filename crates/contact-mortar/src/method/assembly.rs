@@ -7,7 +7,7 @@ use crate::positions::Positions;
 use crate::secant::Secant;
 use crate::state::{Integrated, Need, StepState};
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactRule, Hold, LocalContribution, Step, StepConfiguration, multipliers_of,
+    Auxiliary, Constraint, ContactError, GradientRule, Hold, LocalContribution, Step, StepConfiguration, multipliers_of,
 };
 use stoss_segmentation::GapRange;
 
@@ -104,9 +104,9 @@ impl Constraint for MortarContact {
             }
             distance[k] = match self.rule {
                 _ if !self.has_rates => 0.0,
-                ContactRule::StartPoint => own + gap,
-                ContactRule::EndPoint => reference[k],
-                ContactRule::Midpoint | ContactRule::EnergyMomentum | ContactRule::EndPointMean => {
+                GradientRule::StartPoint => own + gap,
+                GradientRule::EndPoint => reference[k],
+                GradientRule::Midpoint | GradientRule::DiscreteGradient | GradientRule::EndPointMean => {
                     0.5 * (own + gap + reference[k])
                 }
             };
@@ -153,7 +153,7 @@ impl Constraint for MortarContact {
         if !self.is_frozen() {
             self.follow(q_np1, &carrying, want_tangent)?;
         }
-        if self.rule != ContactRule::EndPoint {
+        if self.rule != GradientRule::EndPoint {
             self.follow_start(&carrying)?;
         }
         if want_tangent && self.learns() {

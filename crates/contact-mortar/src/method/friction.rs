@@ -8,7 +8,7 @@ use crate::slot::Slot;
 use crate::state::Surfaces;
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliance};
 use stoss_contact::{
-    ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, Step, StepConfiguration, position,
+    ContactError, ContactWork, GradientRule, LocalContribution, SlotFriction, Step, StepConfiguration, position,
 };
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
@@ -21,9 +21,9 @@ fn norm(v: [f64; 2]) -> f64 {
 impl MortarContact {
     /// The same surfaces with friction, its slip measured in one of the ways of [`SlipMeasure`].
     ///
-    /// Under [`ContactRule::EndPoint`] force and slip have the integrals of the iterate, the slip at both ends of the step: it is the relative motion of
-    /// what came to lie opposite each other, also at a node that had no partner at `q_n`. Under [`ContactRule::Midpoint`] and
-    /// [`ContactRule::EnergyMomentum`] integrals stay in the step for both; with [`SlipMeasure::Objective`] the work of the friction is exact then.
+    /// Under [`GradientRule::EndPoint`] force and slip have the integrals of the iterate, the slip at both ends of the step: it is the relative motion of
+    /// what came to lie opposite each other, also at a node that had no partner at `q_n`. Under [`GradientRule::Midpoint`] and
+    /// [`GradientRule::DiscreteGradient`] integrals stay in the step for both; with [`SlipMeasure::Objective`] the work of the friction is exact then.
     ///
     /// # Errors
     /// [`ContactError::FrictionUnavailable`] with the modified constraint: its nodes bounce at every step, so that nothing sticks.
@@ -75,22 +75,22 @@ impl MortarContact {
     pub(crate) fn begin_friction(&mut self) -> Result<(), ContactError> {
         let Some(surface) = &mut self.friction else { return Ok(()) };
         let what = match self.rule {
-            ContactRule::EndPoint => None,
-            ContactRule::Midpoint | ContactRule::EnergyMomentum if surface.measure == SlipMeasure::Yang => {
+            GradientRule::EndPoint => None,
+            GradientRule::Midpoint | GradientRule::DiscreteGradient if surface.measure == SlipMeasure::Yang => {
                 Some(format!(
                     "slip measure `yang` and rule {:?}: it needs integrals that move in the step, and these are fixed",
                     self.rule
                 ))
             }
-            ContactRule::Midpoint | ContactRule::EnergyMomentum => None,
-            rule @ (ContactRule::StartPoint | ContactRule::EndPointMean) => Some(format!("the rule {rule:?}")),
+            GradientRule::Midpoint | GradientRule::DiscreteGradient => None,
+            rule @ (GradientRule::StartPoint | GradientRule::EndPointMean) => Some(format!("the rule {rule:?}")),
         };
         if let Some(what) = what {
             return Err(ContactError::FrictionUnavailable { what });
         }
         surface.rounds = 0;
         let start = &self.step.start;
-        let exact = surface.friction.stick() != Stick::Penalty && self.rule == ContactRule::EndPoint;
+        let exact = surface.friction.stick() != Stick::Penalty && self.rule == GradientRule::EndPoint;
         let rows = start.iter().zip(&self.surfaces.rows);
         for (sliver, (slot, row)) in surface.slivers.iter_mut().zip(rows) {
             *sliver = exact && slot.support < SLIVER * row.area;
@@ -124,7 +124,7 @@ impl MortarContact {
         let point = surface.points[slot];
         // Slips of the midpoint rules have the weights of the middle at both ends.
         let start =
-            if self.rule == ContactRule::EndPoint { &self.step.start } else { self.friction_slots() }.get(slot)?;
+            if self.rule == GradientRule::EndPoint { &self.step.start } else { self.friction_slots() }.get(slot)?;
         Some(NodeFriction {
             friction: &surface.friction,
             measure: surface.measure,
@@ -154,8 +154,8 @@ impl MortarContact {
         let (start, present) = (of(&self.step.start), of(self.friction_slots()));
         let yang = self.friction.as_ref().is_some_and(|surface| surface.measure == SlipMeasure::Yang);
         match self.rule {
-            ContactRule::EndPoint if yang => start,
-            ContactRule::EndPoint => present,
+            GradientRule::EndPoint if yang => start,
+            GradientRule::EndPoint => present,
             // A node that had no partner has the area of the middle.
             _ if start > 0.0 => start,
             _ => present,

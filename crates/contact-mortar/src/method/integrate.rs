@@ -5,7 +5,7 @@ use crate::candidates::{Candidates, SearchRange};
 use crate::positions::Positions;
 use crate::slot::Want;
 use crate::state::{Integrated, Need, Surfaces, segmentation_error};
-use stoss_contact::{ContactError, ContactRule, SurfaceTree};
+use stoss_contact::{ContactError, GradientRule, SurfaceTree};
 
 /// How much farther than the step's reach facets are looked for along the slave's normal, in lengths of facets.
 pub(super) const MARGIN: f64 = 3.0;
@@ -31,7 +31,7 @@ impl MortarContact {
     pub(super) fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<(), ContactError> {
         let has = |of: &Integrated, at_all: bool| at_all && active.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a);
         let at_end = self.step.is_at(q_np1, &self.end.at);
-        let needs_end = want_tangent || self.rule == ContactRule::EndPoint || self.rule == ContactRule::EndPointMean;
+        let needs_end = want_tangent || self.rule == GradientRule::EndPoint || self.rule == GradientRule::EndPointMean;
         let end_done = at_end && (!needs_end || has(&self.end, at_end));
         let middle_done = !self.has_middle() || (at_end && has(&self.middle, !self.middle.derivatives.is_empty()));
         if end_done && middle_done {

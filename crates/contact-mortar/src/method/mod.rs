@@ -24,7 +24,7 @@ use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickne
 use crate::weights::Integration;
 use crate::{Faces, MortarError};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, ContactSurface, ReferenceGap, Step, Support, SurfaceTree};
+use stoss_contact::{ContactError, ContactSurface, GradientRule, ReferenceGap, Step, Support, SurfaceTree};
 use stoss_reference_element::FacePiece;
 use stoss_segmentation::FacetSegmentation;
 
@@ -46,15 +46,15 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 /// Slave surface against master surface with one pressure (traction) for each side of a slave node and weighted gaps (theory/mortar#eq-gap) whose integrals move:
 /// the weighted gap `Phi_A(q)` is a function of the positions alone, see theory/mortar#gap.
 ///
-/// The constraint of a closed row is `Phi_A(q_np1) = 0`, or a distance that is kept times the covered area, under every rule. Under [`ContactRule::EndPoint`] the force is `p grad Phi_A(q_np1)`, under
-/// [`ContactRule::Midpoint`] and [`ContactRule::EnergyMomentum`] the discrete gradient about the middle of the step: it has neither resultant nor moment about `q_m`, for
+/// The constraint of a closed row is `Phi_A(q_np1) = 0`, or a distance that is kept times the covered area, under every rule. Under [`GradientRule::EndPoint`] the force is `p grad Phi_A(q_np1)`, under
+/// [`GradientRule::Midpoint`] and [`GradientRule::DiscreteGradient`] the discrete gradient about the middle of the step: it has neither resultant nor moment about `q_m`, for
 /// any gap, and its work is the change of the weighted gap, counted from the distance at the middle (theory/mortar#distance). So the energy changes by what closing gaps cost, and by nothing else.
 ///
 /// A row of which less than a fiftieth is opposite the master at the start of a step carries no multiplier in it.
 ///
 /// What a step decides ([`Step`], anew at each `begin`):
 /// * with rates a penetration that a node has at its start is kept, for to push it out would give energy; in statics gaps are closed;
-/// * under [`ContactRule::EndPoint`] the force of dynamics is the gradient of the weighted gap, which does no work on a closed row. Statics has the gradient at fixed weights: where facets are large against
+/// * under [`GradientRule::EndPoint`] the force of dynamics is the gradient of the weighted gap, which does no work on a closed row. Statics has the gradient at fixed weights: where facets are large against
 ///   the depth the other one has limit points, at which nodes slide out of the overlap instead of carrying;
 /// * [`MortarOptions::nearness`], where it is not given;
 /// * crosspoints: slave nodes whose motion along their normal is given by something else that acts at present ([`stoss_contact::Support::given`]), on facets that have other nodes too, have no multiplier. Their functions go to
@@ -67,7 +67,7 @@ pub struct MortarContact {
     /// Over the master.
     tree: SurfaceTree,
     pub(crate) options: MortarOptions,
-    pub(crate) rule: ContactRule,
+    pub(crate) rule: GradientRule,
     step_size: f64,
     /// Whether the step has inertia.
     has_rates: bool,
@@ -135,7 +135,7 @@ impl MortarContact {
                 without,
                 integration,
             },
-            rule: ContactRule::EndPoint,
+            rule: GradientRule::EndPoint,
             step_size: 0.0,
             has_rates: false,
             is_sharp: sharp,
@@ -254,7 +254,7 @@ impl MortarContact {
 
     /// Whether forces are gradients at fixed weights.
     pub(crate) fn has_fixed_weights(&self) -> bool {
-        self.rule == ContactRule::EndPoint && !self.has_rates
+        self.rule == GradientRule::EndPoint && !self.has_rates
     }
 
     pub(crate) fn is_frozen(&self) -> bool {
@@ -264,14 +264,14 @@ impl MortarContact {
     /// Whether forces are evaluated at the middle of the step.
     pub(crate) fn has_middle(&self) -> bool {
         match self.rule {
-            ContactRule::StartPoint | ContactRule::EndPoint | ContactRule::EndPointMean => false,
-            ContactRule::Midpoint | ContactRule::EnergyMomentum => true,
+            GradientRule::StartPoint | GradientRule::EndPoint | GradientRule::EndPointMean => false,
+            GradientRule::Midpoint | GradientRule::DiscreteGradient => true,
         }
     }
 
     /// Whether the tangent lacks second derivatives of the weights, as where forces are gradients of the weighted gap and integrals move.
     pub(crate) fn learns(&self) -> bool {
-        !self.is_frozen() && (self.has_middle() || (self.rule == ContactRule::EndPoint && self.has_rates))
+        !self.is_frozen() && (self.has_middle() || (self.rule == GradientRule::EndPoint && self.has_rates))
     }
 
     /// Slots whose weights friction has: those of the middle of the step, or of the end if the rule takes forces there.

@@ -5,7 +5,7 @@ use crate::discrete::RelativeMotion;
 use crate::positions::Positions;
 use crate::slot::{Evaluation, Slot, Want};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, LocalContribution, StepConfiguration, position};
+use stoss_contact::{ContactError, GradientRule, LocalContribution, StepConfiguration, position};
 
 /// Part of [`CARRIED`] below which the row of a multiplier gets a compliance, so that it cannot vanish.
 const VANISHING: f64 = 0.1;
@@ -56,8 +56,8 @@ impl MortarContact {
         let nodes = slot.nodes.len();
         let n = 3 * nodes;
         let no_normal = || ContactError::NoNormal { node: slot.nodes[0] };
-        let end_point = self.rule == ContactRule::EndPoint;
-        let mean_of_ends = self.rule == ContactRule::EndPointMean;
+        let end_point = self.rule == GradientRule::EndPoint;
+        let mean_of_ends = self.rule == GradientRule::EndPointMean;
         let has_fixed_weights = self.has_fixed_weights();
         let want_at_end = match (has_fixed_weights, want_tangent && (end_point || mean_of_ends)) {
             (true, _) => Want::FixedWeights,

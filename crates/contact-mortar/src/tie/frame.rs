@@ -5,7 +5,7 @@
 
 use super::rows::ConstraintRow;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
-use stoss_contact::{ContactRule, ContactSurface, position};
+use stoss_contact::{ContactSurface, GradientRule, position};
 
 type Vector9 = SVector<f64, 9>;
 type Matrix9 = SMatrix<f64, 9, 9>;
@@ -144,25 +144,25 @@ fn between(z0: &Stage, z1: &Stage, theta: f64) -> Stage {
 
 /// Values and gradients for a step from `z0` to `z1`; `None` if the frame of the energy-momentum rule degenerates (a
 /// rotation by half a turn in the step).
-pub(super) fn response(z0: &Stage, z1: &Stage, lambda: &[f64], rule: ContactRule, tangent: bool) -> Option<Response> {
+pub(super) fn response(z0: &Stage, z1: &Stage, lambda: &[f64], rule: GradientRule, tangent: bool) -> Option<Response> {
     let end = gradients(z1);
     let mut out = Response { values: values(z1), end, rule: end, derivative: Matrix9::zeros() };
     let h = &mut out.derivative;
     let at = match rule {
-        ContactRule::StartPoint => 0.0,
-        ContactRule::EndPoint => 1.0,
-        ContactRule::EndPointMean | ContactRule::Midpoint | ContactRule::EnergyMomentum => 0.5,
+        GradientRule::StartPoint => 0.0,
+        GradientRule::EndPoint => 1.0,
+        GradientRule::EndPointMean | GradientRule::Midpoint | GradientRule::DiscreteGradient => 0.5,
     };
     let z = between(z0, z1, at);
     out.rule = gradients(&z);
     match rule {
-        ContactRule::EndPointMean => {
+        GradientRule::EndPointMean => {
             out.rule[2] = (gradients(z0)[2] + end[2]) * 0.5;
             if tangent {
                 add_hessians(z1, lambda, 0.5, true, h);
             }
         }
-        ContactRule::EnergyMomentum => {
+        GradientRule::DiscreteGradient => {
             let director = Director::new(z0, z1, &z)?;
             out.rule[2] = director.gradient();
             if tangent {

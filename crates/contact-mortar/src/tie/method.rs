@@ -4,7 +4,7 @@ use super::frame::{Stage, response};
 use super::{MeshTie, Slot, TiedNode};
 use nalgebra::Vector3;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, Hold, LocalContribution, Report, SlotReport, Step, StepConfiguration,
+    Constraint, ContactError, GradientRule, Hold, LocalContribution, Report, SlotReport, Step, StepConfiguration,
 };
 
 impl TiedNode {
@@ -134,8 +134,8 @@ impl Constraint for MeshTie {
     }
 
     /// With spatial axes constraints are linear, whatever the rule.
-    fn is_symmetric(&self, rule: ContactRule) -> bool {
-        rule == ContactRule::EndPoint || self.nodes.iter().all(|node| node.frame.is_none())
+    fn is_symmetric(&self, rule: GradientRule) -> bool {
+        rule == GradientRule::EndPoint || self.nodes.iter().all(|node| node.frame.is_none())
     }
 
     /// Where the rows are others, slots that have none do not act: stencils leave them out.

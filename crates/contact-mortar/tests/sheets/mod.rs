@@ -3,7 +3,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactRule, LocalContribution, Step, StepConfiguration};
+use stoss_contact::{Constraint, GradientRule, LocalContribution, Step, StepConfiguration};
 use stoss_contact_mortar::segmentation::Provenance;
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
 use stoss_reference_element::{FaceKind, FaceNodes, FacePiece};
@@ -159,14 +159,14 @@ pub fn kinds(method: &MortarContact) -> Vec<(u32, Provenance)> {
 /// change their kind within the differences, or nothing is active.
 pub fn tangent_errors(
     method: &mut MortarContact,
-    rule: ContactRule,
+    rule: GradientRule,
     q_n: &[f64],
     q: &[f64],
     p: &[f64],
 ) -> Option<[f64; 2]> {
     let h = 1e-6;
     let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
-    let rates = rule != ContactRule::EndPoint;
+    let rates = rule != GradientRule::EndPoint;
     method.begin(&Step { reach: 0.1, rates, ..Step::new(q_n, rule, 0.1) }).unwrap();
     let mut at = |x: &[f64], p: &[f64]| {
         method.renew(x, &[], &[], &active, true).unwrap();

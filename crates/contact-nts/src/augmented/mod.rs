@@ -28,7 +28,7 @@ use crate::slot::{ElementNodes, Pairing};
 use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactMethod, ContactRule, ContactWork, History, Hold, LocalContribution,
+    Auxiliary, Constraint, ContactError, ContactMethod, ContactWork, GradientRule, History, Hold, LocalContribution,
     ReferenceGap, Report, SlotReport, Step, StepConfiguration, position,
 };
 
@@ -107,11 +107,11 @@ impl CoordinateAugmented {
         &auxiliaries[slot * count..(slot + 1) * count]
     }
 
-    fn rule(rule: ContactRule) -> Result<bool, ContactError> {
+    fn rule(rule: GradientRule) -> Result<bool, ContactError> {
         match rule {
-            ContactRule::EndPoint => Ok(true),
-            ContactRule::Midpoint | ContactRule::EnergyMomentum => Ok(false),
-            ContactRule::StartPoint | ContactRule::EndPointMean => {
+            GradientRule::EndPoint => Ok(true),
+            GradientRule::Midpoint | GradientRule::DiscreteGradient => Ok(false),
+            GradientRule::StartPoint | GradientRule::EndPointMean => {
                 Err(ContactError::RuleUnavailable { method: "coordinate augmentation", rule: format!("{rule:?}") })
             }
         }
@@ -241,7 +241,7 @@ impl Constraint for CoordinateAugmented {
     }
 
     fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
-        let rule = if step.rule == ContactRule::EnergyMomentum { ContactRule::Midpoint } else { step.rule };
+        let rule = if step.rule == GradientRule::DiscreteGradient { GradientRule::Midpoint } else { step.rule };
         self.inner.begin(&Step { rule, ..*step })
     }
 

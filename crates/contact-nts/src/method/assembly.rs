@@ -6,7 +6,7 @@ use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot, Slot};
 use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactRule, Enforcement, Hold, LocalContribution, Step, StepConfiguration,
+    Auxiliary, Constraint, ContactError, Enforcement, GradientRule, Hold, LocalContribution, Step, StepConfiguration,
     multipliers_of, position,
 };
 
@@ -44,9 +44,9 @@ impl Constraint for NodeToSurface {
     }
 
     /// At the end point, without friction: the Hessian of the gap, and one gradient for force and constraint. The row of a spring has the other sign.
-    fn is_symmetric(&self, rule: ContactRule) -> bool {
+    fn is_symmetric(&self, rule: GradientRule) -> bool {
         let is_spring = matches!(self.normal.enforcement, Enforcement::Penalty(_));
-        rule == ContactRule::EndPoint && self.friction.is_none() && !is_spring
+        rule == GradientRule::EndPoint && self.friction.is_none() && !is_spring
     }
 
     fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {

@@ -8,7 +8,7 @@ use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick};
 use stoss_contact::{
-    ContactError, ContactRule, ContactWork, LocalContribution, SlotFriction, StepConfiguration, position,
+    ContactError, ContactWork, GradientRule, LocalContribution, SlotFriction, StepConfiguration, position,
 };
 
 /// Bytes of history of a slot: two components of the traction, path slid.
@@ -54,9 +54,9 @@ impl NodeToSurface {
         let PairedSlot { slot, element, pairing, end, step } = at;
         let mut placed = Placed { increment: [0.0; 3 * MAX_NODES], q: [0.0; 3 * MAX_NODES], mid: None };
         let at_end = match step.rule {
-            ContactRule::EndPoint => true,
-            ContactRule::Midpoint | ContactRule::EnergyMomentum => false,
-            rule @ (ContactRule::StartPoint | ContactRule::EndPointMean) => {
+            GradientRule::EndPoint => true,
+            GradientRule::Midpoint | GradientRule::DiscreteGradient => false,
+            rule @ (GradientRule::StartPoint | GradientRule::EndPointMean) => {
                 return Err(ContactError::FrictionUnavailable { what: format!("the rule {rule:?}") });
             }
         };
@@ -103,15 +103,15 @@ impl NodeToSurface {
         // Over an edge the feet lie on facets that are inclined to each other: only what the traction works on is a slip there. With coordinate augmentation
         // the feet are unknowns, and the traction works on their difference.
         let slip = match step.rule {
-            ContactRule::EnergyMomentum if !self.augmented => Slip::Work(&placed.increment[..n]),
-            ContactRule::Midpoint if !self.augmented && pairing.start != pairing.end => {
+            GradientRule::DiscreteGradient if !self.augmented => Slip::Work(&placed.increment[..n]),
+            GradientRule::Midpoint if !self.augmented && pairing.start != pairing.end => {
                 Slip::Work(&placed.increment[..n])
             }
-            ContactRule::StartPoint
-            | ContactRule::EndPoint
-            | ContactRule::EndPointMean
-            | ContactRule::Midpoint
-            | ContactRule::EnergyMomentum => Slip::Feet(end, &element.end),
+            GradientRule::StartPoint
+            | GradientRule::EndPoint
+            | GradientRule::EndPointMean
+            | GradientRule::Midpoint
+            | GradientRule::DiscreteGradient => Slip::Feet(end, &element.end),
         };
         Ok(Some(evaluate(&FrictionElement {
             friction: &surface.friction,

@@ -24,7 +24,7 @@ use crate::invariants;
 use crate::kinematics::{Gap, Local, points};
 use crate::method::NodeToSurface;
 use crate::slot::PairedSlot;
-use stoss_contact::{ContactError, ContactRule};
+use stoss_contact::{ContactError, GradientRule};
 
 impl NodeToSurface {
     /// Gap gradient of the rule and, if asked for, its derivative with respect to `q_np1`, over the element's nodes.
@@ -39,16 +39,16 @@ impl NodeToSurface {
         let failed = |facet| ContactError::Projection { node: self.node(slot), facet };
         out.reset(n, want_tangent);
         match step.rule {
-            ContactRule::StartPoint => {
+            GradientRule::StartPoint => {
                 let start = self.gap(slot, pairing.start, step.q_n)?;
                 out.add_gradient(&start.gradient, &element.start, 1.0);
                 return Ok(());
             }
-            ContactRule::EndPoint => {
+            GradientRule::EndPoint => {
                 out.set(&end.gradient, want_tangent.then(|| end.hessian()).as_ref(), &element.end, n, 1.0);
                 return Ok(());
             }
-            ContactRule::EndPointMean => {
+            GradientRule::EndPointMean => {
                 let start = self.gap(slot, pairing.start, step.q_n)?;
                 let half = end.gradient.map(|g| 0.5 * g);
                 out.set(&half, want_tangent.then(|| end.hessian()).as_ref(), &element.end, n, 0.5);
@@ -56,12 +56,12 @@ impl NodeToSurface {
                 return Ok(());
             }
             // They need the midpoint.
-            ContactRule::Midpoint | ContactRule::EnergyMomentum => {}
+            GradientRule::Midpoint | GradientRule::DiscreteGradient => {}
         }
         if pairing.start == pairing.end && !self.slots[slot].relaxing {
             let kind = end.kind;
             let [q_n, q_1] = [step.q_n, step.q_np1].map(|q| element.local(q));
-            if step.rule == ContactRule::EnergyMomentum {
+            if step.rule == GradientRule::DiscreteGradient {
                 let (x, patch) = points(&q_n, kind);
                 // The same start as for `gap_n`, hence the same foot.
                 let at_n = Gap::from_centre(&x, &patch).ok_or_else(|| failed(pairing.end))?;

@@ -2,7 +2,7 @@
 
 use crate::method::NodeToSurface;
 use stoss_contact::friction::MAX_AUGMENTATIONS;
-use stoss_contact::{ContactError, ContactRule, Enforcement, NormalRow, position};
+use stoss_contact::{ContactError, Enforcement, GradientRule, NormalRow, position};
 
 /// A closed node has this gap at most, in multiples of a master edge, once its multiplier has settled, or what round-off of the positions is.
 const CLOSED: f64 = 1.0e-13;
@@ -12,10 +12,10 @@ const CLOSE: f64 = 1.0e-8;
 /// A spring becomes stiffer by this factor at most within a step.
 const STIFFEST: f64 = 1.0e8;
 
-fn at_end(rule: ContactRule) -> bool {
+fn at_end(rule: GradientRule) -> bool {
     match rule {
-        ContactRule::StartPoint | ContactRule::EndPoint | ContactRule::EndPointMean => true,
-        ContactRule::Midpoint | ContactRule::EnergyMomentum => false,
+        GradientRule::StartPoint | GradientRule::EndPoint | GradientRule::EndPointMean => true,
+        GradientRule::Midpoint | GradientRule::DiscreteGradient => false,
     }
 }
 
@@ -27,7 +27,7 @@ impl NodeToSurface {
     }
 
     /// Equation of an active, paired slot with a gap at `n+1`.
-    pub(crate) fn normal_row(&self, slot: usize, rule: ContactRule, gap: f64, pressure: f64) -> NormalRow {
+    pub(crate) fn normal_row(&self, slot: usize, rule: GradientRule, gap: f64, pressure: f64) -> NormalRow {
         let ends = self.ends(slot, gap);
         self.normal.present().row(at_end(rule), ends, pressure, self.normal.multiplier(slot))
     }

@@ -6,7 +6,7 @@ use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot, Pairing};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactRule, MasterPoint, SearchView, StepConfiguration, position};
+use stoss_contact::{ContactError, GradientRule, MasterPoint, SearchView, StepConfiguration, position};
 use stoss_geometry::Patch;
 
 /// How far the foot at `n` may lie on the extension of the facet that a node closes on, in halves of an edge: up to one
@@ -70,7 +70,7 @@ impl NodeToSurface {
     /// A node that moves along the normal of that facet and yet keeps its gap (it goes up a wall, and its midpoint projects on the floor) has a force across its
     /// motion: nothing is left of the normal, and the pressure would be determined by round-off.
     pub(crate) fn rechoose_midpoint_facets(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
-        if self.augmented || !matches!(self.normal.rule, ContactRule::Midpoint | ContactRule::EnergyMomentum) {
+        if self.augmented || !matches!(self.normal.rule, GradientRule::Midpoint | GradientRule::DiscreteGradient) {
             return Ok(0);
         }
         let mut gradient = GapGradient::new();

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test binary uses a part")]
 
 use stoss_contact::{
-    Auxiliary, Constraint, ContactMethod, ContactRule, Enforcement, FacetNodes, History, SearchOptions, Step,
+    Auxiliary, Constraint, ContactMethod, Enforcement, FacetNodes, GradientRule, History, SearchOptions, Step,
     StepConfiguration,
 };
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
@@ -75,10 +75,10 @@ pub fn standard_on(divide: Divide<'_>, facets: u32) -> NodeToSurface {
 
 /// Puts the first node in contact at `on` and begins the next step there.
 pub fn in_contact(m: &mut NodeToSurface, on: &[f64]) {
-    m.begin(&Step { reach: 20.0, ..Step::new(on, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 20.0, ..Step::new(on, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(on, &ACTIVE).unwrap();
     m.commit(on, &[1.0, 0.0, 0.0, 0.0], &ACTIVE);
-    m.begin(&Step { reach: 20.0, ..Step::new(on, ContactRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&Step { reach: 20.0, ..Step::new(on, GradientRule::EndPoint, 0.0) }).unwrap();
 }
 
 pub fn gap(m: &NodeToSurface, q: &[f64], active: &[bool]) -> f64 {
@@ -93,7 +93,7 @@ pub fn assembled(
     q_n: &[f64],
     q_1: &[f64],
     p: f64,
-    rule: ContactRule,
+    rule: GradientRule,
     want: bool,
 ) -> (Vec<f64>, Vec<f64>) {
     let n = q_1.len() + 1;
@@ -132,7 +132,7 @@ pub fn path(facets: u32, noise: [&[f64]; 3], at: [f64; 3], first: [f64; 2], seco
 }
 
 /// Does the first step of a [`path`], with a pressure at its end, and pairs the second one.
-pub fn second_step<M: ContactMethod>(mut m: M, q: &[Vec<f64>; 3], rule: ContactRule, dt: f64, pressure: f64) -> M {
+pub fn second_step<M: ContactMethod>(mut m: M, q: &[Vec<f64>; 3], rule: GradientRule, dt: f64, pressure: f64) -> M {
     m.begin(&Step { reach: 20.0, ..Step::new(&q[0], rule, dt) }).unwrap();
     m.repair(&q[1], &ACTIVE).unwrap();
     m.commit(&q[1], &[pressure, 0.0, 0.0, 0.0], &ACTIVE);
@@ -142,12 +142,12 @@ pub fn second_step<M: ContactMethod>(mut m: M, q: &[Vec<f64>; 3], rule: ContactR
 }
 
 /// Sizes of the sum of nodal forces and of the sum of their moments about the origin, where the rule evaluates them.
-pub fn resultants(forces: &[f64], q_n: &[f64], q_1: &[f64], rule: ContactRule) -> (f64, f64) {
+pub fn resultants(forces: &[f64], q_n: &[f64], q_1: &[f64], rule: GradientRule) -> (f64, f64) {
     let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
     for (k, f) in forces.chunks_exact(3).enumerate() {
         let x: [f64; 3] = std::array::from_fn(|i| {
             let (a, b) = (q_n[3 * k + i], q_1[3 * k + i]);
-            if rule == ContactRule::EndPoint { b } else { 0.5 * (a + b) }
+            if rule == GradientRule::EndPoint { b } else { 0.5 * (a + b) }
         });
         for i in 0..3 {
             let (j, l) = ((i + 1) % 3, (i + 2) % 3);
@@ -163,7 +163,7 @@ pub fn resultants(forces: &[f64], q_n: &[f64], q_1: &[f64], rule: ContactRule) -
 pub fn assembled_with(
     m: &impl ContactMethod,
     q_n: &[f64],
-    rule: ContactRule,
+    rule: GradientRule,
     x: &[f64],
     auxiliaries: &[f64],
     want: bool,

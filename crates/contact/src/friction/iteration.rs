@@ -232,7 +232,7 @@ impl AugmentationRound {
 mod tests {
     use super::*;
     use crate::friction::{Coulomb, FrictionPoint, MidpointFriction};
-    use crate::{ContactRule, Step};
+    use crate::{GradientRule, Step};
     use std::sync::Arc;
 
     fn friction(mu: f64) -> Friction {
@@ -337,7 +337,7 @@ mod tests {
     #[test]
     fn multipliers_are_weighed_with_the_inertia_of_the_step() {
         let mut exact = friction(0.5).with_inertia(3.0);
-        exact.begin(&Step::new(&[], ContactRule::Midpoint, 0.1));
+        exact.begin(&Step::new(&[], GradientRule::Midpoint, 0.1));
         assert!((exact.stiffness() - 310.0).abs() < 1e-9 && exact.share(0.0) == 1.0);
         assert!((exact.share(1e-3) - (1.0 - 31e-3)).abs() < 1e-12);
         assert!((exact.stored_by(1e-3, [3.0, 4.0]) - 0.5e-3 * 25.0 / 10.0).abs() < 1e-15);
@@ -348,7 +348,7 @@ mod tests {
         }
         let law = Arc::new(Coulomb::new(0.5).unwrap());
         let mut spring = Friction::new(law, 10.0, Stick::Penalty, MidpointFriction::C).unwrap().with_inertia(3.0);
-        spring.begin(&Step::new(&[], ContactRule::Midpoint, 0.1));
+        spring.begin(&Step::new(&[], GradientRule::Midpoint, 0.1));
         assert!(spring.stiffness() == 10.0 && spring.stored_by(1e-3, [3.0, 4.0]) == 0.0);
     }
 }

@@ -4,9 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
-use stoss_fe_solid::{
-    SolidBody, SolidError, SolidOptions, SolidStep, StressRule, TangentTarget, Volumetric, Workspace,
-};
+use stoss_fe_solid::{ForceRule, SolidBody, SolidError, SolidOptions, SolidStep, TangentTarget, Volumetric, Workspace};
 use stoss_linalg::{ScatterMap, SparsityPattern};
 use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::{Elements, Mesh, generate::Block};
@@ -248,7 +246,7 @@ pub fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
 
 /// Forces with and without a tangent are the same, the tangent is the difference of the force, and but for the conserving step it is symmetric up to `symmetric` of its size.
 pub fn check_tangents(body: &mut SolidBody, q_n: &[f64], q_np1: &[f64], symmetric: f64, place: &str) {
-    for rule in [StressRule::Configuration { theta: 0.3 }, StressRule::END_POINT, StressRule::EnergyMomentum] {
+    for rule in [ForceRule::Configuration { theta: 0.3 }, ForceRule::END_POINT, ForceRule::DiscreteGradient] {
         body.begin_step(q_n, rule).unwrap();
         let at = |q: &[f64]| force(body, SolidStep { q_n, q_np1: q, rule }).unwrap();
         let (with_tangent, tangent) = force_and_tangent(body, SolidStep { q_n, q_np1, rule });
@@ -260,7 +258,7 @@ pub fn check_tangents(body: &mut SolidBody, q_n: &[f64], q_np1: &[f64], symmetri
             for i in 0..q_np1.len() {
                 let difference = (tangent[i][j] - column[i]).abs();
                 assert!(difference < 1e-8 * scale, "{place} {rule:?} ({i},{j}): {difference:e} of {scale:e}");
-                if rule != StressRule::EnergyMomentum {
+                if rule != ForceRule::DiscreteGradient {
                     assert!((tangent[i][j] - tangent[j][i]).abs() < symmetric * scale, "{place} {rule:?} ({i},{j})");
                 }
             }

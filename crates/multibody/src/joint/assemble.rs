@@ -9,7 +9,7 @@ use super::{CoordinateKind, Joint, StepState};
 use crate::constraint::{Rows, gradient_fraction};
 use crate::quadratic::Evaluation;
 use stoss_contact::{
-    Constraint, ContactError, ContactRule, JointCoordinate, JointReport, LocalContribution, Report, SlotKind,
+    Constraint, ContactError, GradientRule, JointCoordinate, JointReport, LocalContribution, Report, SlotKind,
     SlotReport, Step, StepConfiguration,
 };
 
@@ -32,9 +32,9 @@ impl Joint {
         let mut e = Evaluations::default();
         let theta = gradient_fraction(step.rule);
         let (q_n, q_np1) = (step.q_n, step.q_np1);
-        self.functions.evaluate(q_n, q_np1, 0.0, step.rule == ContactRule::EndPointMean, &mut e.start);
+        self.functions.evaluate(q_n, q_np1, 0.0, step.rule == GradientRule::EndPointMean, &mut e.start);
         self.functions.evaluate(q_n, q_np1, theta, true, &mut e.between);
-        self.functions.evaluate(q_n, q_np1, 1.0, want_tangent || step.rule == ContactRule::EndPointMean, &mut e.end);
+        self.functions.evaluate(q_n, q_np1, 1.0, want_tangent || step.rule == GradientRule::EndPointMean, &mut e.end);
         e
     }
 
@@ -44,7 +44,7 @@ impl Joint {
         &self,
         q_n: &[f64],
         q_np1: &[f64],
-        rule: ContactRule,
+        rule: GradientRule,
         multipliers: &[f64],
         further: &[f64],
     ) -> Vec<f64> {
@@ -229,7 +229,7 @@ impl Report for Joint {
         let coordinates: Vec<JointCoordinate> = self.coordinates.iter().map(report).collect();
         // Of a step from `q` to `q`, which knows no rate.
         let viscous: Vec<f64> = coordinates.iter().map(|c| c.torques.viscous).collect();
-        let (force, moment) = self.force_with(q, q, ContactRule::EndPoint, multipliers, &viscous);
+        let (force, moment) = self.force_with(q, q, GradientRule::EndPoint, multipliers, &viscous);
         let arm = self.forms[super::kinds::ARM].at(q);
         Some(JointReport { force, moment, arm, coordinates })
     }
@@ -263,12 +263,12 @@ impl Constraint for Joint {
         self.coordinates.iter().find_map(of).unwrap_or(SlotKind::Equation)
     }
 
-    fn is_symmetric(&self, rule: ContactRule) -> bool {
+    fn is_symmetric(&self, rule: GradientRule) -> bool {
         let one_sided = |c: &Coordinate| {
             let given = c.slots.pretension.is_some() && c.state.locked.is_none();
             c.slots.friction.is_some() || c.slots.limit.is_some() || given
         };
-        rule == ContactRule::EndPoint && !self.coordinates.iter().any(one_sided)
+        rule == GradientRule::EndPoint && !self.coordinates.iter().any(one_sided)
     }
 
     fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {

@@ -3,7 +3,7 @@
 use super::StepState;
 use super::coordinate::{CoordinateKind, LARGEST_TURN};
 use super::options::CoordinateOptions;
-use stoss_contact::{ContactError, ContactRule, JointTorques};
+use stoss_contact::{ContactError, GradientRule, JointTorques};
 
 /// A slip below this part of the length of the joint, where a limit stops the motion, counts as zero.
 pub(super) const SMALLEST_SLIP: f64 = 1e-9;
@@ -152,7 +152,7 @@ impl Coordinate {
     pub fn in_step(
         &self,
         joint: &str,
-        rule: ContactRule,
+        rule: GradientRule,
         values: [&[f64]; 3],
     ) -> Result<Option<CoordinateStep>, ContactError> {
         if !self.options.any() {
@@ -169,18 +169,18 @@ impl Coordinate {
         }
         let mut weights = [[0.0; 2]; 3];
         let (second, moving, column) = match rule {
-            ContactRule::EnergyMomentum => {
+            GradientRule::DiscreteGradient => {
                 let (w, second) = kind.discrete_gradient(start, end);
                 weights[1] = w;
                 (second, 1, 2)
             }
-            ContactRule::EndPointMean => {
+            GradientRule::EndPointMean => {
                 weights[0] = kind.derivatives(start).0.map(|w| 0.5 * w);
                 let (w, second) = kind.derivatives(end);
                 weights[2] = w.map(|w| 0.5 * w);
                 (second.map(|row| row.map(|s| 0.5 * s)), 2, 2)
             }
-            ContactRule::StartPoint | ContactRule::EndPoint | ContactRule::Midpoint => {
+            GradientRule::StartPoint | GradientRule::EndPoint | GradientRule::Midpoint => {
                 let (w, second) = kind.derivatives(between);
                 weights[1] = w;
                 (second, 1, 1)

@@ -21,7 +21,7 @@ use crate::constraint::gradient_fraction;
 use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
 use coordinate_forces::{Coordinate, CoordinateHistory, CoordinateState, Slots};
 use kinds::Function;
-use stoss_contact::{ContactRule, JointTorques};
+use stoss_contact::{GradientRule, JointTorques};
 
 /// The largest error of the frames in the reference configuration, relative to the length of the joint.
 const TOLERANCE: f64 = 1e-8;
@@ -308,7 +308,7 @@ impl Joint {
     }
 
     /// Force and moment about the point of side b that side a exerts on side b in a step, in the configuration of the rule. Of a beam the directors take the moment.
-    pub fn force(&self, q_n: &[f64], q_np1: &[f64], rule: ContactRule, multipliers: &[f64]) -> ([f64; 3], [f64; 3]) {
+    pub fn force(&self, q_n: &[f64], q_np1: &[f64], rule: GradientRule, multipliers: &[f64]) -> ([f64; 3], [f64; 3]) {
         self.force_with(q_n, q_np1, rule, multipliers, &[])
     }
 
@@ -317,7 +317,7 @@ impl Joint {
         &self,
         q_n: &[f64],
         q_np1: &[f64],
-        rule: ContactRule,
+        rule: GradientRule,
         multipliers: &[f64],
         further: &[f64],
     ) -> ([f64; 3], [f64; 3]) {

@@ -8,7 +8,7 @@ use crate::failure::{AttemptLog, FailedAttempt};
 use crate::rows::Rows;
 use crate::smooth::attempt_smoothed;
 use crate::step::{Attempt, StepInput, attempt, decision};
-use crate::system::{FeSystem, contact_rule, stress_rule};
+use crate::system::FeSystem;
 use crate::{
     Automatic, Balance, ContactPair, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepChange,
     StepError, StepRecord,
@@ -130,7 +130,7 @@ impl Simulation {
         let time = self.state.time;
         let rule = self.step_rule(dt);
         for body in &mut self.model.bodies {
-            body.solid.begin_step(&self.state.q, stress_rule(rule.force.rule))?;
+            body.solid.begin_step(&self.state.q, rule.force.rule)?;
         }
         self.set_dead_loads(time + rule.force.rule.load_fraction() * dt);
         self.system.set_ramp(self.ramp(self.clock.next_time()));
@@ -179,7 +179,7 @@ impl Simulation {
                 time: state.time,
                 end,
                 dt,
-                rule: contact_rule(rule.constraint.rule),
+                rule: rule.constraint.rule,
                 rates: rule.has_inertia(),
                 careful,
                 impacts: Self::has_impacts(&rule),

@@ -5,7 +5,6 @@ use super::impact::Mean;
 use crate::assembly::Iterate;
 use crate::rotation::cross;
 use crate::step::Attempt;
-use crate::system::contact_rule;
 use crate::{ContactSummary, Model, PairSummary, Phase, StepError};
 use std::collections::BTreeMap;
 use stoss_contact::{ContactWork, StepConfiguration, SurfaceForce};
@@ -94,8 +93,7 @@ impl Simulation {
                     of_pair.max_pressure = of_pair.max_pressure.max(pressure);
                 }
             }
-            let configuration =
-                StepConfiguration { q_n: &self.state.q, q_np1: q, rule: contact_rule(rule.constraint.rule) };
+            let configuration = StepConfiguration { q_n: &self.state.q, q_np1: q, rule: rule.constraint.rule };
             self.timings.measure(Phase::Contact, || {
                 let (values, multipliers) = (&pressures[c], &auxiliaries[c]);
                 pair.method.assemble_with(configuration, values, multipliers, &active[c], false, &mut |local| {

@@ -11,7 +11,7 @@ use crate::{
     Automatic, Balance, Clock, Coupling, Decision, DecisionKind, Model, Release, SimulationError, Stabilise,
     StepControl, StepError, Switches,
 };
-use stoss_contact::{ContactRule, Step as ContactStep, StepConfiguration, Support};
+use stoss_contact::{GradientRule, Step as ContactStep, StepConfiguration, Support};
 use stoss_integrators::{Scheme, State};
 use stoss_linalg::AutoSolver;
 use stoss_newton::NewtonOptions;
@@ -312,7 +312,7 @@ impl Simulation {
             Coupling::Bilateral(method) => {
                 method.begin(&begins).map_err(StepError::from)?;
                 let mut farthest = (0.0, None);
-                let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+                let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
                 let weights: Vec<f64> = (0..method.slot_count()).map(|slot| method.slot_weight(slot)).collect();
                 method
                     .assemble(step, &self.pressures[c], &self.active[c], false, &mut |local| {

@@ -4,7 +4,7 @@ use super::Simulation;
 use crate::assembly::no_auxiliaries;
 use crate::system::FeSystem;
 use crate::{ContactPair, StepError};
-use stoss_contact::{ContactRule, Step as ContactStep, StepConfiguration as ContactConfiguration};
+use stoss_contact::{Step as ContactStep, StepConfiguration as ContactConfiguration};
 use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, State, StepConfiguration, StepRule, start};
 use stoss_linalg::{MatrixKind, vector};
 
@@ -98,7 +98,7 @@ impl Simulation {
     /// Adds `G^T p` of some couplings at the present state.
     fn add_coupling_force(&self, which: impl Fn(&ContactPair) -> bool, out: &mut [f64]) -> Result<(), StepError> {
         let q = &self.state.q;
-        let step = ContactConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+        let step = ContactConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
         for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| which(pair)) {
             pair.method.assemble(step, &self.pressures[c], &self.active[c], false, &mut |local| {
                 for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {

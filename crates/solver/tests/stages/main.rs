@@ -4,7 +4,7 @@ mod ramps;
 mod unstable;
 
 use std::sync::Arc;
-use stoss_contact::{ContactError, ContactRule, LocalContribution, Potential, Step, StepConfiguration};
+use stoss_contact::{ContactError, GradientRule, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_nts::{NodeToSurface, NodeToSurfaceOptions};
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_integrators::{EnergyMomentum, GeneralisedAlpha, Midpoint, Scheme, Trapezoidal};
@@ -556,7 +556,7 @@ impl Potential for Spring {
         want_tangent: bool,
         visit: &mut dyn FnMut(&LocalContribution),
     ) -> Result<(), ContactError> {
-        let theta = if step.rule == ContactRule::EndPoint { 1.0 } else { 0.5 };
+        let theta = if step.rule == GradientRule::EndPoint { 1.0 } else { 0.5 };
         let mut local = LocalContribution { nodes: vec![self.node], ..LocalContribution::default() };
         local.reset(want_tangent);
         for i in 0..3 {

@@ -5,7 +5,7 @@ use super::young;
 use super::{ContactPlan, FrictionPlan, OwnLaws, Placed, Problems};
 use crate::points::Points;
 use crate::scene::{Closing, Constraint, ContactMethod, Enforcement, GapAtClosing, Integrals, Scene, split_set};
-use crate::solver::{Model, contact_rule};
+use crate::solver::Model;
 use std::collections::BTreeSet;
 use stoss_contact::{Auxiliary, Hold, Overlap, Step, Support};
 use stoss_mesh::Mesh;
@@ -101,7 +101,7 @@ impl PairInput<'_> {
         // The first frame shows the gaps of the nodes that are in reach, as later ones do.
         let speed = Points::of(model).largest(&model.velocity);
         let reach = 2.0 * speed * phase.step() + 0.5 * method.length_scale();
-        let (support, rule) = (self.support(phase, model), contact_rule(phase.rule()));
+        let (support, rule) = (self.support(phase, model), phase.rule());
         let begins = Step {
             rates: phase.has_rates(),
             reach,

@@ -5,7 +5,7 @@ use super::motion::{Motions, motions, null_space};
 use crate::scene::split_set;
 use crate::solver::{Coupling, Model};
 use std::collections::BTreeSet;
-use stoss_contact::{ContactRule, StepConfiguration};
+use stoss_contact::{GradientRule, StepConfiguration};
 
 /// What moves as a rigid body: a solid, or a part with vectors of its own.
 pub(super) struct Member {
@@ -173,7 +173,7 @@ pub(super) fn bilateral(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
             continue;
         }
         let pressures = vec![0.0; active.len()];
-        let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+        let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
         // What cannot be evaluated here stopped the run with an error of its own.
         let _ = pair.method.assemble(step, &pressures, active, true, &mut |local| {
             let (n, dim) = (3 * local.nodes.len(), local.dim());

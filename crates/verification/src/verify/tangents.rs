@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use stoss_continuum::HyperelasticLaw;
-use stoss_fe_solid::{SolidBody, SolidStep, StressRule, TangentTarget, Workspace};
+use stoss_fe_solid::{ForceRule, SolidBody, SolidStep, TangentTarget, Workspace};
 use stoss_linalg::{ScatterMap, SparsityPattern};
 use stoss_mesh::Mesh;
 use stoss_mesh::generate::Block;
@@ -162,11 +162,11 @@ fn of_law(findings: &mut Findings, law: &dyn HyperelasticLaw) -> Outcome<()> {
 }
 
 /// Stress rules and their names.
-const RULES: [(&str, StressRule); 4] = [
-    ("hex8, end point", StressRule::END_POINT),
-    ("hex8, midpoint", StressRule::MIDPOINT),
-    ("hex8, theta = 0.3", StressRule::Configuration { theta: 0.3 }),
-    ("hex8, energy-momentum", StressRule::EnergyMomentum),
+const RULES: [(&str, ForceRule); 4] = [
+    ("hex8, end point", ForceRule::END_POINT),
+    ("hex8, midpoint", ForceRule::MIDPOINT),
+    ("hex8, theta = 0.3", ForceRule::Configuration { theta: 0.3 }),
+    ("hex8, energy-momentum", ForceRule::DiscreteGradient),
 ];
 
 /// The tangent of one distorted element under every rule.
@@ -190,7 +190,7 @@ fn of_element(findings: &mut Findings, law: &Arc<dyn HyperelasticLaw>) -> Outcom
 /// One element in a step, and its tangent.
 struct Element {
     body: SolidBody,
-    rule: StressRule,
+    rule: ForceRule,
     q_n: Vec<f64>,
     q_np1: Vec<f64>,
     tangent: Vec<f64>,
@@ -198,7 +198,7 @@ struct Element {
 
 impl Element {
     /// A random element in a random step; `None` if it is inverted somewhere.
-    fn new(random: &mut Random, law: &Arc<dyn HyperelasticLaw>, rule: StressRule) -> Option<Self> {
+    fn new(random: &mut Random, law: &Arc<dyn HyperelasticLaw>, rule: ForceRule) -> Option<Self> {
         let mut mesh = Block::new([0.0; 3], [1.0; 3], [1; 3]).generate().ok()?;
         let mut moved =
             |x: &[f64]| -> Vec<f64> { x.iter().map(|x| x + random.between(-AMPLITUDE, AMPLITUDE)).collect() };

@@ -13,14 +13,13 @@ mod sliding;
 use super::Simulation;
 use crate::StepError;
 use crate::assembly::Iterate;
-use crate::system::contact_rule;
 use complementarity::{DenseCompliance, OperatorCompliance};
 use friction::{Cone, with_friction};
 use law::{EnergyOnLine, Impulses, Rates, impulses};
 use response::Response;
 use rows::Row;
 use sliding::Sliding;
-use stoss_contact::{ContactRule, ContactWork, SlotKind, StepConfiguration};
+use stoss_contact::{ContactWork, GradientRule, SlotKind, StepConfiguration};
 use stoss_integrators::{State, StepRule};
 use stoss_linalg::vector;
 
@@ -245,7 +244,7 @@ impl Simulation {
         q: &[f64],
         visit: &mut dyn FnMut(usize, &[u32], &[f64]),
     ) -> Result<(), StepError> {
-        let at_end = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+        let at_end = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
         let (multipliers, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
         self.model.contacts[c].method.assemble_with(at_end, multipliers, auxiliaries, active, true, &mut |local| {
             let (dim, coordinates) = (local.dim(), 3 * local.nodes.len());
@@ -287,8 +286,7 @@ impl Simulation {
         rule: &StepRule,
         q: &[f64],
     ) -> Result<Vec<f64>, StepError> {
-        let configuration =
-            StepConfiguration { q_n: &self.state.q, q_np1: q, rule: contact_rule(rule.constraint.rule) };
+        let configuration = StepConfiguration { q_n: &self.state.q, q_np1: q, rule: rule.constraint.rule };
         let mut closings = vec![0.0; self.model.contacts.len()];
         for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restitution.is_some()) {
             if let Some(closing) = of_pairs[c].closing {

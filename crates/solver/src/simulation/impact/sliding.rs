@@ -5,7 +5,6 @@ use super::rows::Row;
 use crate::StepError;
 use crate::assembly::Iterate;
 use crate::simulation::Simulation;
-use crate::system::contact_rule;
 use stoss_contact::StepConfiguration;
 use stoss_integrators::StepRule;
 
@@ -45,8 +44,7 @@ impl Simulation {
         dt: f64,
         q: &[f64],
     ) -> Result<Vec<Sliding>, StepError> {
-        let configuration =
-            StepConfiguration { q_n: &self.state.q, q_np1: q, rule: contact_rule(rule.constraint.rule) };
+        let configuration = StepConfiguration { q_n: &self.state.q, q_np1: q, rule: rule.constraint.rule };
         let mut sliding = Vec::new();
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let Some(method) = pair.method.as_contact().filter(|method| method.has_friction()) else { continue };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{
-    SolidBody, SolidOptions, SolidStep, StressRule, TangentTarget, Workspace, add_follower_pressure, follower_pressure,
+    ForceRule, SolidBody, SolidOptions, SolidStep, TangentTarget, Workspace, add_follower_pressure, follower_pressure,
 };
 use stoss_linalg::{AutoSolver, LinearSolver, MatrixKind, NONE, ScatterMap, SparsityPattern};
 use stoss_mesh::Mesh;
@@ -104,7 +104,7 @@ impl Equilibrium {
         tangent: Option<&mut [f64]>,
     ) -> Outcome<Vec<f64>> {
         let mut force = vec![0.0; q.len()];
-        let step = SolidStep { q_n: q, q_np1: q, rule: StressRule::END_POINT };
+        let step = SolidStep { q_n: q, q_np1: q, rule: ForceRule::END_POINT };
         let target = tangent.map(|values| TangentTarget { map: &self.elements, first_stencil: 0, factor: 1.0, values });
         self.body.assemble_after(before, step, 1.0, &mut force, target, &mut Workspace::default())?;
         Ok(force)

@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use stoss::solver::Simulation;
-use stoss_fe_solid::{SolidStep, StressRule, Workspace};
+use stoss_fe_solid::{ForceRule, SolidStep, Workspace};
 
 use super::{facade, table};
 use crate::verify::Findings;
@@ -43,7 +43,7 @@ fn scene(cell: &str) -> String {
 fn moments(simulation: &Simulation) -> Outcome<(f64, f64)> {
     let (reference, q) = (&simulation.model().reference, &simulation.state().q);
     let mut force = vec![0.0; q.len()];
-    let step = SolidStep { q_n: q, q_np1: q, rule: StressRule::END_POINT };
+    let step = SolidStep { q_n: q, q_np1: q, rule: ForceRule::END_POINT };
     simulation.model().bodies[0].solid.assemble(step, 1.0, &mut force, None, &mut Workspace::default())?;
     let (mut resultant, mut moment) = (0.0, 0.0);
     for (n, x) in q.chunks_exact(3).enumerate() {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use common::{ACTIVE, OPEN, assembled, assembled_with, path, resultants, second_step, standard};
 use stoss_contact::friction::{Coulomb, Friction as Rough, MidpointFriction, Stick};
-use stoss_contact::{Auxiliary, Constraint, ContactMethod, ContactRule, ContactWork, History, StepConfiguration};
+use stoss_contact::{Auxiliary, Constraint, ContactMethod, ContactWork, GradientRule, History, StepConfiguration};
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
 use stoss_tensor::{Tensor2, Vector3};
 
@@ -26,10 +26,10 @@ const STEP: f64 = 0.1;
 /// Random steps of each kind.
 const STATES: usize = 24;
 
-const RULES: [(&str, ContactRule); 3] = [
-    ("end point", ContactRule::EndPoint),
-    ("midpoint", ContactRule::Midpoint),
-    ("energy-momentum", ContactRule::EnergyMomentum),
+const RULES: [(&str, GradientRule); 3] = [
+    ("end point", GradientRule::EndPoint),
+    ("midpoint", GradientRule::Midpoint),
+    ("energy-momentum", GradientRule::DiscreteGradient),
 ];
 /// What the second step does, with a coefficient of friction for which it does so for certain.
 const KINDS: [(&str, f64); 2] = [("stick", 1e3), ("slip", 0.02)];
@@ -41,12 +41,12 @@ const STEPPINGS: [MidpointFriction; 3] = [MidpointFriction::A, MidpointFriction:
 /// A random step, after another one in which the node closed.
 struct Path {
     q: [Vec<f64>; 3],
-    rule: ContactRule,
+    rule: GradientRule,
     stepping: MidpointFriction,
 }
 
 impl Path {
-    fn new(random: &mut Random, rule: ContactRule, slide: [f64; 2], count: usize) -> Self {
+    fn new(random: &mut Random, rule: GradientRule, slide: [f64; 2], count: usize) -> Self {
         let size = 3 * (2 * (FACETS as usize + 1) + 4);
         let mut noise =
             |amplitude: f64| -> Vec<f64> { (0..size).map(|_| random.between(-amplitude, amplitude)).collect() };
@@ -227,7 +227,7 @@ fn multipliers(checks: &mut Vec<Check>) -> Outcome<()> {
                     let traction = multiplier[0].hypot(multiplier[1]);
                     work.see(done.friction_work.abs() / traction, at);
                     dissipated = larger(dissipated, larger(done.dissipated.abs(), done.stored));
-                    if rule == ContactRule::EnergyMomentum {
+                    if rule == GradientRule::DiscreteGradient {
                         let x: Vec<f64> = rigid.unknowns().into_iter().chain(multiplier).collect();
                         let with = assembled_with(&m, &rigid.q[1], rule, &x, &values, false).0;
                         let without = rigid.forces(&rigid.run(standard(FACETS)));
@@ -261,7 +261,7 @@ fn augmented(checks: &mut Vec<Check>) -> Outcome<()> {
             for count in 0..STATES {
                 for ((place, slide), (name, rule)) in PLACES.iter().zip(RULES.iter().cycle().skip(count)) {
                     // It has no energy-momentum rule of its own.
-                    let rule = if *rule == ContactRule::EnergyMomentum { ContactRule::Midpoint } else { *rule };
+                    let rule = if *rule == GradientRule::DiscreteGradient { GradientRule::Midpoint } else { *rule };
                     let path = Path::new(&mut random, rule, *slide, count);
                     let m = path.augmented(mu, reduction)?;
                     let condensed = reduction == Reduction::Second;
@@ -285,7 +285,7 @@ fn augmented(checks: &mut Vec<Check>) -> Outcome<()> {
                     momenta.see(sum.max(moment) / largest(forces), || {
                         format!("reduction {reduction_name}, {place}, {name}")
                     });
-                    if condensed && rule == ContactRule::EndPoint {
+                    if condensed && rule == GradientRule::EndPoint {
                         let expected = path.forces(&path.direct(mu)?);
                         let difference = expected.iter().zip(forces).map(|(a, b)| (a - b).abs()).fold(0.0, larger);
                         same.see(difference / largest(&expected), || (*place).to_owned());
@@ -319,7 +319,7 @@ fn energies(checks: &mut Vec<Check>) -> Outcome<()> {
                 let sum = work.stored + released.dissipated + work.friction_work.abs();
                 least = least.min(work.dissipated / sum.max(f64::MIN_POSITIVE)).min(released.dissipated);
                 count += 1;
-                if rule == ContactRule::EnergyMomentum {
+                if rule == GradientRule::DiscreteGradient {
                     // What the released spring loses is what it held.
                     let done = work_of(&path, &m);
                     let rest = done + work.stored - released.dissipated + work.dissipated;
@@ -331,7 +331,7 @@ fn energies(checks: &mut Vec<Check>) -> Outcome<()> {
                 let scale = before.max(1.0);
                 let lost = work.dissipated.abs().max((work.stored - before).abs()) / scale;
                 rigid.see(lost, || format!("{place}, {name}"));
-                if rule == ContactRule::EnergyMomentum {
+                if rule == GradientRule::DiscreteGradient {
                     power.see(work_of(&rigid_step, &m).abs() / scale, || place.to_owned());
                 }
             }

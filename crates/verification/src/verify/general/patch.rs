@@ -1,6 +1,6 @@
 //! Two flat faces: how uniform the pressure of the layer is at a given gap, and in blocks that are pressed together.
 
-use stoss_contact::{ContactRule, LocalContribution, Potential, Step, StepConfiguration};
+use stoss_contact::{GradientRule, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interaction, Interactions, Layer, Skin, SkinFacet};
 use stoss_geometry::{PairKind, closest};
 use stoss_reference_element::FacetNodes;
@@ -94,7 +94,7 @@ fn with_guards(faces: &mut Faces) -> Outcome<Vec<f64>> {
     contact.commit(q);
     contact.begin(&Step::quasi_static(q, 1.0))?;
     contact.renew(q)?;
-    let step = StepConfiguration { q_n: q, q_np1: q, rule: ContactRule::EndPoint };
+    let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     contact.assemble(step, false, &mut |local: &LocalContribution| {
         for (k, &node) in local.nodes.iter().enumerate() {
             force[node as usize] += local.residual[3 * k + 2];

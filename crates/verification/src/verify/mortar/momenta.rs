@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
-use stoss_contact::{Constraint, ContactRule, LocalContribution, Step, StepConfiguration};
+use stoss_contact::{Constraint, GradientRule, LocalContribution, Step, StepConfiguration};
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace, SlipMeasure};
 use stoss_tensor::Vector3;
 use stoss_tensor::nalgebra::Rotation3;
@@ -21,11 +21,11 @@ const PENALTY: f64 = 40.0;
 const DEFECT: f64 = 1e-3;
 
 /// Name, rule, and the place at which its force has no moment: start, middle or end of the step.
-const RULES: [(&str, ContactRule, f64); 4] = [
-    ("start of the step", ContactRule::StartPoint, 0.0),
-    ("end of the step", ContactRule::EndPoint, 1.0),
-    ("midpoint", ContactRule::Midpoint, 0.5),
-    ("energy-momentum", ContactRule::EnergyMomentum, 0.5),
+const RULES: [(&str, GradientRule, f64); 4] = [
+    ("start of the step", GradientRule::StartPoint, 0.0),
+    ("end of the step", GradientRule::EndPoint, 1.0),
+    ("midpoint", GradientRule::Midpoint, 0.5),
+    ("energy-momentum", GradientRule::DiscreteGradient, 0.5),
 ];
 
 fn sheet(n: u32, first: u32, up: bool) -> Vec<[u32; 4]> {
@@ -72,7 +72,7 @@ fn resultants(force: &[f64], x: &[f64]) -> [f64; 2] {
 /// Nodal forces of the step from `q_n` to `q` with these pressures at all slave nodes.
 fn forces(
     method: &mut MortarContact,
-    rule: ContactRule,
+    rule: GradientRule,
     [q_n, q]: [&[f64]; 2],
     pressures: &[f64],
 ) -> Outcome<Vec<f64>> {
@@ -92,7 +92,7 @@ fn forces(
 /// Worst of many random pairs of surfaces, and the number of those with forces. From half a facet inside to half a facet apart.
 fn worst(
     count: u32,
-    (rule, place): (ContactRule, f64),
+    (rule, place): (GradientRule, f64),
     prepare: impl Fn(MortarContact) -> Outcome<MortarContact>,
 ) -> Outcome<([f64; 2], u32)> {
     let mut random = Random(31);
@@ -128,7 +128,7 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
     for (name, rule, place) in RULES {
         let found = worst(count, (rule, place), Ok)?;
         rows(&format!("contact forces, {name}"), found, bound);
-        if rule == ContactRule::StartPoint {
+        if rule == GradientRule::StartPoint {
             continue;
         }
         // The force of the thesis acts at two places that are a gap apart.
