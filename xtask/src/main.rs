@@ -10,6 +10,7 @@ mod layers;
 mod modules;
 mod reference;
 mod reuse;
+mod same;
 mod schema;
 mod tidy;
 
@@ -73,6 +74,16 @@ enum Command {
         /// Names of suites; all if none is given.
         suites: Vec<String>,
     },
+    /// Runs scenes with another program too and compares every table and the last frame byte by byte.
+    Same {
+        /// The other program `stoss`, mostly that of the commit before.
+        other: PathBuf,
+        /// Steps of the size that a scene gives; 0: to the end of each scene.
+        #[arg(long, default_value_t = 20)]
+        steps: u32,
+        /// Files, folders, or names of shipped scenes; all shipped scenes if none is given.
+        scenes: Vec<String>,
+    },
     /// Draws docs/gallery/ from the runs of the shipped scenes.
     Gallery {
         /// One picture only.
@@ -93,6 +104,7 @@ fn dispatch(arguments: Arguments) -> Outcome<bool> {
         Command::Verify { quick, seed, count, suites } => {
             stoss_verification::verify(&workspace, quick, &suites, RandomRange { seed, count })
         }
+        Command::Same { other, steps, scenes } => same::command(&workspace, &same::Comparison { other, steps, scenes }),
         Command::Dist => dist::command(&workspace),
         Command::Gallery { scene } => gallery::command(&workspace, scene.as_deref()),
     }
