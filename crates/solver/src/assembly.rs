@@ -2,6 +2,7 @@
 //! [`crate::system`] and [`crate::problem`].
 
 use crate::anchor::Anchor;
+use crate::books::Works;
 use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
@@ -100,6 +101,8 @@ pub(crate) struct System {
     pub gap_measure: f64,
     /// Sum of the squares of the auxiliaries' force rows in the last evaluation.
     pub auxiliary_square: f64,
+    /// Work of the forces of the last evaluation.
+    pub works: Works,
     /// Time of contact contributions since somebody took it.
     pub contact_time: PhaseTime,
     /// What contact contributions add to the linear equations only; empty as long as none did.
@@ -455,6 +458,7 @@ impl System {
             force_scale: 0.0,
             gap_measure: 0.0,
             auxiliary_square: 0.0,
+            works: Works::new(model.bodies.len(), model.parts.len(), model.contacts.len()),
             contact_time: PhaseTime::default(),
             shift: Vec::new(),
             weighted: Vec::new(),

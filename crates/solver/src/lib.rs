@@ -20,6 +20,7 @@ mod anchor;
 mod anchored;
 mod assembly;
 mod balance;
+mod books;
 mod centrifugal;
 mod checkpoint;
 mod closed;
@@ -55,6 +56,7 @@ mod timing;
 mod words;
 
 pub use balance::Balance;
+pub use books::{Books, Posting};
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use control::{Automatic, Clock, StepChange, StepControl};
 pub use departure::Departure;

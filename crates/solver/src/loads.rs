@@ -70,6 +70,15 @@ impl Load {
         directions
     }
 
+    /// Stencils that it has in the pattern beside those of the elements.
+    pub(crate) fn stencils(&self) -> usize {
+        match &self.kind {
+            LoadKind::Dead { .. } | LoadKind::Centrifugal { .. } => 0,
+            LoadKind::FollowerPressure { facets } => facets.len(),
+            LoadKind::Moment { directors } => directors.len(),
+        }
+    }
+
     /// Whether it depends on the configuration.
     pub fn follows(&self) -> bool {
         !matches!(self.kind, LoadKind::Dead { .. })

@@ -1,6 +1,6 @@
 //! Records of a completed step.
 
-use crate::Balance;
+use crate::{Balance, Books};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use stoss_contact::{BodyPair, Coverage, SurfaceForce, SurfaceNode};
@@ -150,6 +150,8 @@ pub struct StepRecord {
     pub stabilising: Option<[f64; 2]>,
     /// Energy that closing gaps took in the step by the constraints themselves, in the order of [`crate::Model::contacts`]; empty in statics and of the initial state.
     pub closing: Vec<f64>,
+    /// What each body, part, load and coupling did with the energy of the step; empty of the initial state.
+    pub books: Books,
     /// Energy that the law of impact took in the step, in the same order; empty where it did not act.
     pub impact_losses: Vec<f64>,
     /// Contact, if the model has any.

@@ -1,6 +1,7 @@
 //! The run: state, steps, balance of energy and momenta.
 
 mod advance;
+mod books;
 mod departure;
 mod impact;
 mod overlaps;
@@ -24,8 +25,8 @@ use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{
-    Balance, Decision, FailedAttempt, LoadKind, Model, Release, SimulationError, Stabilise, StepControl, StepError,
-    StepRecord, Switches, Timings,
+    Balance, Books, Decision, FailedAttempt, LoadKind, Model, Release, SimulationError, Stabilise, StepControl,
+    StepError, StepRecord, Switches, Timings,
 };
 use std::collections::BTreeMap;
 use stoss_contact::{SlotReport, Step as ContactStep, Support, SurfaceForce};
@@ -140,6 +141,9 @@ pub struct Simulation {
     active: Vec<Vec<bool>>,
     /// Of each contact pair: energy that it stores, and the part of it in springs of friction.
     stored: Vec<[f64; 2]>,
+    /// Stored energies of bodies and parts; empty where they are not known.
+    energies: Vec<f64>,
+    books: Books,
     /// (component, prescription, column), sorted.
     prescribed: Vec<(u32, u32, u32)>,
     /// What couplings are told of what acts.
@@ -246,6 +250,8 @@ impl Simulation {
             off,
             released: Vec::new(),
             stored: vec![[0.0; 2]; model.contacts.len()],
+            energies: Vec::new(),
+            books: Books::default(),
             balance: Balance::default(),
             timings: Timings::default(),
             decisions: Vec::new(),
@@ -406,6 +412,10 @@ impl Simulation {
     pub fn balance(&self) -> &Balance {
         &self.balance
     }
+    /// Books of all steps of this process: what is stored now, and sums of the rest.
+    pub fn books(&self) -> &Books {
+        &self.books
+    }
     /// Pressures of each contact pair's slots, of the equations of the last step.
     pub fn pressures(&self) -> &[Vec<f64>] {
         &self.pressures
@@ -531,6 +541,7 @@ impl Simulation {
             inside_out: 0,
             unstable: 0,
             closing: Vec::new(),
+            books: Books::default(),
             impact_losses: Vec::new(),
             stabilising: None,
             contact: None,
@@ -635,14 +646,6 @@ impl Simulation {
     }
 
     fn strain_energy(&self, q: &[f64]) -> Result<f64, StepError> {
-        let mut energy = 0.0;
-        for body in &self.model.bodies {
-            energy += body.solid.strain_energy(q)?;
-        }
-        let acting = self.model.parts.iter().zip(&self.system.acting.parts).filter(|(_, acts)| **acts);
-        for (part, _) in acting {
-            energy += part.energy(q)?;
-        }
-        Ok(energy)
+        Ok(self.energies(q)?.iter().fold(0.0, |sum, energy| sum + energy))
     }
 }

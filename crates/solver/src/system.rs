@@ -1,6 +1,7 @@
 //! The finite-element model as a system that every scheme can drive: forces of solids, loads and contact, mass.
 
 use crate::assembly::System;
+use crate::books::{work_at, work_of};
 use crate::mass_solve::MassSolver;
 use crate::moment::moment_forces;
 use crate::rows::SmoothedPair;
@@ -46,56 +47,69 @@ impl FeSystem<'_> {
         rule: ForceRule,
         tangent: Option<f64>,
     ) -> Result<(), StepError> {
-        let (model, s) = (self.model, &mut *self.system);
+        let s = &mut *self.system;
         for range in &s.load_support {
             s.follower[range.clone()].fill(0.0);
         }
         let theta = rule.load_fraction();
-        let time = step.time + theta * step.dt;
         let mut stencil = *s.first_stencil.last().unwrap_or(&0);
-        for (load, &acts) in model.loads.iter().zip(&s.acting.loads) {
-            let facets = match &load.kind {
-                LoadKind::Dead { .. } | LoadKind::Centrifugal { .. } => continue,
-                LoadKind::FollowerPressure { facets } => facets,
-                LoadKind::Moment { directors } => {
-                    for (k, &three) in directors.iter().enumerate().filter(|_| acts) {
-                        let (force, mut derivative) = moment(load, three, step, theta)?;
-                        for (&vector, f) in three.iter().zip(force.chunks_exact(3)) {
-                            let at = 3 * vector as usize;
-                            s.follower[at..at + 3].iter_mut().zip(f).for_each(|(sum, f)| *sum += f);
-                        }
-                        if let Some(weight) = tangent {
-                            derivative.iter_mut().for_each(|d| *d *= -weight * theta);
-                            s.solid_map.add(stencil + k, &derivative, &mut s.solid_values);
-                        }
-                    }
-                    stencil += directors.len();
-                    continue;
-                }
-            };
-            if !acts {
-                // Its place in the pattern stays.
-                stencil += facets.len();
-                continue;
+        let model = self.model;
+        let is_centrifugal = |load: &Load| matches!(load.kind, LoadKind::Centrifugal { .. });
+        // What is off keeps its place in the pattern.
+        for (l, load) in model.loads.iter().enumerate().filter(|(_, load)| !is_centrifugal(load)) {
+            if self.system.acting.loads[l] {
+                self.add_follower(l, stencil, step, theta, tangent)?;
             }
-            let pressure = load.magnitude.value(time, 0);
-            for facet in facets {
-                let mut places = [[0.0; 3]; MAX_FACE_NODES];
-                places.iter_mut().zip(facet.iter()).for_each(|(x, &node)| *x = between(step, theta, node));
-                let mut load = follower_pressure(facet.kind(), &places[..facet.len()], pressure);
-                add_follower_pressure(facet, load.force(), &mut s.follower);
-                if let Some(weight) = tangent {
-                    // The load enters the residual with a minus, and d q_theta / d q_np1 = theta.
-                    let factor = -weight * theta;
-                    load.tangent_mut().iter_mut().for_each(|t| *t *= factor);
-                    s.solid_map.add(stencil, load.tangent(), &mut s.solid_values);
-                }
-                stencil += 1;
+            stencil += load.stencils();
+        }
+        for (l, _) in model.loads.iter().enumerate().filter(|(_, load)| is_centrifugal(load)) {
+            if self.system.acting.loads[l] {
+                self.add_follower(l, stencil, step, theta, tangent)?;
             }
         }
-        for (l, load) in model.loads.iter().enumerate() {
-            if s.acting.loads[l] {
-                s.add_centrifugal(load, step, theta, tangent);
+        Ok(())
+    }
+
+    /// Forces of one of those loads, added to `system.follower`; its stencils begin with `stencil`.
+    pub fn add_follower(
+        &mut self,
+        load: usize,
+        stencil: usize,
+        step: StepConfiguration<'_>,
+        theta: f64,
+        tangent: Option<f64>,
+    ) -> Result<(), StepError> {
+        let (load, s) = (&self.model.loads[load], &mut *self.system);
+        match &load.kind {
+            LoadKind::Dead { .. } => {}
+            LoadKind::Centrifugal { .. } => s.add_centrifugal(load, step, theta, tangent),
+            LoadKind::Moment { directors } => {
+                for (k, &three) in directors.iter().enumerate() {
+                    let (force, mut derivative) = moment(load, three, step, theta)?;
+                    for (&vector, f) in three.iter().zip(force.chunks_exact(3)) {
+                        let at = 3 * vector as usize;
+                        s.follower[at..at + 3].iter_mut().zip(f).for_each(|(sum, f)| *sum += f);
+                    }
+                    if let Some(weight) = tangent {
+                        derivative.iter_mut().for_each(|d| *d *= -weight * theta);
+                        s.solid_map.add(stencil + k, &derivative, &mut s.solid_values);
+                    }
+                }
+            }
+            LoadKind::FollowerPressure { facets } => {
+                let pressure = load.magnitude.value(step.time + theta * step.dt, 0);
+                for (k, facet) in facets.iter().enumerate() {
+                    let mut places = [[0.0; 3]; MAX_FACE_NODES];
+                    places.iter_mut().zip(facet.iter()).for_each(|(x, &node)| *x = between(step, theta, node));
+                    let mut load = follower_pressure(facet.kind(), &places[..facet.len()], pressure);
+                    add_follower_pressure(facet, load.force(), &mut s.follower);
+                    if let Some(weight) = tangent {
+                        // The load enters the residual with a minus, and d q_theta / d q_np1 = theta.
+                        let factor = -weight * theta;
+                        load.tangent_mut().iter_mut().for_each(|t| *t *= factor);
+                        s.solid_map.add(stencil + k, load.tangent(), &mut s.solid_values);
+                    }
+                }
             }
         }
         Ok(())
@@ -175,6 +189,10 @@ impl SecondOrderSystem for FeSystem<'_> {
             });
             let before = s.has_linearised.then_some(&s.linearised[..]);
             body.solid.assemble_after(before, solid_step, 1.0, out, target, &mut s.workspaces[b])?;
+        }
+        for (b, body) in self.model.bodies.iter().enumerate() {
+            let components = 3 * body.nodes.start as usize..3 * body.nodes.end as usize;
+            s.works.bodies[b] = work_of(out, components, step.q_n, step.q_np1);
         }
         if !self.model.parts.is_empty() {
             self.add_part_forces(step, rule, tangent, out)?;
@@ -257,8 +275,9 @@ impl FeSystem<'_> {
         // A step of no length is the start of a run, where nothing has a rate.
         let has_rates = s.has_rates && step.dt > 0.0;
         let step = PartStep { q_n: step.q_n, q_np1: step.q_np1, rule, dt: step.dt, has_rates };
-        let System { solid_map, solid_values, weighted, acting, .. } = s;
-        for (part, &acts) in self.model.parts.iter().zip(&acting.parts) {
+        let System { solid_map, solid_values, weighted, acting, works, .. } = s;
+        for ((part, &acts), work) in self.model.parts.iter().zip(&acting.parts).zip(&mut works.parts) {
+            *work = 0.0;
             if !acts {
                 part.stencils(&mut |_| stencil += 1);
                 continue;
@@ -268,6 +287,7 @@ impl FeSystem<'_> {
                     let first = 3 * vector as usize;
                     out[first..first + 3].iter_mut().zip(r).for_each(|(o, r)| *o += r);
                 }
+                *work += work_at(&local.vectors, &local.residual, step.q_n, step.q_np1);
                 if let Some(factor) = tangent {
                     weighted.clear();
                     weighted.extend(local.tangent.iter().map(|t| factor * t));
@@ -314,8 +334,11 @@ impl FeSystem<'_> {
                 expanded,
                 shifts_rows,
                 rows,
+                works,
                 ..
             } = s;
+            let work = &mut works.couplings[c];
+            *work = 0.0;
             let smoothed = match (method.as_contact(), rows.smoothing.get(c)) {
                 (Some(_), Some(&theta)) => {
                     Some(SmoothedPair { theta, factor: pair.complementarity, pressures: &self.pressures[c] })
@@ -326,6 +349,7 @@ impl FeSystem<'_> {
             let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
             method.assemble_with(configuration, pressures, auxiliaries, active, tangent, &mut |local| {
                 let coordinates = 3 * local.nodes.len();
+                *work += work_at(&local.nodes, &local.residual, step.q_n, step.q_np1);
                 for (i, &node) in local.nodes.iter().enumerate() {
                     if model.embedding.has(node) {
                         touched.push(node);

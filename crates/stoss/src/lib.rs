@@ -76,3 +76,5 @@ mod regular;
 pub mod run;
 #[cfg(feature = "output")]
 pub mod sweep;
+#[cfg(feature = "output")]
+mod terms;

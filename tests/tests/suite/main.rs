@@ -2,6 +2,7 @@
 
 mod belts;
 mod bolt;
+mod books;
 mod cat;
 mod centrifugal;
 mod conservation;

@@ -12,7 +12,7 @@ const ROWS: usize = 6000;
 const FEWEST: usize = 1000;
 
 /// Tables that a page shows, by their file names without `.csv`.
-const NAMES: [&str; 6] = ["balance", "newton", "contact", "probes", "joints", "watch"];
+const NAMES: [&str; 7] = ["balance", "terms", "newton", "contact", "probes", "joints", "watch"];
 
 /// A table of the page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -46,6 +46,7 @@ fn one(folder: &Folder, name: &str, most: usize) -> Outcome<Option<Columns>> {
     let Some(table) = folder.table(&file)? else { return Ok(None) };
     let table = match name {
         "newton" => iterations(&table).map_err(|error| format!("{}: {error}", folder.path().join(&file).display()))?,
+        "terms" => since_start(columns(&table)),
         _ => columns(&table),
     };
     let unit = |column: &String| units::of_column(folder, name, column).unwrap_or_default();
@@ -58,6 +59,19 @@ fn columns(table: &Table) -> Columns {
     let values = table.names().iter().map(|name| table.column(name).map(<[f64]>::to_vec).unwrap_or_default());
     let names = table.names().to_vec();
     Columns { name: String::new(), names, units: Vec::new(), values: values.collect(), rows: table.rows() }
+}
+
+/// Sums since the start of what terms dissipate, supply and lose or make in each step; what they store stays. A remainder that is not measured counts as none.
+fn since_start(mut table: Columns) -> Columns {
+    let of_steps = |name: &String| !matches!(name.as_str(), "step" | "time") && !name.ends_with(".stored");
+    for (_, values) in table.names.iter().zip(&mut table.values).filter(|(name, _)| of_steps(name)) {
+        let mut sum = 0.0;
+        for value in values {
+            sum += if value.is_finite() { *value } else { 0.0 };
+            *value = sum;
+        }
+    }
+    table
 }
 
 /// Of each step the number of its last iteration and the residual there.

@@ -1,5 +1,6 @@
 //! One step of a simulation: attempts, acceptance, work.
 
+use super::books::Draft;
 use super::impact::Impact;
 use super::{InsideOutRule, Simulation};
 use crate::anchored::attempt_anchored;
@@ -57,7 +58,7 @@ pub(super) struct Completed {
     attempt: Attempt,
     next: State,
     rule: StepRule,
-    strain: f64,
+    draft: Draft,
     contact: Option<ContactSummary>,
     work: ContactWork,
     /// For each contact pair.
@@ -295,7 +296,6 @@ impl Simulation {
         let solves = trace.solves;
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
-        let strain = self.strain_energy(&attempt.iterate.q)?;
         let inside_out = self.inside_out(&attempt.iterate.q)?;
         if self.inside_out_rule == InsideOutRule::Refuse
             && let Some(error) = self.newly_inside_out(&inside_out).next()
@@ -312,6 +312,7 @@ impl Simulation {
             }
         }
         let (work, of_pairs) = self.contact_work(&attempt.iterate)?;
+        let draft = self.draft(&attempt.iterate, &of_pairs, &rule, dt)?;
         let (contact, slaves) = self.contact_summary(&attempt, rule, &of_pairs)?.unzip();
         let mut contact = contact.map(|c| ContactSummary { coverage, ..c });
         let stored = of_pairs.iter().map(|work| [work.stored, work.friction_stored]).collect();
@@ -328,7 +329,7 @@ impl Simulation {
                 self.add_impulses(&impact.mean, slaves, &attempt.iterate.active, &next.q, contact);
             }
         }
-        Ok(Completed { attempt, next, rule, strain, contact, work, stored, closing, impact, inside_out, solves })
+        Ok(Completed { attempt, next, rule, draft, contact, work, stored, closing, impact, inside_out, solves })
     }
 
     pub(super) fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
@@ -381,7 +382,7 @@ impl Simulation {
     fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
         self.warn_inside_out(&completed.inside_out);
         self.warn_dependent();
-        let Completed { attempt, next, rule, strain, mut contact, stored, closing, impact, inside_out, solves, .. } =
+        let Completed { attempt, next, rule, draft, mut contact, stored, closing, impact, inside_out, solves, .. } =
             completed;
         self.moved = contact.as_mut().map(|contact| std::mem::take(&mut contact.moved)).unwrap_or_default();
         let contact_work = completed.work;
@@ -396,6 +397,7 @@ impl Simulation {
             self.add_varying_loads(time_n, 0.5, &mut varying);
             self.add_reactions(0.5, &mut varying);
         }
+        let mut of_supports = if quasi_static { 0.5 * self.reaction_work(&next.q) } else { 0.0 };
         let end_weight = if quasi_static { 0.5 } else { 1.0 };
         self.add_varying_loads(time_n + rule.force.rule.load_fraction() * dt, end_weight, &mut varying);
         if self.system.has_followers {
@@ -416,6 +418,7 @@ impl Simulation {
             self.reactions[c] = self.system.buffers.residual[c];
         }
         self.add_reactions(end_weight, &mut varying);
+        of_supports += end_weight * self.reaction_work(&next.q);
         let mut work = 0.0;
         for c in self.system.load_support.iter().flat_map(Range::clone) {
             work += varying[c] * (next.q[c] - self.state.q[c]);
@@ -452,6 +455,7 @@ impl Simulation {
         self.state = next;
         // Velocities from momenta lack the next impulse of the constraints, and get it in the next step.
         let has_supports = rule.impulse.is_none() && self.has_sliding_supports();
+        let mut jump = 0.0;
         if self.scheme.is_some() && (!self.prescribed.is_empty() || has_supports) {
             // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
             let before = self.kinetic(&self.state.v);
@@ -463,7 +467,8 @@ impl Simulation {
             }
             self.model.embedding.follow_changes(&mut v, &mut followed);
             self.state.v = v;
-            work += self.kinetic(&self.state.v) - before;
+            jump = self.kinetic(&self.state.v) - before;
+            work += jump;
         }
         if !self.model.contacts.is_empty() {
             let System { support, touched, buffers, .. } = &self.system;
@@ -485,7 +490,7 @@ impl Simulation {
                 self.model.embedding.pull_back_of(&vertices, &mut self.contact_force);
             }
         }
-        let impact = impact.unwrap_or_default();
+        let mut impact = impact.unwrap_or_default();
         for &(c, force) in &impact.mean.reactions {
             self.reactions[c as usize] += force;
         }
@@ -493,10 +498,10 @@ impl Simulation {
         work += impact.external;
         self.stored = stored;
         self.pressures = iterate.pressures;
-        self.mean_pressures = impact.mean.pressures;
+        self.mean_pressures = std::mem::take(&mut impact.mean.pressures);
         self.active = iterate.active;
         self.take_sliding_supports_from_contact_force();
-        let balance = self.measure_balance(strain, self.balance.external_work + work + contact_work.driven);
+        let balance = self.measure_balance(draft.strain(), self.balance.external_work + work + contact_work.driven);
         let before = self.balance;
         let stored_by_normal = |stored: f64, by_friction: f64| stored - by_friction;
         // Without contact the constraints are those of joints, and what they lose is what their limits report.
@@ -524,6 +529,7 @@ impl Simulation {
             impact_capped: self.balance.impact_capped + impact.excess,
             ..balance
         };
+        let books = self.close_books(draft, &impact, [of_supports, jump], stabilised, &before);
         self.step += 1;
         self.sudden.clear();
         if let Some(work) = work_of_contact {
@@ -559,6 +565,7 @@ impl Simulation {
             decisions: self.decisions[first_decision..].to_vec(),
             unstable,
             closing,
+            books,
             impact_losses: impact.losses,
             stabilising,
             inside_out: inside_out.iter().flatten().map(|found| found.count).sum(),
@@ -583,6 +590,12 @@ impl Simulation {
             (dead + follower).abs()
         });
         reactions.sum::<f64>() + loads.sum::<f64>()
+    }
+
+    /// Work of the present reactions on the way to `q`.
+    fn reaction_work(&self, q: &[f64]) -> f64 {
+        let components = self.prescribed.iter().map(|&(component, ..)| component as usize);
+        components.map(|c| self.reactions[c] * (q[c] - self.state.q[c])).sum()
     }
 
     fn add_reactions(&self, factor: f64, force: &mut [f64]) {

@@ -118,6 +118,7 @@ impl Simulation {
         self.off = checkpoint.off;
         self.released = checkpoint.released;
         self.stored = checkpoint.stored;
+        self.energies.clear();
         self.departures = checkpoint.departures;
         self.clock = clock;
         if let Some(how) = stabilise {

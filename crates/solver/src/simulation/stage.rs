@@ -264,6 +264,7 @@ impl Simulation {
         self.active = saved.active;
         self.reactions = saved.reactions;
         self.stored = saved.stored;
+        self.energies.clear();
         self.balance = saved.balance;
         // cannot fail: these methods wrote it themselves just before.
         self.load_histories(&saved.histories).unwrap_or(());
@@ -439,6 +440,7 @@ impl Simulation {
         }
         let before = self.balance;
         // Of the same positions; springs may have been switched.
+        self.energies.clear();
         let strain = self.strain_energy(&self.state.q)?;
         let now = self.measure_balance(strain, before.external_work);
         let (contact, friction_stored) =

@@ -2,6 +2,7 @@
 
 use super::case::Case;
 use super::{Cause, Confidence, Finding, Remedy, Where, toml};
+use crate::terms::Terms;
 use stoss_integrators::{ForceRule, Scheme};
 use stoss_watch::{FindingKind, Severity};
 
@@ -12,6 +13,24 @@ const CONSERVING: &str = "{ scheme = \"energy-momentum\" }";
 fn is_dissipative(scheme: &dyn Scheme) -> bool {
     let rule = scheme.rule(1.0);
     rule.force.rule == ForceRule::END_POINT && rule.history.is_none() && rule.acceleration.is_none()
+}
+
+/// How many terms are named.
+const MOST_TERMS: usize = 3;
+
+/// Which bodies, parts and couplings made the energy that is too much, or lost what is missing: their remainders since the process began.
+fn by_terms(case: &Case<'_>) -> Option<String> {
+    let names: Vec<String> = case.scene.bodies.iter().map(|body| body.name.clone()).collect();
+    let terms = Terms::new(&names, false, case.simulation);
+    let books = case.simulation.books();
+    let mut remainders: Vec<(&str, f64)> =
+        terms.of(books).map(|(name, posting)| (name, posting.remainder)).filter(|(_, rest)| *rest != 0.0).collect();
+    remainders.sort_by(|a, b| a.1.total_cmp(&b.1));
+    remainders.retain(|(_, rest)| *rest < 0.0);
+    remainders.truncate(MOST_TERMS);
+    let list: Vec<String> = remainders.iter().map(|(name, rest)| format!("`{name}` {:.2e}", -rest)).collect();
+    (!list.is_empty())
+        .then(|| format!("energy made since the run was started or resumed, by term (terms.csv): {}", list.join(", ")))
 }
 
 /// A gain of energy that the watch found, with a scheme that does not exclude it.
@@ -53,7 +72,7 @@ pub(super) fn scheme_gains(case: &Case<'_>) -> Vec<Finding> {
             ..Where::default()
         },
         sentence,
-        evidence: vec![gain.sentence.clone()],
+        evidence: std::iter::once(gain.sentence.clone()).chain(by_terms(case)).collect(),
         remedies,
     }]
 }

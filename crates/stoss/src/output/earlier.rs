@@ -6,9 +6,10 @@ use std::path::Path;
 
 /// Every file that a run writes beside its frames, with what stands near its beginning if this program wrote it. An empty file is
 /// a table that a kill left.
-const FILES: [(&str, &str); 16] = [
+const FILES: [(&str, &str); 17] = [
     ("balance.csv", "step,time,dt,lx,"),
     ("newton.csv", "step,time,iteration,"),
+    ("terms.csv", "step,time,"),
     ("contact.csv", "step,time,active,"),
     ("general.csv", "step,time,first,second,"),
     ("probes.csv", "step,time,"),

@@ -5,6 +5,7 @@ use super::means::Means;
 use super::settings::FolderSettings;
 use super::table::CsvTable;
 use crate::build::{JointPlace, Probe};
+use crate::terms::Terms;
 use std::collections::BTreeMap;
 use stoss_solver::{BodyPair, Simulation, StepRecord};
 
@@ -43,6 +44,9 @@ const JOINT: [&str; 12] =
 const SECOND: [&str; 6] =
     ["second", "second_friction", "second_viscous", "second_spring", "second_motor", "second_limit"];
 
+/// Table of the energies of everything that makes forces, from the first step on.
+const TERMS: &str = "terms.csv";
+
 /// Table of the probes, whose columns the scene names.
 pub const PROBES: &str = "probes.csv";
 
@@ -65,6 +69,7 @@ pub struct Tables {
     contact: Option<CsvTable>,
     pairs: Vec<PairPlace>,
     joints: Option<CsvTable>,
+    terms: (Terms, CsvTable),
     bodies: Option<CsvTable>,
 }
 
@@ -102,11 +107,16 @@ impl Tables {
             (has_damping(simulation), DAMPING),
             (settings.schedule.is_stabilised(), STABILISATION),
         ];
+        let terms = Terms::new(&settings.parts, settings.schedule.is_stabilised(), simulation);
         let more = more.iter().filter(|(has, _)| *has).map(|(_, columns)| *columns);
         let balance_header = std::iter::once(BALANCE).chain(more).collect::<Vec<_>>().join(",");
         Ok(Self {
             balance: open("balance.csv", &balance_header)?,
             newton: open("newton.csv", NEWTON)?,
+            terms: {
+                let table = open(TERMS, &terms.header())?;
+                (terms, table)
+            },
             probes: if heads.is_empty() { None } else { Some(open(PROBES, &probe_header)?) },
             contact: if has_contact {
                 let heads = pairs.iter().flat_map(|pair| {
@@ -179,6 +189,14 @@ impl Tables {
             self.balance.number(b.stabilisation);
         }
         self.balance.end_row()?;
+        if record.step > 0 {
+            let (terms, table) = &mut self.terms;
+            table.integer(record.step).number(record.time);
+            terms.values(&record.books).for_each(|value| {
+                table.number(value);
+            });
+            table.end_row()?;
+        }
         for row in &record.newton {
             self.newton
                 .integer(record.step)
@@ -271,6 +289,7 @@ impl Tables {
     pub fn flush(&mut self, lengths: &mut BTreeMap<String, u64>) -> Result<(), OutputError> {
         lengths.insert("balance.csv".into(), self.balance.flush()?);
         lengths.insert("newton.csv".into(), self.newton.flush()?);
+        lengths.insert(TERMS.into(), self.terms.1.flush()?);
         if let Some(table) = &mut self.probes {
             lengths.insert(PROBES.into(), table.flush()?);
         }

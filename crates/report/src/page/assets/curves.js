@@ -20,6 +20,14 @@ const WATCH = [
   ['Nodes inside, cutting edges, tunnelled nodes', ['nodes_inside', 'cutting_edges', 'tunnelled']],
 ];
 
+/** What the columns of the table of terms are, by the ends of their names. */
+const TERMS = [
+  ['stored', 'Stored energy by term'],
+  ['supplied', 'Energy supplied since the start, by term'],
+  ['dissipated', 'Energy dissipated since the start, by term'],
+  ['remainder', 'Energy lost since the start, by term (negative: made)'],
+];
+
 /** What the columns of a joint are, by the ends of their names. */
 const JOINT = { f: ': force', m: ': moment', coordinate: ': angle or displacement', friction: ': friction' };
 
@@ -35,11 +43,14 @@ function curvesOf(run) {
     const unit = units.every((other) => other === units[0]) ? units[0] : '';
     if (x?.length && moving.length) charts.push({ group, title: withUnit(title, unit), lines: moving, ...more });
   };
-  const { balance, newton, contact, probes, joints, watch } = tables;
+  const { balance, terms, newton, contact, probes, joints, watch } = tables;
   if (balance) {
     for (const [title, names] of BALANCE) put('Balance', title, balance, names, { least: title === 'Angular momentum' ? roundOff(run, balance) : 0 });
     const drift = changes(balance);
     charts.push({ group: 'Balance', title: 'Change since the start', isLog: true, lines: drift });
+  }
+  if (terms) {
+    for (const [end, title] of TERMS) put('Balance', title, terms, terms.names.filter((name) => name.endsWith(`.${end}`)));
   }
   if (contact) {
     for (const [title, names] of CONTACT) put('Contact', title, contact, names);

@@ -1,0 +1,147 @@
+//! The books of a step of a simulation.
+
+use super::Simulation;
+use super::impact::Impact;
+use crate::assembly::{Iterate, no_auxiliaries};
+use crate::books::{Books, Posting, is_measured, work_of};
+use crate::system::FeSystem;
+use crate::{Balance, StepError};
+use std::ops::Range;
+use stoss_contact::ContactWork;
+use stoss_integrators::{StepConfiguration, StepRule};
+use stoss_linalg::vector;
+
+/// Books before the velocities of the end are known.
+#[derive(Debug)]
+pub(super) struct Draft {
+    books: Books,
+    /// Stored energies of bodies and parts.
+    energies: Vec<f64>,
+    /// Work of the forces of inertia; NaN where it is not measured.
+    inertia: f64,
+}
+
+impl Draft {
+    /// Strain energy of bodies and parts.
+    pub fn strain(&self) -> f64 {
+        self.energies.iter().fold(0.0, |sum, energy| sum + energy)
+    }
+}
+
+impl Simulation {
+    /// Stored energies of all bodies, then of all parts; zero for parts that are off.
+    pub(super) fn energies(&self, q: &[f64]) -> Result<Vec<f64>, StepError> {
+        let mut energies = Vec::with_capacity(self.model.bodies.len() + self.model.parts.len());
+        for body in &self.model.bodies {
+            energies.push(body.solid.strain_energy(q)?);
+        }
+        for (part, &acts) in self.model.parts.iter().zip(&self.system.acting.parts) {
+            energies.push(if acts { part.energy(q)? } else { 0.0 });
+        }
+        Ok(energies)
+    }
+
+    /// Books of a step whose equations were evaluated last at `iterate`, whose couplings did the work `of_pairs`.
+    ///
+    /// # Errors
+    /// Where an energy is not defined at the end of the step.
+    pub(super) fn draft(
+        &mut self,
+        iterate: &Iterate,
+        of_pairs: &[ContactWork],
+        rule: &StepRule,
+        dt: f64,
+    ) -> Result<Draft, StepError> {
+        let energies = self.energies(&iterate.q)?;
+        if self.energies.is_empty() {
+            self.energies = self.energies(&self.state.q)?;
+        }
+        let is_static = self.scheme.is_none();
+        let measured = is_measured(rule);
+        let remainder = |rest: f64| if measured { rest } else { f64::NAN };
+        let works = &self.system.works;
+        let mut books = Books::default();
+        for (b, body) in self.model.bodies.iter().enumerate() {
+            let of = 3 * body.nodes.start as usize..3 * body.nodes.end as usize;
+            let (mut work, mut dissipated) = (works.bodies[b], 0.0);
+            if self.system.has_damping && self.system.has_rates {
+                let buffers = &self.system.buffers;
+                dissipated = dt * vector::dot(&buffers.damping[of.clone()], &buffers.rate[of.clone()]);
+                work += rule.damping_weight() * work_of(&buffers.damping, of, &self.state.q, &iterate.q);
+            }
+            let rest = remainder(work - (energies[b] - self.energies[b]) - dissipated);
+            books.bodies.push(Posting { stored: energies[b], dissipated, supplied: 0.0, remainder: rest });
+        }
+        let step = stoss_part::PartStep {
+            q_n: &self.state.q,
+            q_np1: &iterate.q,
+            rule: rule.force.rule,
+            dt,
+            has_rates: !is_static,
+        };
+        let first = self.model.bodies.len();
+        for (p, (part, &acts)) in self.model.parts.iter().zip(&self.system.acting.parts).enumerate() {
+            let dissipated = if acts { part.dissipated(step) } else { 0.0 };
+            let (stored, before) = (energies[first + p], self.energies[first + p]);
+            let rest = remainder(works.parts[p] - (stored - before) - dissipated);
+            books.parts.push(Posting { stored, dissipated, supplied: 0.0, remainder: rest });
+        }
+        for (c, work) in of_pairs.iter().enumerate() {
+            let (stored, dissipated, supplied) = (work.stored, work.dissipated, work.driven);
+            let rest = remainder(works.couplings[c] - (stored - self.stored[c][0]) - dissipated + supplied);
+            books.couplings.push(Posting { stored, dissipated, supplied, remainder: rest });
+        }
+        let inertia = match measured {
+            true => {
+                let own = self.system.own.iter().flat_map(Range::clone);
+                own.map(|c| self.system.buffers.inertia[c] * iterate.increment[c]).sum()
+            }
+            false => f64::NAN,
+        };
+        // In statics, where all forces are those of the end, by the trapezium rule.
+        let ends: &[(f64, f64)] =
+            if is_static { &[(0.0, 0.5), (1.0, 0.5)] } else { &[(rule.force.rule.load_fraction(), 1.0)] };
+        let auxiliaries = no_auxiliaries(&self.model);
+        let Self { model, system, state, pressures, active, .. } = self;
+        let at = StepConfiguration { time: state.time, dt, q_n: &state.q, q_np1: &iterate.q };
+        for l in 0..model.loads.len() {
+            let mut supplied = 0.0;
+            if system.acting.loads[l] {
+                let mut fe = FeSystem { model, system, pressures, auxiliaries: &auxiliaries, active };
+                for &(theta, part) in ends {
+                    supplied += part * fe.load_work(l, at, theta)?;
+                }
+            }
+            books.loads.push(Posting { supplied, ..Posting::default() });
+        }
+        Ok(Draft { books, energies, inertia })
+    }
+
+    /// The books of an accepted step. `way` and `jump` are the work of supports on the way, and what they add to the kinetic energy at the end, both without that of impacts; kinetic energies are those of
+    /// `before` and of the present balance.
+    pub(super) fn close_books(
+        &mut self,
+        draft: Draft,
+        impact: &Impact,
+        [way, jump]: [f64; 2],
+        stabilised: f64,
+        before: &Balance,
+    ) -> Books {
+        let Draft { mut books, energies, inertia } = draft;
+        self.energies = energies;
+        let mut taken = 0.0;
+        for (c, posting) in books.couplings.iter_mut().enumerate() {
+            let of = |list: &[f64]| list.get(c).copied().unwrap_or(0.0);
+            let (loss, closing, friction) = (of(&impact.losses), of(&impact.closings), of(&impact.friction));
+            posting.dissipated += loss + friction;
+            posting.remainder -= closing;
+            taken += loss - closing + friction;
+        }
+        books.supports.supplied = way + jump + impact.external;
+        books.stabilisation.dissipated = stabilised;
+        books.inertia.stored = self.balance.kinetic;
+        books.inertia.remainder = inertia - (self.balance.kinetic - before.kinetic) - taken + impact.external + jump;
+        self.books.add(&books);
+        books
+    }
+}
