@@ -74,7 +74,7 @@ pub use joint::{
     Spring,
 };
 pub use left_out::{LeftOut, Omission};
-pub use material::{ElasticModuli, Material, MooneyRivlin, Ogden, OwnMaterial, Parameter};
+pub use material::{Material, Parameter};
 pub use mesh::{
     Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,
     Part, Refinement,
@@ -277,7 +277,7 @@ pub struct OwnNames<'a> {
 }
 
 /// As [`parse`] for a program with laws of its own: `material = { law = "mine", ... }` with a name from `own_laws` is read as
-/// [`Material::Own`], with any keys whose values are numbers or lists of numbers; so is `friction = { law = "mine", ... }` as
+/// a [`Material`] of that name, with any keys whose values are numbers or lists of numbers; so is `friction = { law = "mine", ... }` as
 /// [`Friction::Own`]. A name of the catalogue keeps its meaning.
 ///
 /// # Errors

@@ -1,9 +1,7 @@
 //! The books of a step: what each thing that makes forces stores, dissipates and supplies, and what is left over.
 
-use crate::system::FeSystem;
-use crate::{Load, LoadKind, StepError};
 use std::ops::Range;
-use stoss_integrators::{StepConfiguration, StepRule};
+use stoss_integrators::StepRule;
 
 /// Energy of a body, a part, a load or a coupling in a step. What its forces take from the motion, `W = f . (q_np1 - q_n)` with the internal forces `f` that the equations of the step
 /// have of it, goes into what it stores, what it dissipates, less what it supplies; the rest is the remainder.
@@ -109,29 +107,4 @@ pub(crate) fn work_of(force: &[f64], components: Range<usize>, q_n: &[f64], q_np
 /// Whether the remainders of a step of this rule are measured: its forces must be those of one evaluation.
 pub(crate) fn is_measured(rule: &StepRule) -> bool {
     rule.has_inertia() && rule.history.is_none() && rule.force.weight == 1.0 && rule.constraint.weight == 1.0
-}
-
-impl FeSystem<'_> {
-    /// Work of a load in a step with its forces at `(1 - theta) q_n + theta q_np1` and the time of that.
-    ///
-    /// # Errors
-    /// As of [`FeSystem::evaluate_follower`].
-    pub fn load_work(&mut self, load: usize, step: StepConfiguration<'_>, theta: f64) -> Result<f64, StepError> {
-        let Load { kind, magnitude, .. } = &self.model.loads[load];
-        let moved = |c: usize| step.q_np1[c] - step.q_n[c];
-        if let LoadKind::Dead { patterns } = kind {
-            let time = step.time + theta * step.dt;
-            let columns = patterns.iter().enumerate().map(|(column, pattern)| {
-                let unit: f64 = pattern.iter().map(|&(c, unit)| unit * moved(c as usize)).sum();
-                magnitude.value(time, column) * unit
-            });
-            return Ok(columns.sum());
-        }
-        let empty = vec![0.0; self.system.follower.len()];
-        let kept = std::mem::replace(&mut self.system.follower, empty);
-        let result = self.add_follower(load, 0, step, theta, None);
-        let force = std::mem::replace(&mut self.system.follower, kept);
-        result?;
-        Ok(self.system.load_support.iter().flat_map(Range::clone).map(|c| force[c] * moved(c)).sum())
-    }
 }

@@ -114,6 +114,29 @@ impl FeSystem<'_> {
         }
         Ok(())
     }
+
+    /// Work of a load in a step with its forces at `(1 - theta) q_n + theta q_np1` and the time of that.
+    ///
+    /// # Errors
+    /// As of [`FeSystem::evaluate_follower`].
+    pub fn load_work(&mut self, load: usize, step: StepConfiguration<'_>, theta: f64) -> Result<f64, StepError> {
+        let Load { kind, magnitude, .. } = &self.model.loads[load];
+        let moved = |c: usize| step.q_np1[c] - step.q_n[c];
+        if let LoadKind::Dead { patterns } = kind {
+            let time = step.time + theta * step.dt;
+            let columns = patterns.iter().enumerate().map(|(column, pattern)| {
+                let unit: f64 = pattern.iter().map(|&(c, unit)| unit * moved(c as usize)).sum();
+                magnitude.value(time, column) * unit
+            });
+            return Ok(columns.sum());
+        }
+        let empty = vec![0.0; self.system.follower.len()];
+        let kept = std::mem::replace(&mut self.system.follower, empty);
+        let result = self.add_follower(load, 0, step, theta, None);
+        let force = std::mem::replace(&mut self.system.follower, kept);
+        result?;
+        Ok(self.system.load_support.iter().flat_map(Range::clone).map(|c| force[c] * moved(c)).sum())
+    }
 }
 
 /// A vector at `(1 - theta) q_n + theta q_np1`.

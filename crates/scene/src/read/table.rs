@@ -63,7 +63,7 @@ impl<'a> Table<'a> {
     }
 
     /// True if the key is there, right or wrong.
-    pub(super) fn has(&self, key: &'static str) -> bool {
+    pub(super) fn has(&self, key: &str) -> bool {
         self.map.get(key).is_some()
     }
 

@@ -14,7 +14,6 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{MassKind, SolidBody, SolidError, SolidOptions, Volumetric as SolidVolumetric};
-use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_mesh::generate::{
     Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Refinement,
 };
@@ -38,11 +37,11 @@ pub(super) fn bodies(
         let law = match law(&body.material, laws) {
             Ok(law) => Some(law),
             Err(ParameterError { key: parameter, message, remedy }) if parameter.is_empty() => {
-                problems.add(format!("{key}.material"), body.material.law(), message, remedy);
+                problems.add(format!("{key}.material"), &body.material.law, message, remedy);
                 None
             }
             Err(ParameterError { key: parameter, message, remedy }) => {
-                let value = if parameter == "law" { body.material.law() } else { "" };
+                let value = if parameter == "law" { &body.material.law } else { "" };
                 problems.add(format!("{key}.material.{parameter}"), value, message, remedy);
                 None
             }
@@ -177,25 +176,10 @@ pub(super) fn options(body: &SceneBody) -> SolidOptions {
 
 /// The law of a material: of the catalogue, or of the program's own.
 fn law(material: &Material, laws: &OwnLaws) -> Result<Arc<dyn HyperelasticLaw>, ParameterError> {
-    Ok(match material {
-        Material::Own(own) => laws.make(own)?,
-        Material::SaintVenantKirchhoff(m) => match (m.young, m.poisson) {
-            (Some(young), Some(poisson)) => Arc::new(SaintVenantKirchhoff::from_young_poisson(young, poisson)?),
-            _ => {
-                let (lambda, mu) = m.lame();
-                Arc::new(SaintVenantKirchhoff::new(lambda, mu)?)
-            }
-        },
-        Material::NeoHooke(m) => match (m.young, m.poisson) {
-            (Some(young), Some(poisson)) => Arc::new(NeoHooke::from_young_poisson(young, poisson)?),
-            _ => {
-                let (lambda, mu) = m.lame();
-                Arc::new(NeoHooke::new(lambda, mu)?)
-            }
-        },
-        Material::MooneyRivlin(m) => Arc::new(MooneyRivlin::new(m.c1, m.c2, m.c)?),
-        Material::Ogden(m) => Arc::new(Ogden::new(&m.mu, &m.alpha, m.kappa, m.beta)?),
-    })
+    match stoss_materials::entry(&material.law) {
+        Some(entry) => Ok(entry.with(material.given())?),
+        None => laws.make(material),
+    }
 }
 
 fn generate(generator: &Generator) -> Result<Mesh, MeshError> {

@@ -1,6 +1,6 @@
 //! Laws that a program brings with it, hyperelastic ones and laws of friction, for scenes that name them.
 
-use crate::scene::{Friction, Material, OwnFriction, OwnMaterial, OwnNames, Parameter};
+use crate::scene::{Friction, Material, OwnFriction, OwnNames, Parameter};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use stoss_contact::ContactError;
 use stoss_contact::friction::FrictionLaw;
 use stoss_continuum::HyperelasticLaw;
-use stoss_materials::MaterialError;
+use stoss_materials::Refusal;
 
 /// What a constructor of a law gives: the law, or why the parameters are no material. An error that is a [`ParameterError`] is
 /// reported at its key.
@@ -55,7 +55,7 @@ impl OwnLaws {
         name: &str,
         constructor: impl Fn(&LawParameters<'_>) -> LawResult + Send + Sync + 'static,
     ) -> Result<Self, LawNameError> {
-        add(&mut self.materials, Material::NAMES, name, Arc::new(constructor))?;
+        add(&mut self.materials, &names_of_catalogue(), name, Arc::new(constructor))?;
         Ok(self)
     }
 
@@ -79,8 +79,8 @@ impl OwnLaws {
     }
 
     /// The law of a material.
-    pub(super) fn make(&self, material: &OwnMaterial) -> Result<Arc<dyn HyperelasticLaw>, ParameterError> {
-        make(&self.materials, Material::NAMES, &material.law, &material.parameters)
+    pub(super) fn make(&self, material: &Material) -> Result<Arc<dyn HyperelasticLaw>, ParameterError> {
+        make(&self.materials, &names_of_catalogue(), &material.law, &material.parameters)
     }
 
     /// The law of a friction.
@@ -88,6 +88,10 @@ impl OwnLaws {
     pub(super) fn make_friction(&self, friction: &OwnFriction) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
         make(&self.friction, Friction::NAMES, &friction.law, &friction.parameters)
     }
+}
+
+fn names_of_catalogue() -> Vec<&'static str> {
+    Material::names().collect()
 }
 
 fn names<L: ?Sized>(laws: &BTreeMap<String, Constructor<L>>) -> impl Iterator<Item = &str> {
@@ -204,9 +208,9 @@ pub struct ParameterError {
     pub remedy: String,
 }
 
-impl From<MaterialError> for ParameterError {
-    fn from(error: MaterialError) -> Self {
-        Self::new("", error.to_string(), "choose parameters with positive shear and bulk moduli at small strains")
+impl From<Refusal> for ParameterError {
+    fn from(Refusal { parameter, message, remedy }: Refusal) -> Self {
+        Self::new(parameter, message, remedy)
     }
 }
 

@@ -1,0 +1,364 @@
+//! All laws by name, as data: parameters, ranges, and what makes the law. A scene format, its schema and its messages follow from the rows.
+
+use crate::{MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use std::sync::Arc;
+use stoss_continuum::HyperelasticLaw;
+
+/// What a parameter is measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// A stress.
+    Stress,
+    /// A pure number.
+    Number,
+}
+
+/// Values that a parameter may have by itself; all are finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Values {
+    /// Any.
+    Any,
+    /// Above zero.
+    Positive,
+    /// Any but zero.
+    NotZero,
+    /// Poisson's ratio: above -1 and below 1/2.
+    Poisson,
+}
+
+impl Values {
+    /// Whether a number is among them.
+    pub fn contain(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Any => true,
+                Self::Positive => value > 0.0,
+                Self::NotZero => value != 0.0,
+                Self::Poisson => value > -1.0 && value < 0.5,
+            }
+    }
+}
+
+/// A parameter of a law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name in scenes.
+    pub name: &'static str,
+    /// Meaning, a sentence.
+    pub about: &'static str,
+    /// What it is measured in.
+    pub unit: Unit,
+    /// Values of it, or of each number of a list.
+    pub values: Values,
+    /// Whether it is a list of numbers, of one or more.
+    pub is_list: bool,
+    /// A value, as it is written in a scene.
+    pub example: &'static str,
+}
+
+/// A value that is given for a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Given<'a> {
+    /// A number.
+    Number(f64),
+    /// A list of numbers.
+    List(&'a [f64]),
+}
+
+impl<'a> Given<'a> {
+    /// Its numbers.
+    fn list(&self) -> &[f64] {
+        match self {
+            Self::Number(value) => std::slice::from_ref(value),
+            Self::List(values) => values,
+        }
+    }
+
+    fn number(&self) -> f64 {
+        self.list().first().copied().unwrap_or(f64::NAN)
+    }
+}
+
+/// Why parameters are no law.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{parameter}: {message}; {remedy}")]
+pub struct Refusal {
+    /// The parameter that is to be changed.
+    pub parameter: &'static str,
+    /// What is wrong with it.
+    pub message: String,
+    /// What to do.
+    pub remedy: String,
+}
+
+impl Refusal {
+    fn new(parameter: &'static str, message: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { parameter, message: message.into(), remedy: remedy.into() }
+    }
+}
+
+/// What makes a law: the number of the way in which its parameters are given, and one value for each parameter of that way, each in its range.
+type Make = fn(usize, &[Given<'_>]) -> Result<Arc<dyn HyperelasticLaw>, Refusal>;
+
+/// A row of the catalogue.
+#[derive(Clone, Copy, Debug)]
+pub struct LawEntry {
+    /// Name in scenes.
+    pub name: &'static str,
+    /// Equation and use.
+    pub about: &'static str,
+    /// Ways to give the parameters: all of exactly one of them.
+    pub ways: &'static [&'static [Parameter]],
+    make: Make,
+}
+
+impl LawEntry {
+    /// The parameters of all ways.
+    pub fn parameters(&self) -> impl Iterator<Item = &'static Parameter> {
+        self.ways.iter().copied().flatten()
+    }
+
+    /// The way in which parameters are given, of which `has` tells whether they are there.
+    ///
+    /// # Errors
+    /// None of any way is there, or some of several.
+    pub fn way(&self, has: impl Fn(&str) -> bool) -> Result<usize, Refusal> {
+        if let [_] = self.ways {
+            return Ok(0);
+        }
+        let mut present = self.ways.iter().enumerate().filter_map(|(way, parameters)| {
+            parameters.iter().find(|parameter| has(parameter.name)).map(|first| (way, first))
+        });
+        let Some((way, _)) = present.next() else {
+            let first = self.ways[0];
+            let example: Vec<String> = first.iter().map(|p| format!("{} = {}", p.name, p.example)).collect();
+            let remedy = format!("add it, for instance `{}`", example.join(", "));
+            return Err(Refusal::new(first[0].name, "is missing", remedy));
+        };
+        match present.next() {
+            None => Ok(way),
+            Some((_, other)) => {
+                let words =
+                    |way: &&[Parameter]| way.iter().map(|p| format!("`{}`", p.name)).collect::<Vec<_>>().join(" and ");
+                let all: Vec<String> = self.ways.iter().map(words).collect();
+                let remedy = format!("give either {}", all.join(", or "));
+                Err(Refusal::new(other.name, "cannot be combined with the other moduli", remedy))
+            }
+        }
+    }
+
+    /// The law with these parameters, each by its name.
+    ///
+    /// # Errors
+    /// Parameters that are unknown, missing or out of range, and combinations without positive shear and bulk moduli at small strains.
+    pub fn with<'a>(
+        &self,
+        given: impl IntoIterator<Item = (&'a str, Given<'a>)>,
+    ) -> Result<Arc<dyn HyperelasticLaw>, Refusal> {
+        let given: Vec<(&str, Given<'_>)> = given.into_iter().collect();
+        if let Some((name, _)) = given.iter().find(|(name, _)| self.parameters().all(|p| p.name != *name)) {
+            let known: Vec<&str> = self.parameters().map(|p| p.name).collect();
+            let message = format!("has no parameter {name}");
+            return Err(Refusal::new("law", message, format!("it has {}", known.join(", "))));
+        }
+        let way = self.way(|name| given.iter().any(|(other, _)| *other == name))?;
+        let mut values = Vec::new();
+        for parameter in self.ways[way] {
+            let Some((_, value)) = given.iter().find(|(name, _)| *name == parameter.name) else {
+                let remedy = format!("add it, for instance `{} = {}`", parameter.name, parameter.example);
+                return Err(Refusal::new(parameter.name, "is missing", remedy));
+            };
+            let is_list = matches!(value, Given::List(_));
+            if is_list != parameter.is_list || value.list().is_empty() {
+                let what = if parameter.is_list { "must be a list of one number or more" } else { "must be a number" };
+                return Err(Refusal::new(parameter.name, what, format!("write for instance {}", parameter.example)));
+            }
+            if let Some(bad) = value.list().iter().find(|value| !parameter.values.contain(**value)) {
+                let message = format!("{bad} is out of range");
+                return Err(Refusal::new(parameter.name, message, format!("write for instance {}", parameter.example)));
+            }
+            values.push(*value);
+        }
+        (self.make)(way, &values)
+    }
+}
+
+/// The row of a law.
+pub fn entry(name: &str) -> Option<&'static LawEntry> {
+    LAWS.iter().find(|entry| entry.name == name)
+}
+
+const fn stress(name: &'static str, about: &'static str, values: Values, example: &'static str) -> Parameter {
+    Parameter { name, about, unit: Unit::Stress, values, is_list: false, example }
+}
+
+const fn number(name: &'static str, about: &'static str, values: Values, example: &'static str) -> Parameter {
+    Parameter { name, about, unit: Unit::Number, values, is_list: false, example }
+}
+
+const fn list(parameter: Parameter) -> Parameter {
+    Parameter { is_list: true, ..parameter }
+}
+
+/// Two elastic moduli.
+const MODULI: &[&[Parameter]] = &[
+    &[
+        stress("young", "Young's modulus `E` (stress), positive; together with `poisson`.", Values::Positive, "2250.0"),
+        number("poisson", "Poisson's ratio, in (-1, 1/2); together with `young`.", Values::Poisson, "0.3"),
+    ],
+    &[
+        stress(
+            "lambda",
+            "First Lame parameter (stress), larger than `-2/3 mu`; together with `mu`.",
+            Values::Any,
+            "1298.0",
+        ),
+        stress("mu", "Shear modulus (stress), positive; together with `lambda`.", Values::Positive, "865.0"),
+    ],
+];
+
+/// Refuses Lame parameters without a positive bulk modulus.
+fn bulk_of(way: usize, given: &[Given<'_>]) -> Result<[f64; 2], Refusal> {
+    let [a, b] = [given[0].number(), given[1].number()];
+    let bulk = a + 2.0 / 3.0 * b;
+    if way == 1 && bulk <= 0.0 {
+        let message = format!("implies the bulk modulus lambda + 2/3 mu = {bulk}, which must be positive");
+        return Err(Refusal::new("lambda", message, "increase lambda"));
+    }
+    Ok([a, b])
+}
+
+/// A refusal of the law itself, of what the row should have refused.
+fn by_law(parameter: &'static str) -> impl Fn(MaterialError) -> Refusal {
+    move |error| {
+        Refusal::new(
+            parameter,
+            error.to_string(),
+            "choose parameters with positive shear and bulk moduli at small strains",
+        )
+    }
+}
+
+/// Every law of this crate.
+pub const LAWS: &[LawEntry] = &[
+    LawEntry {
+        name: "saint-venant-kirchhoff",
+        about: "Saint Venant-Kirchhoff law: `W = lambda/2 (tr E)^2 + mu E:E`. For small strains with large rotations; it softens in compression.",
+        ways: MODULI,
+        make: |way, given| {
+            let [a, b] = bulk_of(way, given)?;
+            let law =
+                if way == 0 { SaintVenantKirchhoff::from_young_poisson(a, b) } else { SaintVenantKirchhoff::new(a, b) };
+            Ok(Arc::new(law.map_err(by_law(MODULI[way][0].name))?))
+        },
+    },
+    LawEntry {
+        name: "neo-hooke",
+        about: "Compressible neo-Hooke law: `W = mu/2 (I1 - 3) + lambda/2 (ln J)^2 - mu ln J`.",
+        ways: MODULI,
+        make: |way, given| {
+            let [a, b] = bulk_of(way, given)?;
+            let law = if way == 0 { NeoHooke::from_young_poisson(a, b) } else { NeoHooke::new(a, b) };
+            Ok(Arc::new(law.map_err(by_law(MODULI[way][0].name))?))
+        },
+    },
+    LawEntry {
+        name: "mooney-rivlin",
+        about: "Compressible Mooney-Rivlin law: `W = c1 (I1 - 3) + c2 (I2 - 3) + c (J - 1)^2 - 2 (c1 + 2 c2) ln J`.",
+        ways: &[&[
+            stress("c1", "Factor of the first invariant (stress).", Values::Any, "176051.0"),
+            stress("c2", "Factor of the second invariant (stress).", Values::Any, "4332.63"),
+            stress("c", "Volumetric parameter (stress).", Values::Any, "2.0e6"),
+        ]],
+        make: |_, given| {
+            let [c1, c2, c] = [given[0].number(), given[1].number(), given[2].number()];
+            let shear = 2.0 * (c1 + c2);
+            if shear <= 0.0 {
+                let message = format!("implies the shear modulus 2 (c1 + c2) = {shear}, which must be positive");
+                return Err(Refusal::new("c1", message, "increase c1 or c2"));
+            }
+            let bulk = 2.0 * c + 4.0 * c2 + 2.0 / 3.0 * shear;
+            if bulk <= 0.0 {
+                let message =
+                    format!("implies the bulk modulus 2 c + 4 c2 + 4/3 (c1 + c2) = {bulk}, which must be positive");
+                return Err(Refusal::new("c", message, "increase c"));
+            }
+            Ok(Arc::new(MooneyRivlin::new(c1, c2, c).map_err(by_law("c1"))?))
+        },
+    },
+    LawEntry {
+        name: "ogden",
+        about: "Ogden law with the isochoric principal stretches `lbar_a`: `W = sum_p mu_p/alpha_p (sum_a lbar_a^alpha_p - 3) + kappa (ln(J)/beta + (J^-beta - 1)/beta^2)`. Shear modulus `1/2 sum_p mu_p alpha_p`.",
+        ways: &[&[
+            list(stress("mu", "Moduli of the terms (stress); one or more.", Values::Any, "[6300.0, 12.0, -100.0]")),
+            list(number(
+                "alpha",
+                "Exponents of the terms, none zero; as many as `mu`.",
+                Values::NotZero,
+                "[1.3, 5.0, -2.0]",
+            )),
+            stress("kappa", "Bulk modulus (stress), positive.", Values::Positive, "2000.0"),
+            number("beta", "Exponent of the volumetric part, not zero.", Values::NotZero, "9.0"),
+        ]],
+        make: |_, given| {
+            let (mu, alpha) = (given[0].list(), given[1].list());
+            if mu.len() != alpha.len() {
+                let message = format!("has {} terms and `mu` has {}", alpha.len(), mu.len());
+                return Err(Refusal::new("alpha", message, "give one exponent for each modulus"));
+            }
+            let shear = 0.5 * mu.iter().zip(alpha).map(|(m, a)| m * a).sum::<f64>();
+            if shear <= 0.0 {
+                let message = format!("implies the shear modulus 1/2 sum mu alpha = {shear}, which must be positive");
+                return Err(Refusal::new("mu", message, "correct the signs of mu and alpha"));
+            }
+            Ok(Arc::new(Ogden::new(mu, alpha, given[2].number(), given[3].number()).map_err(by_law("mu"))?))
+        },
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The examples of every row are a law with positive moduli, by each way; without one of them, or with an unknown one, they are none.
+    #[test]
+    fn every_row_makes_a_law_of_its_examples() {
+        let numbers = |p: &Parameter| -> Vec<f64> {
+            p.example.trim_matches(['[', ']']).split(',').map(|text| text.trim().parse().unwrap()).collect()
+        };
+        for entry in LAWS {
+            for (way, parameters) in entry.ways.iter().enumerate() {
+                let values: Vec<Vec<f64>> = parameters.iter().map(numbers).collect();
+                let given: Vec<(&str, Given<'_>)> = parameters
+                    .iter()
+                    .zip(&values)
+                    .map(|(p, v)| (p.name, if p.is_list { Given::List(v) } else { Given::Number(v[0]) }))
+                    .collect();
+                let law = entry.with(given.clone()).unwrap_or_else(|e| panic!("{} {way}: {e}", entry.name));
+                let moduli = law.small_strain_moduli();
+                assert!(law.name() == entry.name && moduli.shear > 0.0 && moduli.bulk > 0.0, "{}", entry.name);
+                for left_out in 0..given.len() {
+                    let mut fewer = given.clone();
+                    let (name, _) = fewer.remove(left_out);
+                    assert_eq!(entry.with(fewer).unwrap_err().parameter, name);
+                }
+                let more = given.iter().copied().chain([("nothing", Given::Number(1.0))]);
+                assert_eq!(entry.with(more).unwrap_err().parameter, "law");
+            }
+        }
+    }
+
+    #[test]
+    fn moduli_of_two_ways_are_refused() {
+        let row = entry("neo-hooke").unwrap();
+        let [one, two] = [("young", Given::Number(1.0)), ("mu", Given::Number(1.0))];
+        assert_eq!(row.with([one, two]).unwrap_err().parameter, "mu");
+        assert_eq!(row.with([]).unwrap_err().parameter, "young");
+        let negative = [("lambda", Given::Number(-7.0)), ("mu", Given::Number(1.0))];
+        assert_eq!(row.with(negative).unwrap_err().parameter, "lambda");
+        let young = [("young", Given::Number(2250.0)), ("poisson", Given::Number(0.3))];
+        let moduli = row.with(young).unwrap().small_strain_moduli();
+        // theory/kinematics#moduli: E = 2250, nu = 0.3.
+        assert!((moduli.shear - 865.3846).abs() < 1e-4 && (moduli.bulk - 1875.0).abs() < 1e-9, "{moduli:?}");
+    }
+}
