@@ -119,7 +119,7 @@ fn until(scene: &str, steps: u32) -> Outcome<Option<f64>> {
     })
 }
 
-/// What differs between two folders of results: tables, and the last frame.
+/// What differs between two folders of results: tables that the other one has, and the last frame.
 fn differences(other: &Path, this: &Path) -> Outcome<Vec<String>> {
     if !other.is_dir() || !this.is_dir() {
         return Ok(if other.is_dir() == this.is_dir() { Vec::new() } else { vec!["only one has results".to_owned()] });
@@ -134,9 +134,9 @@ fn differences(other: &Path, this: &Path) -> Outcome<Vec<String>> {
         let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         Ok(tables(folder)?.iter().map(name).collect())
     };
-    if names(other)? != names(this)? {
-        told.push(format!("tables {} in place of {}", names(this)?.join(" "), names(other)?.join(" ")));
-    }
+    let (before, now) = (names(other)?, names(this)?);
+    // A table that is new changes nothing that was there.
+    told.extend(before.iter().filter(|name| !now.contains(name)).map(|name| format!("no {name}")));
     for path in tables(other)? {
         let name = path.file_name().unwrap_or_default();
         if this.join(name).is_file() {
