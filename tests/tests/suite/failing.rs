@@ -46,14 +46,18 @@ pub(crate) fn comes_out_well(text: &str) {
 
 /// The first finding of a scene that stops or comes out wrong.
 pub(crate) fn diagnosed(name: &str) -> (Finding, Diagnosis) {
-    let Left { result, diagnosis } = run(&text_of(name));
-    let bad = match &result {
+    diagnosis_of(name, &run(&text_of(name)))
+}
+
+/// The same of a run that is over.
+fn diagnosis_of(name: &str, Left { result, diagnosis }: &Left) -> (Finding, Diagnosis) {
+    let bad = match result {
         Err(RunError::Simulation { .. }) => true,
         Ok(summary) => summary.verdict.level == Severity::Wrong,
         Err(other) => panic!("{name}: {other}"),
     };
     assert!(bad, "{name} came out well");
-    let diagnosis = diagnosis.unwrap_or_else(|| panic!("{name}: no diagnosis"));
+    let diagnosis = diagnosis.clone().unwrap_or_else(|| panic!("{name}: no diagnosis"));
     let lines = diagnosis.to_string().lines().count();
     assert!((4..=12).contains(&lines), "{name}: {diagnosis}");
     (diagnosis.findings[0].clone(), diagnosis)
@@ -118,12 +122,13 @@ pub(crate) fn is_mended(name: &str, finding: &Finding, remedy: usize) {
 /// An impact with Newmark's method: the watch and the diagnosis name the gain of energy, also where the run stops because of what the energy did, and the energy-momentum scheme mends it.
 #[test]
 fn a_scheme_that_gains_energy() {
-    let (finding, diagnosis) = diagnosed("scheme-gains-energy");
+    let left = run(&text_of("scheme-gains-energy"));
+    let (finding, diagnosis) = diagnosis_of("scheme-gains-energy", &left);
     is_cause(&finding, Cause::SchemeGainsEnergy);
     assert!(finding.sentence.contains("`newmark`") && finding.sentence.contains("impacts"), "{diagnosis}");
     is_mended("scheme-gains-energy", &finding, 0);
     // What stopped the run has its verdict with it.
-    if let Err(RunError::Simulation { verdict, .. }) = run(&text_of("scheme-gains-energy")).result {
+    if let Err(RunError::Simulation { verdict, .. }) = left.result {
         assert_eq!(verdict.level, Severity::Wrong, "{verdict}");
     }
 }
