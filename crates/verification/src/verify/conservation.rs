@@ -94,7 +94,7 @@ fn conserves(bench: &Bench, findings: &mut Findings, scene: &str, promise: Promi
     );
     findings.checks.push(row("iterations a step", newton::mean_iterations(&steps), Bound::AtMost(ITERATIONS)));
     findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::AtMost(0.0)));
-    bench.show(&run, findings)?;
+    bench.show(&run, findings);
     Ok(())
 }
 
@@ -107,7 +107,7 @@ fn general(bench: &Bench, findings: &mut Findings, bounds: Bounds) -> Outcome<()
     }
     momenta(findings, &run, bounds.momentum)?;
     energy(findings, &run, Promise::Throughout, bounds.energy)?;
-    bench.show(&run, findings)?;
+    bench.show(&run, findings);
     Ok(())
 }
 

@@ -40,19 +40,20 @@ pub fn launch_within(
     files: &[(String, String)],
     limit: Duration,
 ) -> Outcome<Launched> {
-    let home = bench.folder.join(home);
-    let path = home.join(format!("{name}.toml"));
+    let place = bench.folder.join(home);
+    let path = place.join(format!("{name}.toml"));
     write(&path, scene)?;
     for (file, text) in files {
-        write(&home.join(file), text)?;
+        write(&place.join(file), text)?;
     }
-    let folder = home.join(name);
+    let folder = place.join(name);
     if folder.exists() {
         std::fs::remove_dir_all(&folder)?;
     }
     let log = folder.with_extension("log");
     let program = bench.program()?;
     let (ending, hung) = run(bench, program.executable(), &path, &folder, &log, limit)?;
+    bench.count(&format!("{home}/{name}"), ending);
     let run = Run { name: name.to_owned(), folder, ending, until: None };
     Ok(Launched { run, hung, log: read(&log)? })
 }

@@ -31,6 +31,7 @@ mod report;
 mod run;
 mod scenes;
 mod segmentation;
+mod side_by_side;
 mod stability;
 mod states;
 mod statics;
@@ -40,13 +41,15 @@ mod work_precision;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
-use crate::program::Program;
+use crate::program::{Ending, Program};
 use crate::workspace::{Outcome, Workspace, write};
 use check::Check;
 pub use random::Range as RandomRange;
 use report::Section;
 pub use run::Run;
+use side_by_side::side_by_side;
 
 /// Where everything goes, below the target folder.
 const FOLDER: &str = "verify";
@@ -62,11 +65,9 @@ pub trait Suite: Sync {
     fn about(&self) -> &'static str;
     /// Runs what it needs and measures.
     fn measure(&self, bench: &Bench) -> Outcome<Findings>;
-    /// Runs that it will ask for, begun on a second core while the suites before it measure. What fails here fails again in `measure`, which tells.
-    fn run_ahead(&self, _bench: &Bench) {}
 }
 
-/// Every suite, in the order in which they run.
+/// Every suite, in the order of the report. The long ones are at the end: they are begun first.
 const SUITES: &[&dyn Suite] = &[
     &materials::Materials,
     &tangents::Tangents,
@@ -94,6 +95,8 @@ pub struct Findings {
     pub checks: Vec<Check>,
     /// Figures and tables of the report.
     pub sections: Vec<Section>,
+    /// Runs whose figures are shown, once for all suites.
+    runs: Vec<Run>,
 }
 
 /// Runs scenes for the suites, each at most once; the program is built for the first of them.
@@ -108,7 +111,8 @@ pub struct Bench {
     folder: PathBuf,
     program: Mutex<Option<Program>>,
     runs: Mutex<BTreeMap<String, Arc<Mutex<Option<Run>>>>>,
-    shown: Mutex<BTreeSet<String>>,
+    /// Seconds of every run of the program, and its name.
+    durations: Mutex<Vec<(f64, String)>>,
 }
 
 /// A lock whose holder may have panicked: what it guards is whole at any time.
@@ -127,7 +131,7 @@ impl Bench {
             folder,
             program: Mutex::default(),
             runs: Mutex::default(),
-            shown: Mutex::default(),
+            durations: Mutex::default(),
         })
     }
 
@@ -158,6 +162,7 @@ impl Bench {
         let folder = self.folder.join("runs").join(&name);
         let ending = self.program()?.run(scene, &folder, until)?;
         println!("verify: ran {name} in {:.1} s", ending.seconds);
+        self.count(&name, ending);
         let run = Run { name, folder, ending, until };
         *place = Some(run.clone());
         Ok(run)
@@ -170,14 +175,15 @@ impl Bench {
         self.run(&path, None)
     }
 
-    /// Figures of a run, once for all suites.
-    pub fn show(&self, run: &Run, findings: &mut Findings) -> Outcome<()> {
-        if hold(&self.shown).insert(run.name.clone()) {
-            let shipped = self.workspace.read(format!("scenes/{}.toml", run.name)).ok();
-            let reading = shipped.map(|text| header(&text)).unwrap_or_default();
-            findings.sections.push(figures::section(run, reading)?);
-        }
-        Ok(())
+    /// Asks for the figures of a run; they come once, in the first suite that asks.
+    pub fn show(&self, run: &Run, findings: &mut Findings) {
+        findings.runs.push(run.clone());
+    }
+
+    /// Figures of a run.
+    fn figures(&self, run: &Run) -> Outcome<Section> {
+        let shipped = self.workspace.read(format!("scenes/{}.toml", run.name)).ok();
+        figures::section(run, shipped.map(|text| header(&text)).unwrap_or_default())
     }
 
     /// A shipped scene as data.
@@ -186,10 +192,9 @@ impl Bench {
         self.workspace.read(&file)?.parse().map_err(|error| format!("{file}: {error}").into())
     }
 
-    /// Seconds of all runs together.
-    fn seconds(&self) -> f64 {
-        let runs = hold(&self.runs);
-        runs.values().filter_map(|run| hold(run).as_ref().map(|run| run.ending.seconds)).sum()
+    /// Keeps how long a run took.
+    fn count(&self, name: &str, ending: Ending) {
+        hold(&self.durations).push((ending.seconds, name.to_owned()));
     }
 }
 
@@ -224,18 +229,20 @@ pub fn command(workspace: &Workspace, quick: bool, names: &[String], random: ran
     let bench = Bench { random, ..Bench::new(workspace, quick)? };
     let is_chosen = |suite: &&&dyn Suite| names.is_empty() || names.iter().any(|name| name == suite.name());
     let chosen: Vec<&dyn Suite> = SUITES.iter().filter(is_chosen).copied().collect();
-    let results = std::thread::scope(|scope| {
-        scope.spawn(|| chosen.iter().for_each(|suite| suite.run_ahead(&bench)));
-        let measure = |suite: &&'static dyn Suite| {
-            // A suite that cannot measure falls short; the others still run.
-            let findings = suite.measure(&bench).unwrap_or_else(|error| {
-                let failed = Check::new(suite.name(), "could be measured", f64::NAN, check::Bound::AtLeast(1.0));
-                Findings { checks: vec![failed.noted(error.to_string())], sections: Vec::new() }
-            });
-            (*suite, findings)
-        };
-        chosen.iter().map(measure).collect::<Vec<_>>()
-    });
+    // The times of a whole report are measured alone.
+    let threads = if quick { std::thread::available_parallelism().map_or(1, usize::from) } else { 1 };
+    let measure = |suite: &&'static dyn Suite| {
+        let start = Instant::now();
+        // A suite that cannot measure falls short; the others still run.
+        let findings = suite.measure(&bench).unwrap_or_else(|error| {
+            let failed = Check::new(suite.name(), "could be measured", f64::NAN, check::Bound::AtLeast(1.0));
+            Findings { checks: vec![failed.noted(error.to_string())], ..Findings::default() }
+        });
+        println!("verify: suite {} in {:.1} s", suite.name(), start.elapsed().as_secs_f64());
+        (*suite, findings)
+    };
+    let mut results = side_by_side(&chosen, threads, measure);
+    draw(&bench, threads, &mut results);
     print!("{}", report::text(&results));
     let html = bench.folder.join("report.html");
     let origin = origin::Origin::find(workspace);
@@ -243,13 +250,38 @@ pub fn command(workspace: &Workspace, quick: bool, names: &[String], random: ran
     write(&bench.folder.join("report.json"), &report::json(&results, quick, &origin)?)?;
     let checks: Vec<&Check> = results.iter().flat_map(|(_, findings)| &findings.checks).collect();
     let short = checks.iter().filter(|check| !check.holds()).count();
+    let mut runs = std::mem::take(&mut *hold(&bench.durations));
+    runs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    println!("\nten slowest of {} runs of the program:", runs.len());
+    runs.iter().take(10).for_each(|(seconds, name)| println!("{seconds:.1} s  {name}"));
     println!(
         "verify: {} checks, {short} fall short, {:.1} s of runs; report in {}",
         checks.len(),
-        bench.seconds(),
+        runs.iter().map(|(seconds, _)| seconds).sum::<f64>(),
         html.display()
     );
     Ok(short == 0 && !checks.is_empty())
+}
+
+/// Adds the figures of the runs that the suites ask for.
+fn draw(bench: &Bench, threads: usize, results: &mut [(&'static dyn Suite, Findings)]) {
+    let mut drawn = BTreeSet::new();
+    let asked = results
+        .iter_mut()
+        .enumerate()
+        .flat_map(|(k, (_, found))| std::mem::take(&mut found.runs).into_iter().map(move |run| (k, run)));
+    let asked: Vec<(usize, Run)> = asked.filter(|(_, run)| drawn.insert(run.name.clone())).collect();
+    let sections = side_by_side(&asked, threads, |(_, run)| bench.figures(run).map_err(|error| error.to_string()));
+    for ((k, run), section) in asked.iter().zip(sections) {
+        let findings = &mut results[*k].1;
+        match section {
+            Ok(section) => findings.sections.push(section),
+            Err(error) => {
+                let failed = Check::new(&run.name, "could be drawn", f64::NAN, check::Bound::AtLeast(1.0));
+                findings.checks.push(failed.noted(error));
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -26,12 +26,6 @@ impl Suite for Scenes {
         "Every shipped scene, held against its [expect] table."
     }
 
-    fn run_ahead(&self, bench: &Bench) {
-        for (file, ..) in chosen(bench).into_iter().flatten() {
-            let _ = bench.run_shipped(&file);
-        }
-    }
-
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
         let table = conserved::figures(&bench.workspace.read(conserved::FILE)?);
@@ -82,7 +76,7 @@ impl Suite for Scenes {
             if has_mortar(scene) {
                 findings.checks.push(run.coverage()?);
             }
-            bench.show(&run, &mut findings)?;
+            bench.show(&run, &mut findings);
         }
         Ok(findings)
     }

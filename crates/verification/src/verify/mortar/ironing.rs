@@ -52,7 +52,7 @@ fn smooth(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let mut rows = Vec::new();
     let shipped = ironing(&run, findings, FACET, Bound::AtMost(SMOOTH))?;
     if run.succeeded() {
-        bench.show(&run, findings)?;
+        bench.show(&run, findings);
     }
     keep(&mut lines, &mut rows, "slab of 20 x 5 x 3", shipped);
     let scene = bench.scene("ironing-mortar")?;
@@ -114,7 +114,7 @@ fn frictional(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let run = bench.run_shipped(Path::new(&format!("scenes/{name}.toml")))?;
         let found = ironing(&run, findings, facet, Bound::AtMost(SMOOTH))?;
         if run.succeeded() {
-            bench.show(&run, findings)?;
+            bench.show(&run, findings);
             judge_resistance(&run, findings)?;
         }
         keep(&mut lines, &mut rows, &format!("depth 0.4, indenter is slave, slab of {slab}"), found);

@@ -85,7 +85,8 @@ fn impact(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     }
     findings.checks.push(row("step cuts", run.summary_number("cuts")?, Bound::Unbounded));
     findings.checks.push(run.coverage()?);
-    bench.show(&run, findings)
+    bench.show(&run, findings);
+    Ok(())
 }
 
 /// Largest distance from the first value, relative.

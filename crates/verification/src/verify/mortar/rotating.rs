@@ -75,7 +75,8 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         ],
         tables: Vec::new(),
     });
-    bench.show(&run, findings)
+    bench.show(&run, findings);
+    Ok(())
 }
 
 fn shortened(mut scene: Table) -> Outcome<Table> {
