@@ -27,6 +27,16 @@ impl Faces {
         Ok((ContactSurface::new(side, &facets, reference)?, Self::new(&pieces)))
     }
 
+    /// Quadratic faces that the facets are pieces of, in their order; empty if all are linear.
+    pub(crate) fn pieces(&self) -> &[FacePiece] {
+        &self.0
+    }
+
+    /// Whether all facets are linear faces.
+    pub(crate) fn are_linear(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// The quadratic face that a facet (local number) is a piece of; `None` of a linear one.
     pub fn of(&self, facet: u32) -> Option<&FacePiece> {
         self.0.get(facet as usize).filter(|piece| piece.face().kind().is_quadratic())

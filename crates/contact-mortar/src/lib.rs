@@ -51,6 +51,7 @@ mod friction;
 mod integrals;
 mod local;
 mod matrices;
+mod means;
 mod method;
 mod multiplier;
 mod options;

@@ -13,3 +13,7 @@ pub(crate) type NodeVector = SVector<f64, MAX_NODES>;
 pub(crate) fn matrix(m: &FacetMatrix) -> NodeMatrix {
     NodeMatrix::from_fn(|i, j| m[i][j])
 }
+
+pub(crate) fn rows_of(m: &NodeMatrix) -> FacetMatrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
+}

@@ -2,7 +2,7 @@
 
 use crate::centres::{Centres, Moments, image, polygon_moments};
 use crate::faces::FaceBlock;
-use crate::local::{FacetMatrix, NodeMatrix, NodeVector, matrix};
+use crate::local::{FacetMatrix, NodeMatrix, NodeVector, matrix, rows_of};
 use crate::{FacetIntegrals, Factors, PairIntegrals};
 use nalgebra::{SymmetricEigen, Vector2, Vector3};
 use stoss_reference_element::{MAX_NODES, Nodal};
@@ -46,10 +46,6 @@ const SMALLEST_SHARE: f64 = 1e-2;
 /// A facet that is covered up to this is wholly covered.
 const WHOLE: f64 = 1e-12;
 
-fn rows(m: &NodeMatrix) -> FacetMatrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]))
-}
-
 impl MultiplierBasis {
     /// The functions of a facet with these integrals, biorthogonal also where it is partly covered: centres are the nodes, as ties have them.
     pub fn new(space: MultiplierSpace, integrals: &FacetIntegrals) -> Self {
@@ -71,7 +67,7 @@ impl MultiplierBasis {
 
     pub(crate) fn with_centres(space: MultiplierSpace, integrals: &FacetIntegrals, centres: Option<&Centres>) -> Self {
         let standard = |diagonal| Self {
-            coefficients: rows(&NodeMatrix::identity()),
+            coefficients: rows_of(&NodeMatrix::identity()),
             lumped: diagonal,
             diagonal,
             inverse_mass: NodeMatrix::zeros(),
@@ -105,7 +101,7 @@ impl MultiplierBasis {
             return standard(true);
         }
         let c = NodeMatrix::from_diagonal(&areas) * at_centres * inverse_mass;
-        Self { coefficients: rows(&c), lumped: false, diagonal: true, inverse_mass, at_centres, shares, areas }
+        Self { coefficients: rows_of(&c), lumped: false, diagonal: true, inverse_mass, at_centres, shares, areas }
     }
 
     /// `d D` of a linear facet from the variations of `int phi_A` and of the functions at the centres.
@@ -150,7 +146,7 @@ impl MultiplierBasis {
     /// `d C` for variations of `int N_i` and `int N_i N_j` over the whole covered part: `dC = (diag(d shape) - C d
     /// mass) mass^-1`, centres held. Zero for standard and lumped functions.
     pub fn coefficient_variation(&self, shape: &[f64; MAX_NODES], mass: &FacetMatrix) -> FacetMatrix {
-        rows(&self.variation(shape, mass, None))
+        rows_of(&self.variation(shape, mass, None))
     }
 
     /// The same with a variation of the functions at the centres.

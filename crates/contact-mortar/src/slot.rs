@@ -40,8 +40,10 @@ pub(crate) struct Slot {
     pub positive: Vec<f64>,
     /// All facets together, with one normal.
     pub whole: GapWeights,
-    /// One group a facet, for friction; empty if not asked for.
+    /// One group a facet, for friction and [`Slot::by_facet`]; empty if not asked for.
     facets: Vec<GapWeights>,
+    /// Whether each facet has its own normal, as on quadratic faces (theory/mortar#faces).
+    by_facet: bool,
 }
 
 /// Value and derivatives of a weighted gap, by the components of [`Slot::nodes`].
@@ -91,6 +93,11 @@ struct Map {
 /// Part of the reference area by which the corners of a row's facets take part in [`Slot::positive`], covered or not: they turn the normal.
 const CORNER_WEIGHT: f64 = 1e-3;
 
+/// The direction of a vector, if it has one.
+fn unit(c: Vector3<f64>) -> Option<Vector3<f64>> {
+    c.try_normalize(0.0).filter(|n| n.iter().all(|n| n.is_finite()))
+}
+
 impl Slot {
     /// Gathers the weights of the facets of a row. `old` are nodes to keep in front.
     pub fn gather<'w>(
@@ -102,7 +109,9 @@ impl Slot {
         with_facets: bool,
     ) -> Self {
         let [slave, master] = surfaces;
-        let mut slot = Self { nodes: old.to_vec(), ..Self::default() };
+        let by_facet = !(slave_faces.are_linear() && master_faces.are_linear());
+        let with_facets = with_facets || by_facet;
+        let mut slot = Self { nodes: old.to_vec(), by_facet, ..Self::default() };
         // Nodes first, so that all arrays have their final size.
         let mut maps: Vec<Map> = Vec::new();
         for &(f, a) in &row.facets {
@@ -199,13 +208,18 @@ impl Slot {
         &self.facets
     }
 
+    /// Facets that have a normal together.
+    fn groups(&self) -> &[GapWeights] {
+        if self.by_facet { &self.facets } else { std::slice::from_ref(&self.whole) }
+    }
+
     /// Gap vector, `c`, and the position that gap vectors are counted from: the weights add up to zero, so that it loses no digits.
-    fn vectors(&self, q: Positions<'_>) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+    fn vectors(&self, group: &GapWeights, q: Positions<'_>) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
         let origin = q.of(self.nodes[0]);
-        let weights = self.whole.weights.iter().zip(&self.nodes).filter(|(w, _)| **w != 0.0);
+        let weights = group.weights.iter().zip(&self.nodes).filter(|(w, _)| **w != 0.0);
         let gap = weights.map(|(w, &node)| (q.of(node) - origin) * *w).sum();
         let mut c = Vector3::zeros();
-        for corners in &self.whole.corners {
+        for corners in &group.corners {
             c -= area_vector(&corners.map(|k| q.of(self.nodes[k])));
         }
         (gap, c, origin)
@@ -213,30 +227,61 @@ impl Slot {
 
     /// Unit normal at `q` from master to slave, zero if there is none.
     pub fn normal<'a>(&self, q: impl Into<Positions<'a>>) -> Vector3<f64> {
-        self.vectors(q.into()).1.try_normalize(0.0).unwrap_or_default()
+        self.vectors(&self.whole, q.into()).1.try_normalize(0.0).unwrap_or_default()
     }
 
     /// The weighted gap at `q`, a volume; `None` if the normals of the facets cancel.
     pub fn gap<'a>(&self, q: impl Into<Positions<'a>>) -> Option<f64> {
-        let (gap, c, _) = self.vectors(q.into());
-        let normal = c.try_normalize(0.0).filter(|n| n.iter().all(|n| n.is_finite()))?;
-        Some(normal.dot(&gap))
+        let q = q.into();
+        let gap_of = |group| {
+            let (gap, c, _) = self.vectors(group, q);
+            unit(c).map(|normal| normal.dot(&gap))
+        };
+        self.groups().iter().map(gap_of).sum()
     }
 
     /// Value, gradient and, if asked for, second derivative at `q`; `None` if the normals of the facets cancel. Arrays have the size of `nodes`
     /// nodes, at least those of the slot.
     pub fn evaluate<'a>(&self, q: impl Into<Positions<'a>>, nodes: usize, want: Want) -> Option<Evaluation> {
         let q = q.into();
-        let (gap, c, origin) = self.vectors(q);
+        let columns = 3 * nodes;
+        let mut out = Evaluation { gradient: vec![0.0; columns], support: self.support, ..Evaluation::default() };
+        if !self.whole.derivative.is_empty() {
+            out.support_gradient = vec![0.0; columns];
+            self.for_each_support_derivative(|column, d| out.support_gradient[column] += d);
+        }
+        if want != Want::Gradient {
+            out.hessian = vec![0.0; columns * columns];
+        }
+        if want == Want::FixedWeights {
+            out.at_fixed_weights = vec![0.0; columns];
+        }
+        for group in self.groups() {
+            self.add_group(group, q, columns, want, &mut out)?;
+        }
+        Some(out)
+    }
+
+    /// Adds the part of facets with one normal; `None` if their normals cancel.
+    fn add_group(
+        &self,
+        group: &GapWeights,
+        q: Positions<'_>,
+        columns: usize,
+        want: Want,
+        out: &mut Evaluation,
+    ) -> Option<()> {
+        let (gap, c, origin) = self.vectors(group, q);
         let length = c.norm();
-        let n = c.try_normalize(0.0).filter(|n| n.iter().all(|n| n.is_finite()))?;
+        let n = unit(c)?;
         let value = n.dot(&gap);
+        out.value += value;
         // d Phi = n . dg + b . dc
         let b = (gap - n * value) / length;
-        let (own, columns) = (3 * self.nodes.len(), 3 * nodes);
-        let mut by_gap = self.by_gap_at_fixed_weights();
-        if !self.whole.derivative.is_empty() {
-            for (row, &node) in self.whole.derivative.chunks_exact(own).zip(&self.nodes) {
+        let own = 3 * self.nodes.len();
+        let mut by_gap = self.by_gap_at_fixed_weights(group);
+        if !group.derivative.is_empty() {
+            for (row, &node) in group.derivative.chunks_exact(own).zip(&self.nodes) {
                 let x = q.of(node) - origin;
                 for (mut column, d) in by_gap.column_iter_mut().zip(row).filter(|(_, d)| **d != 0.0) {
                     column += x * *d;
@@ -244,7 +289,7 @@ impl Slot {
             }
         }
         let mut by_c = Matrix3xX::zeros(own);
-        for corners in &self.whole.corners {
+        for corners in &group.corners {
             let [d_1, d_2] = diagonals(&corners.map(|k| q.of(self.nodes[k])));
             let turned = [d_2.cross_matrix(), -d_1.cross_matrix()];
             for (row, m) in corners.kind().diagonals().iter().zip(&turned) {
@@ -254,40 +299,31 @@ impl Slot {
                 }
             }
         }
-        let mut out =
-            Evaluation { value, gradient: vec![0.0; columns], support: self.support, ..Evaluation::default() };
-        if !self.whole.derivative.is_empty() {
-            out.support_gradient = vec![0.0; columns];
-            self.for_each_support_derivative(|column, d| out.support_gradient[column] += d);
-        }
         for (k, g) in out.gradient[..own].iter_mut().enumerate() {
-            *g = n.dot(&by_gap.column(k)) + b.dot(&by_c.column(k));
+            *g += n.dot(&by_gap.column(k)) + b.dot(&by_c.column(k));
         }
         match want {
             Want::Gradient => {}
             Want::Hessian => {
-                out.hessian = vec![0.0; columns * columns];
-                self.add_hessian([n, b], value, length, [&by_gap, &by_gap, &by_c], columns, &mut out.hessian);
-                self.add_motion_of_weights(n, true, columns, &mut out.hessian);
+                self.add_hessian(group, [n, b], value, length, [&by_gap, &by_gap, &by_c], columns, &mut out.hessian);
+                self.add_motion_of_weights(group, n, true, columns, &mut out.hessian);
             }
             Want::FixedWeights => {
-                let held = self.by_gap_at_fixed_weights();
-                out.at_fixed_weights = vec![0.0; columns];
+                let held = self.by_gap_at_fixed_weights(group);
                 for (k, g) in out.at_fixed_weights[..own].iter_mut().enumerate() {
-                    *g = n.dot(&held.column(k)) + b.dot(&by_c.column(k));
+                    *g += n.dot(&held.column(k)) + b.dot(&by_c.column(k));
                 }
-                out.hessian = vec![0.0; columns * columns];
-                self.add_hessian([n, b], value, length, [&held, &by_gap, &by_c], columns, &mut out.hessian);
-                self.add_motion_of_weights(n, false, columns, &mut out.hessian);
+                self.add_hessian(group, [n, b], value, length, [&held, &by_gap, &by_c], columns, &mut out.hessian);
+                self.add_motion_of_weights(group, n, false, columns, &mut out.hessian);
             }
         }
-        Some(out)
+        Some(())
     }
 
     /// Derivative of the gap vector at fixed weights.
-    fn by_gap_at_fixed_weights(&self) -> Matrix3xX<f64> {
+    fn by_gap_at_fixed_weights(&self, group: &GapWeights) -> Matrix3xX<f64> {
         let mut out = Matrix3xX::zeros(3 * self.nodes.len());
-        for (k, &w) in self.whole.weights.iter().enumerate() {
+        for (k, &w) in group.weights.iter().enumerate() {
             (0..3).for_each(|i| out[(i, 3 * k + i)] += w);
         }
         out
@@ -296,6 +332,7 @@ impl Slot {
     /// Adds the derivative of `left^T n + C^T b`: `left` is the derivative of the gap vector in the force, at fixed weights or not.
     fn add_hessian(
         &self,
+        group: &GapWeights,
         [n, b]: [Vector3<f64>; 2],
         value: f64,
         length: f64,
@@ -313,6 +350,9 @@ impl Slot {
         for i in 0..own {
             let (g, c) = (left.column(i), by_c.column(i));
             let has_c = c.iter().any(|c| *c != 0.0);
+            if !has_c && g.iter().all(|g| *g == 0.0) {
+                continue;
+            }
             let row = &mut out[i * columns..][..own];
             for (j, h) in row.iter_mut().enumerate() {
                 let mut sum = g.dot(&of_gap.column(j));
@@ -324,7 +364,7 @@ impl Slot {
         }
         // b . d2c
         let turn = b.cross_matrix();
-        for corners in &self.whole.corners {
+        for corners in &group.corners {
             let [by_1, by_2] = corners.kind().diagonals();
             for (&k, &f) in corners.iter().zip(&by_1).filter(|(_, f)| **f != 0.0) {
                 for (&l, &g) in corners.iter().zip(&by_2).filter(|(_, g)| **g != 0.0) {
@@ -341,12 +381,9 @@ impl Slot {
     }
 
     /// Adds `n . dw_k` to the rows of the nodes, if `both` to their columns, too.
-    fn add_motion_of_weights(&self, n: Vector3<f64>, both: bool, columns: usize, out: &mut [f64]) {
+    fn add_motion_of_weights(&self, group: &GapWeights, n: Vector3<f64>, both: bool, columns: usize, out: &mut [f64]) {
         let own = 3 * self.nodes.len();
-        if self.whole.derivative.is_empty() {
-            return;
-        }
-        for (k, row) in self.whole.derivative.chunks_exact(own).enumerate() {
+        for (k, row) in group.derivative.chunks_exact(own).enumerate() {
             for (j, &d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
                 for i in 0..3 {
                     out[(3 * k + i) * columns + j] += n[i] * d;

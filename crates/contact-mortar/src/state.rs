@@ -1,6 +1,7 @@
 //! What mortar contact holds: surfaces, built once; what is constant in a step; slots at one configuration.
 
 use crate::candidates::Candidates;
+use crate::local::FacetMatrix;
 use crate::positions::Positions;
 use crate::rows::Row;
 use crate::slot::Slot;
@@ -64,6 +65,8 @@ pub(crate) struct Integrated {
     pub at: Vec<f64>,
     pub segments: Vec<Option<FacetSegmentation>>,
     pub slots: Vec<Slot>,
+    /// Of each slave facet against each smooth part of the master [`FacetWeights::moments`]; empty if the slave has no quadratic faces.
+    pub moments: Vec<Option<FacetMatrix>>,
     /// Rows whose derivatives are there.
     pub derivatives: Vec<bool>,
 }
@@ -134,6 +137,10 @@ impl Surfaces {
             }
             segments.push(Some(found));
         }
+        let moments = match slave_faces.are_linear() {
+            true => Vec::new(),
+            false => facets.iter().map(|facet| facet.as_ref().map(|facet| facet.moments)).collect(),
+        };
         let wanted = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] != Need::Nothing);
         let derived = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] == Need::Derivative);
         let kept = |k: usize| old.get(k).map_or(&[][..], |slot: &Slot| &slot.nodes);
@@ -147,6 +154,7 @@ impl Surfaces {
         });
         Ok(Integrated {
             at: Vec::new(),
+            moments,
             segments,
             slots: slots.collect(),
             derivatives: rows.iter().map(derived).collect(),

@@ -5,7 +5,7 @@ use crate::derivatives::{PairDerivatives, pair_derivatives};
 use crate::faces::FaceBlock;
 use crate::factors::{Facing, Factors};
 use crate::integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
-use crate::local::{NodeMatrix, NodeVector, matrix};
+use crate::local::{FacetMatrix, NodeMatrix, NodeVector, matrix, rows_of};
 use crate::multiplier::{MultiplierBasis, MultiplierSpace, centres};
 use crate::{Faces, TriangleRule};
 use nalgebra::{Vector2, Vector3};
@@ -32,6 +32,8 @@ pub(crate) struct FacetWeights {
     pub support: [f64; MAX_NODES],
     /// The same without the factors of the gap.
     pub opposite: [f64; MAX_NODES],
+    /// `int phi_A N_J dA` with the functions of the facet, linear ones.
+    pub moments: FacetMatrix,
 }
 
 /// Starts of runs of these lengths, and their sum.
@@ -140,6 +142,7 @@ impl Integration {
             standard,
             support: (give * slave.row_sums()).into(),
             opposite: (give * NodeVector::from(integrals.opposite)).into(),
+            moments: rows_of(&(give * matrix(&basis.coefficients) * matrix(&integrals.mass))),
         };
         if want_derivative {
             let behind = Behind { slave: slave_face, master: master_faces };

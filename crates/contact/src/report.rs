@@ -25,6 +25,19 @@ pub struct SlotReport {
     pub reference_gap: f64,
     /// Friction in the last accepted step of this session; `None` without friction and for open slots.
     pub friction: Option<SlotFriction>,
+    /// Slots and weights, which add up to one, whose mean is shown as the pressure at the node; empty: that of the slot itself.
+    pub means: Vec<(u32, f64)>,
+}
+
+impl SlotReport {
+    /// The value to be shown at the node per current area, of values of the equations (pressures, sizes of tractions) by slots. `slot` is its own.
+    pub fn shown(&self, slot: usize, of: impl Fn(usize) -> f64) -> f64 {
+        let value = match self.means.as_slice() {
+            [] => of(slot),
+            means => means.iter().map(|&(slot, weight)| weight * of(slot as usize)).sum(),
+        };
+        value * self.per_current_area
+    }
 }
 
 /// Friction of a slot in an accepted step, in components of an orthonormal frame of the tangent plane.

@@ -223,6 +223,8 @@ named! {
         Reaction = "reaction",
         /// Contact pressure on slave nodes, positive in compression; of general contact on all surfaces, as a mean since the last frame.
         ContactPressure = "contact_pressure",
+        /// Pressures of the equations, of which `contact_pressure` is a mean on quadratic faces of mortar contact; elsewhere the same. Only if named in `fields`.
+        ContactMultiplier = "contact_multiplier",
         /// Gap of slave nodes (length), positive if open; of general contact the distance to the nearest other surface.
         Gap = "gap",
         /// Contact status of slave nodes: 0 open, 1 stick, 2 slip (also without friction); the largest where a node has several constraints.
@@ -244,6 +246,7 @@ impl Field {
                 | Self::GreenLagrangeStrain
                 | Self::LogarithmicStrain
                 | Self::Reaction
+                | Self::ContactMultiplier
         )
     }
 }

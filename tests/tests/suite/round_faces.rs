@@ -109,18 +109,25 @@ fn press_fit() -> f64 {
     2.0 * pressure * b * b * c / (e * (c * c - b * b))
 }
 
+/// By how much the overlap of meshes with these elements around is larger than that of the circles through their nodes, in the mean. A quadratic arc of half the angle h has r^2 = R^2 (1 - (1 - cos h)^2 t^2 (1 - t^2)),
+/// its mean radius is too small by R (1 - cos h)^2 / 15.
+fn overlap_of_arcs(around: [usize; 2]) -> f64 {
+    let [inside, outside] =
+        around.map(|n| 20.0 * (1.0 - (std::f64::consts::FRAC_PI_4 / n as f64).cos()).powi(2) / 15.0);
+    outside - inside
+}
+
 #[test]
 fn a_press_fit_of_quadratic_cells_is_that_of_lame() {
-    // With the coarser side as slave the mean over facets on different arcs leaves more; another program (CalculiX 2.20) is 0.54 % off on these meshes.
+    // What the arcs overlap by themselves is 0.26 %; another program (CalculiX 2.20) is 0.54 % off on these meshes.
     let [fine, coarse] = [("in.in_outer", "out.out_inner"), ("out.out_inner", "in.in_outer")];
-    for ((slave, master), multipliers, bound) in
-        [(fine, "standard", 5e-3), (fine, "dual", 1e-3), (coarse, "standard", 6e-3), (coarse, "dual", 6e-3)]
-    {
+    let exact = |around| press_fit() * (1.0 + overlap_of_arcs(around) / OVERLAP);
+    for ((slave, master), multipliers) in [(fine, "standard"), (fine, "dual"), (coarse, "standard"), (coarse, "dual")] {
         let between = contact(slave, master, &format!("multipliers = \"{multipliers}\"\n"));
         let mut simulation = tubes([12, 10], OVERLAP, [""; 2], &between);
         run(&mut simulation);
-        let error = outside(&simulation) / press_fit() - 1.0;
-        assert!(error.abs() < bound, "{slave} {multipliers}: {error}");
+        let error = outside(&simulation) / exact([12, 10]) - 1.0;
+        assert!(error.abs() < 3e-3, "{slave} {multipliers}: {error}");
     }
     // It falls with the mesh.
     let mut fine = tubes([24, 20], OVERLAP, [""; 2], &contact("in.in_outer", "out.out_inner", ""));
@@ -129,10 +136,84 @@ fn a_press_fit_of_quadratic_cells_is_that_of_lame() {
     assert!(error.abs() < 5e-4, "{error}");
 }
 
+/// Least and largest pressure that frames show, and the largest one of the equations.
+fn shown(simulation: &Simulation) -> [f64; 3] {
+    let (reports, pressures) = (simulation.contact_report(0).unwrap(), &simulation.pressures()[0]);
+    let x = &simulation.model().reference;
+    let of_body = |node: u32| !simulation.model().traces.contains_key(&node) && x.len() > 3 * node as usize;
+    let mut out = [f64::INFINITY, 0.0, 0.0];
+    for (slot, report) in reports.iter().enumerate().filter(|(_, report)| of_body(report.node)) {
+        let value = report.shown(slot, |slot| pressures[slot]);
+        out = [out[0].min(value), out[1].max(value), out[2].max(pressures[slot])];
+    }
+    out
+}
+
+/// Lame's pressure is the same everywhere.
+#[test]
+fn the_pressure_of_a_press_fit_is_that_of_lame() {
+    let e = YOUNG / (1.0 - POISSON * POISSON);
+    let exact = press_fit() * e * 500.0 / (2.0 * 400.0 * 30.0);
+    let [fine, coarse] = [("in.in_outer", "out.out_inner"), ("out.out_inner", "in.in_outer")];
+    for (around, (slave, master), multipliers, bound) in [
+        ([12, 10], fine, "standard", 0.03),
+        ([12, 10], fine, "dual", 0.03),
+        ([12, 10], coarse, "standard", 0.03),
+        ([24, 20], fine, "standard", 0.005),
+        ([24, 20], fine, "dual", 0.005),
+    ] {
+        let more = format!("multipliers = \"{multipliers}\"\n");
+        let mut simulation = tubes(around, OVERLAP, [""; 2], &contact(slave, master, &more));
+        let mut record = None;
+        while !simulation.finished() {
+            record = simulation.advance().unwrap_or_else(|e| panic!("{e}")).contact;
+        }
+        let [least, largest, raw] = shown(&simulation).map(|p| p / exact - 1.0);
+        let told = record.unwrap().max_pressure / exact - 1.0;
+        assert!(
+            least > -bound && largest < bound && told < bound,
+            "{around:?} {slave} {multipliers}: {least} to {largest}, told {told}, {raw} in the equations"
+        );
+    }
+}
+
+/// A block that is pressed flat on a larger floor, the floor as slave: facets and faces are partly covered, the pressure is uniform. Exact by equilibrium, for the floor is rigid to 1e-6.
+#[test]
+fn the_pressure_on_partly_covered_faces_is_uniform() {
+    for (cell, multipliers) in ["hex20", "hex27", "tet10"].into_iter().flat_map(|c| [(c, "standard"), (c, "dual")]) {
+        let body = |name: &str, place: &str, young: &str| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", {place} }}\ncell = \"{cell}\"\n\
+                 material = {{ law = \"saint-venant-kirchhoff\", young = {young}, poisson = 0.0 }}\n"
+            )
+        };
+        let mut text = "[scene]\ntitle = \"rim\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n".to_owned();
+        text += &body("block", "min = [0.37, 0.37, 1], max = [2.67, 2.67, 2], divisions = [3, 4, 2]", "1e3");
+        text += &body("floor", "min = [0, 0, 0], max = [4, 4, 1], divisions = [4, 4, 1]", "1e9");
+        for (set, components, table) in [
+            ("floor.bottom", "[\"x\", \"y\", \"z\"]", "fixed = true"),
+            ("block.top", "[\"x\", \"y\"]", "fixed = true"),
+            ("block.top", "[\"z\"]", "displacement = { table = [[0.0, 0.0], [1.0, -0.001]] }"),
+        ] {
+            writeln!(text, "[[prescribe]]\nset = \"{set}\"\ncomponents = {components}\n{table}").unwrap();
+        }
+        text += &contact("floor.top", "block.bottom", &format!("multipliers = \"{multipliers}\"\n"));
+        let mut simulation = simulation(&text);
+        run(&mut simulation);
+        // Saint Venant-Kirchhoff: F S with F = 0.999 and S = E (F^2 - 1)/2.
+        let exact = 1e3 * 0.999 * (1.0 - 0.999_f64.powi(2)) / 2.0;
+        let (reports, pressures) = (simulation.contact_report(0).unwrap(), &simulation.pressures()[0]);
+        for (slot, report) in reports.iter().enumerate().filter(|(slot, _)| simulation.active()[0][*slot]) {
+            let error = report.shown(slot, |slot| pressures[slot]) / exact - 1.0;
+            assert!(error.abs() < 1e-4, "{cell} {multipliers} {}: {error:e}", report.node);
+        }
+    }
+}
+
 /// The press fit of parts that fit exactly, by an interference; in time it grows in proportion to it.
 #[test]
 fn an_interference_is_the_press_fit_of_lame() {
-    for (multipliers, bound) in [("standard", 5e-3), ("dual", 1e-3)] {
+    for multipliers in ["standard", "dual"] {
         let fit = |more: &str, overlap: f64| {
             let more = format!("multipliers = \"{multipliers}\"\n{more}");
             let mut simulation = tubes([12, 10], overlap, [""; 2], &contact("in.in_outer", "out.out_inner", &more));
@@ -144,9 +225,10 @@ fn an_interference_is_the_press_fit_of_lame() {
         let in_time = fit("interference = { table = [[0.0, 0.0], [4.0, 0.01]] }\n", 0.0);
         // What the facets of both meshes overlap by themselves is no part of it.
         let kept = fit("overlap = \"keep\"\ninterference = 0.0025\n", 0.0);
-        for found in [by_number, by_meshes, in_time, kept] {
-            let error = found / press_fit() - 1.0;
-            assert!(error.abs() < bound, "{multipliers}: {error}");
+        let of_arcs = overlap_of_arcs([12, 10]) / OVERLAP;
+        for (found, of_arcs) in [(by_number, of_arcs), (by_meshes, of_arcs), (in_time, of_arcs), (kept, 0.0)] {
+            let error = found / (press_fit() * (1.0 + of_arcs)) - 1.0;
+            assert!(error.abs() < 3e-3, "{multipliers}: {error}");
         }
         assert!((by_number / by_meshes - 1.0).abs() < 3e-4 && by_number == in_time, "{by_number} {by_meshes}");
     }

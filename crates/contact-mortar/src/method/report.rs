@@ -1,6 +1,7 @@
 //! What the slots report, and the check of coverage before a step is accepted.
 
 use super::{COVERED, MortarContact};
+use crate::means::means;
 use crate::state::{Need, segmentation_error};
 use stoss_contact::{ContactError, Coverage, Report, SlotReport};
 
@@ -35,8 +36,8 @@ impl Report for MortarContact {
 
     fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
         let fresh;
-        let slots = if self.step.is_at(q, &self.end.at) && !self.is_frozen() {
-            &self.end.slots
+        let integrated = if self.step.is_at(q, &self.end.at) && !self.is_frozen() {
+            &self.end
         } else {
             let mut tree = self.tree.clone();
             tree.update(&self.surfaces.master, q);
@@ -50,8 +51,10 @@ impl Report for MortarContact {
                 &[],
                 false,
             )?;
-            &fresh.slots
+            &fresh
         };
+        let mut means = means(&self.surfaces, &integrated.moments).into_iter();
+        let slots = &integrated.slots;
         let nodes = self.surfaces.slave.nodes();
         let rows = self.surfaces.rows.iter().zip(slots).enumerate();
         let report = rows.map(|(k, (row, slot))| {
@@ -70,6 +73,7 @@ impl Report for MortarContact {
                 feature: if gap.is_some() { "face" } else { "none" },
                 reference_gap: of_law.unwrap_or(if there { kept } else { 0.0 }),
                 friction: self.last_friction(k),
+                means: means.next().unwrap_or_default(),
             }
         });
         Ok(report.collect())

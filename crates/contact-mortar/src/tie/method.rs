@@ -105,6 +105,7 @@ impl Report for MeshTie {
             SlotReport {
                 node,
                 weight,
+                means: Vec::new(),
                 per_current_area: 1.0,
                 area: weight,
                 gap: None,

@@ -161,6 +161,7 @@ impl Report for NodeToSurface {
                 SlotReport {
                     node: self.node(slot),
                     weight: self.slot_weight(slot),
+                    means: Vec::new(),
                     per_current_area: self.slot_weight(slot) / current[slot],
                     area: current[slot],
                     gap: point.pairing.map(|_| point.gap + reference_gap),

@@ -22,7 +22,8 @@ use locate::{Held, Locator};
 const DISPLACEMENT: &str = "displacement";
 
 /// Fields of surfaces: between a surface and what is inside of it they mean nothing.
-const CONTACT: [&str; 5] = ["contact_pressure", "gap", "contact_status", "friction_traction", "slip"];
+const CONTACT: [&str; 6] =
+    ["contact_pressure", "contact_multiplier", "gap", "contact_status", "friction_traction", "slip"];
 /// A field of whole numbers: its value is that of the nearest node.
 const STATUS: &str = "contact_status";
 /// Weight of the nodes beyond a facet, up to which a point is on the facet.

@@ -303,7 +303,8 @@ fn fields(node: &Node<'_>, world: &World<'_>) -> Option<Vec<Field>> {
         if field == Field::Velocity && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("does not exist in a quasi-static scene", "remove it");
         }
-        if matches!(field, Field::ContactPressure | Field::Gap) && !(world.has_contact || world.has_general_contact) {
+        let of_contact = matches!(field, Field::ContactPressure | Field::ContactMultiplier | Field::Gap);
+        if of_contact && !(world.has_contact || world.has_general_contact) {
             let remedy = "remove it, or add a [[contact]] or [general_contact]";
             return n.fail("needs contact, and the scene has none", remedy);
         }

@@ -7,11 +7,11 @@ use crate::rotation::cross;
 use crate::step::Attempt;
 use crate::{ContactSummary, Model, PairSummary, Phase, StepError};
 use std::collections::BTreeMap;
-use stoss_contact::{ContactWork, StepConfiguration, SurfaceForce};
+use stoss_contact::{ContactWork, SlotReport, StepConfiguration, SurfaceForce};
 use stoss_integrators::StepRule;
 
-/// Of each contact the node of every slot, and its pressure on the present area over that of the slot.
-type Slaves = Vec<Vec<(u32, f64)>>;
+/// Of each contact what its slots report.
+type Slaves = Vec<Vec<SlotReport>>;
 
 fn add_force(sums: &mut BTreeMap<u32, SurfaceForce>, of: SurfaceForce) {
     let none = SurfaceForce { node: of.node, force: [0.0; 3], moment: [0.0; 3] };
@@ -89,9 +89,8 @@ impl Simulation {
                 if now {
                     of_pair.active += 1;
                     of_pair.area += report.area;
-                    let pressure = pressures[c][slot] * report.per_current_area;
-                    of_pair.max_pressure = of_pair.max_pressure.max(pressure);
                 }
+                of_pair.max_pressure = of_pair.max_pressure.max(report.shown(slot, |slot| pressures[c][slot]));
             }
             let configuration = StepConfiguration { q_n: &self.state.q, q_np1: q, rule: rule.constraint.rule };
             self.timings.measure(Phase::Contact, || {
@@ -120,7 +119,7 @@ impl Simulation {
             for report in &reports {
                 is_slave[report.node as usize] = false;
             }
-            slaves[c] = reports.iter().map(|report| (report.node, report.per_current_area)).collect();
+            slaves[c] = reports;
             summary.active += of_pair.active;
             summary.min_gap = summary.min_gap.min(of_pair.min_gap);
             summary.max_pressure = summary.max_pressure.max(of_pair.max_pressure);
@@ -144,7 +143,7 @@ impl Simulation {
         let is_contact = |c: usize| self.model.contacts[c].method.as_contact().is_some();
         for c in (0..slaves.len()).filter(|&c| is_contact(c) && !mean.forces[c].is_empty()) {
             let of_pair = &mut summary.pairs[c];
-            let mut nodes: Vec<u32> = slaves[c].iter().map(|slave| slave.0).collect();
+            let mut nodes: Vec<u32> = slaves[c].iter().map(|slave| slave.node).collect();
             nodes.sort_unstable();
             for &(component, force) in &mean.forces[c] {
                 let (node, i) = (component / 3, component as usize % 3);
@@ -156,8 +155,8 @@ impl Simulation {
                     summary.force_on_slave[i] += force;
                 }
             }
-            let of_slots = slaves[c].iter().zip(&mean.pressures[c]).zip(&active[c]);
-            let pressures = of_slots.filter(|(_, active)| **active).map(|((slave, p), _)| p * slave.1);
+            let of = |slot: usize| if active[c][slot] { mean.pressures[c][slot] } else { 0.0 };
+            let pressures = slaves[c].iter().enumerate().map(|(slot, slave)| slave.shown(slot, of));
             of_pair.max_pressure = pressures.fold(0.0, f64::max);
         }
         summary.max_pressure = summary.pairs.iter().map(|pair| pair.max_pressure).fold(0.0, f64::max);

@@ -19,8 +19,9 @@ pub(crate) fn wanted(fields: Option<&[SceneField]>, field: SceneField) -> bool {
     fields.map_or(field.is_default(), |list| list.contains(&field))
 }
 
-const CONTACT_FIELDS: [SceneField; 5] = [
+const CONTACT_FIELDS: [SceneField; 6] = [
     SceneField::ContactPressure,
+    SceneField::ContactMultiplier,
     SceneField::Gap,
     SceneField::ContactStatus,
     SceneField::FrictionTraction,
@@ -31,6 +32,8 @@ const CONTACT_FIELDS: [SceneField; 5] = [
 #[derive(Default)]
 struct ContactFields {
     pressure: Vec<f64>,
+    /// The pressures of the equations, of which `pressure` may be a mean.
+    multiplier: Vec<f64>,
     /// Not a number at nodes without a partner.
     gap: Vec<f64>,
     status: Vec<f64>,
@@ -46,28 +49,41 @@ impl ContactFields {
             return Ok(Self::default());
         }
         let zeros = || vec![0.0; nodes];
-        let mut fields =
-            Self { pressure: zeros(), gap: vec![f64::NAN; nodes], status: zeros(), friction: zeros(), slip: zeros() };
+        let mut fields = Self {
+            pressure: zeros(),
+            multiplier: zeros(),
+            gap: vec![f64::NAN; nodes],
+            status: zeros(),
+            friction: zeros(),
+            slip: zeros(),
+        };
         let (mut has_friction, mut has_slip) = (false, false);
         for (c, pair) in model.contacts.iter().enumerate() {
             has_friction |= pair.method.has_friction();
             let Some(method) = pair.method.as_contact() else { continue };
             has_slip |= method.has_friction();
-            for (slot, report) in simulation.contact_report(c)?.iter().enumerate() {
+            let (reports, pressures) = (simulation.contact_report(c)?, &simulation.mean_pressures()[c]);
+            let size = |v: [f64; 2]| v[0].hypot(v[1]);
+            let active = &simulation.active()[c];
+            let traction = |slot: usize| {
+                let of_active = reports[slot].friction.filter(|_| active[slot]);
+                of_active.map_or(0.0, |friction| size(friction.traction))
+            };
+            for (slot, report) in reports.iter().enumerate() {
                 let node = report.node as usize;
-                fields.pressure[node] += simulation.mean_pressures()[c][slot] * report.per_current_area;
+                fields.pressure[node] += report.shown(slot, |slot| pressures[slot]);
+                fields.multiplier[node] += pressures[slot] * report.per_current_area;
+                fields.friction[node] += report.shown(slot, traction);
                 if let Some(g) = report.gap {
                     // The first comparison is with no number.
                     fields.gap[node] = fields.gap[node].min(g);
                 }
-                if !simulation.active()[c][slot] {
+                if !active[slot] {
                     continue;
                 }
-                let size = |v: [f64; 2]| v[0].hypot(v[1]);
                 let sticks = report.friction.is_some_and(|friction| friction.sticks);
                 fields.status[node] = fields.status[node].max(if sticks { 1.0 } else { 2.0 });
                 if let Some(friction) = report.friction {
-                    fields.friction[node] += size(friction.traction) * report.per_current_area;
                     fields.slip[node] = fields.slip[node].max(size(friction.slip));
                 }
             }
@@ -75,6 +91,7 @@ impl ContactFields {
         for (node, pressure, friction, distance) in means.nodes() {
             let node = node as usize;
             fields.pressure[node] += pressure;
+            fields.multiplier[node] += pressure;
             fields.friction[node] += friction;
             fields.gap[node] = distance.map_or(fields.gap[node], |distance| fields.gap[node].min(distance));
             if pressure != 0.0 {
@@ -85,6 +102,7 @@ impl ContactFields {
         for (&vertex, shown) in &model.traces {
             let (vertex, Some(node)) = (vertex as usize, shown.map(|node| node as usize)) else { continue };
             fields.pressure[node] += fields.pressure[vertex];
+            fields.multiplier[node] += fields.multiplier[vertex];
             fields.friction[node] += fields.friction[vertex];
             fields.gap[node] = fields.gap[node].min(fields.gap[vertex]);
             fields.status[node] = fields.status[node].max(fields.status[vertex]);
@@ -206,7 +224,7 @@ pub(super) fn with(
         ContactFields::default()
     };
     let reactions = simulation.reactions();
-    let candidates: [(SceneField, &str, usize, &[f64]); 14] = [
+    let candidates: [(SceneField, &str, usize, &[f64]); 15] = [
         (SceneField::Displacement, "displacement", 3, &displacement),
         (SceneField::Velocity, "velocity", 3, &state.v),
         (SceneField::CauchyStress, "cauchy_stress", 6, solid.stress.as_flattened()),
@@ -217,6 +235,7 @@ pub(super) fn with(
         (SceneField::LogarithmicStrain, "logarithmic_strain", 6, solid.logarithmic.as_flattened()),
         (SceneField::Reaction, "reaction", 3, &reactions),
         (SceneField::ContactPressure, "contact_pressure", 1, &contact.pressure),
+        (SceneField::ContactMultiplier, "contact_multiplier", 1, &contact.multiplier),
         (SceneField::Gap, "gap", 1, &contact.gap),
         (SceneField::ContactStatus, "contact_status", 1, &contact.status),
         (SceneField::FrictionTraction, "friction_traction", 1, &contact.friction),
