@@ -3,6 +3,7 @@
 
 use crate::anchor::Anchor;
 use crate::books::Works;
+use crate::closed::ClosedDiagonal;
 use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
@@ -48,8 +49,8 @@ pub(crate) struct System {
     pub slot_width: Vec<u32>,
     /// Positions of the diagonal entries of inactive slots, and the weights of the slots, see [`System::fill_inactive`]; infinity for a force row.
     pub inactive_diagonal: Vec<(u32, f64)>,
-    /// Positions of the diagonal entries of closed slots of unilateral contact, and one over their stiffnesses with the sign of the row: areas times a length over a stress.
-    pub closed_diagonal: Vec<(u32, f64)>,
+    /// Diagonal entries of closed slots of unilateral contact.
+    pub closed_diagonal: Vec<ClosedDiagonal>,
     /// How rows of unilateral contact are scattered.
     pub rows: Rows,
     /// Largest stiffness on the diagonal when the step was first linearised.

@@ -6,6 +6,16 @@ use crate::{Model, StepError};
 use stoss_contact::Auxiliary;
 use stoss_linalg::{LinalgError, NONE};
 
+/// Entry on the diagonal of the row of a closed slot of unilateral contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClosedDiagonal {
+    position: u32,
+    /// One over the stiffness of the row, an area times a length over a stress, with the sign of the row.
+    softness: f64,
+    /// Weight of the slot, an area.
+    weight: f64,
+}
+
 impl System {
     /// Where the compliance of closed slots goes: of pressures, and of the multipliers of friction, which are the first two auxiliaries.
     pub fn set_closed_diagonal(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
@@ -18,21 +28,23 @@ impl System {
             let multipliers = kinds.filter(|kind| matches!(kind, Auxiliary::Constraint)).count() as u32;
             let slots = equations.iter().zip(active).enumerate();
             for (slot, (&first, _)) in slots.filter(|&(_, (&first, &active))| first != NONE && active) {
-                let softness = method.slot_weight(slot) / pair.complementarity;
+                let weight = method.slot_weight(slot);
+                let softness = weight / pair.complementarity;
                 for k in 0..=multipliers {
                     let equation = first + k;
                     let missing = LinalgError::EntryNotInPattern { stencil: 0, row: equation, column: equation };
                     let position = self.pattern.position(equation, equation).ok_or(missing)?;
-                    self.closed_diagonal.push((position as u32, if k == 0 { -softness } else { softness }));
+                    let softness = if k == 0 { -softness } else { softness };
+                    self.closed_diagonal.push(ClosedDiagonal { position: position as u32, softness, weight });
                 }
             }
         }
         Ok(())
     }
 
-    /// After a matrix of statics that is singular: gives rows of closed slots a compliance from now on, and in the present matrix. False if they have one, or if there are none.
+    /// After a matrix that is singular: gives rows of closed slots a compliance from now on, and in the present matrix. False if they have one, or if there are none.
     pub fn soften_singular(&mut self) -> bool {
-        if self.has_rates || self.rows.compliance > 0.0 || self.closed_diagonal.is_empty() {
+        if self.rows.compliance > 0.0 || self.closed_diagonal.is_empty() {
             return false;
         }
         self.rows.compliance = COMPLIANCE;
@@ -44,7 +56,14 @@ impl System {
     pub fn soften_closed(&mut self) {
         let compliance = self.rows.compliance;
         if compliance > 0.0 {
-            self.closed_diagonal.iter().for_each(|&(at, softness)| self.values[at as usize] += compliance * softness);
+            for &ClosedDiagonal { position, softness, weight } in &self.closed_diagonal {
+                // With inertia, that of a short step too, as soft as its rows are then.
+                let softness = match self.has_rates {
+                    true => softness.signum() * weight * weight / self.slot_stiffness,
+                    false => softness,
+                };
+                self.values[position as usize] += compliance * softness;
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! What is reported about the pairs of surfaces of a scene before it runs.
 
-use crate::support::two_blocks;
+use crate::support::{simulation, two_blocks};
 
 /// Both surfaces of a contact as the slave of the other: told where neither may be penetrated, and nothing where springs hold one of them.
 #[test]
@@ -112,4 +112,57 @@ fn the_slave_is_the_side_that_a_round_one_sinks_into_least() {
     assert!(
         sinks(&build("multipliers = \"dual\"\nslave = \"bar.top\"\nmaster = \"roller.outer\"\n", [8, 8])).is_none()
     );
+}
+
+/// A block falls on another one, in statics it is pressed on it. The interface is named as two pairs that share the nodes between them, as surfaces from a drawing do: their pressures are determined only
+/// together, and the motion is that of one pair.
+#[test]
+fn two_pairs_that_share_nodes_are_one() {
+    let scene = |method: &str, kind: &str, pairs: &[&str]| {
+        let is_static = kind == "quasi-static";
+        let body = |name: &str, z: f64, velocity: f64| {
+            let motion =
+                if is_static { String::new() } else { format!("density = 1.0\nvelocity = [0, 0, {velocity:?}]\n") };
+            format!(
+                "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = [-1, -1, {z:?}], max = [1, 1, {:?}], divisions = [2, 2, 1] }}\n\
+                 material = {{ law = \"neo-hooke\", young = 1200.0, poisson = 0.3 }}\n{motion}",
+                z + 1.0
+            )
+        };
+        let time = match is_static {
+            true => "end = 1.0\nstep = 0.5\n",
+            false => "end = 0.3\nstep = 0.01\nintegrator = { scheme = \"energy-momentum\" }\n",
+        };
+        let held = match is_static {
+            true => {
+                "[[prescribe]]\nset = \"low.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n[[prescribe]]\nset = \"up.left\"\ncomponents = [\"x\"]\nfixed = true\n\
+                 [[prescribe]]\nset = \"up.front\"\ncomponents = [\"y\"]\nfixed = true\n[[load]]\nset = \"up.top\"\npressure = 12.0\n"
+            }
+            false => "",
+        };
+        let gap = if is_static { 1.0 } else { 1.05 };
+        let pairs: String = pairs
+            .iter()
+            .map(|slave| format!("[[contact]]\nmethod = \"{method}\"\nslave = \"{slave}\"\nmaster = \"low.top\"\n"))
+            .collect();
+        format!("[scene]\ntitle = \"shared\"\nkind = \"{kind}\"\n[time]\n{time}")
+            + &body("low", 0.0, 0.0)
+            + &body("up", gap, -0.5)
+            + held
+            + &pairs
+    };
+    for method in ["nts", "mortar"] {
+        for kind in ["quasi-static", "dynamic"] {
+            let ends = [&["up.bottom"][..], &["up.bottom & y <= 0", "up.bottom & y >= 0"]].map(|pairs| {
+                let mut run = simulation(&scene(method, kind, pairs));
+                while !run.finished() {
+                    let record = run.advance().unwrap_or_else(|e| panic!("{method} {kind}: {e}"));
+                    assert!(record.dt > 0.009, "{method} {kind}: a cut");
+                }
+                run.state().q.clone()
+            });
+            let off = ends[0].iter().zip(&ends[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-9, "{method} {kind}: {off:e}");
+        }
+    }
 }

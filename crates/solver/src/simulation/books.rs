@@ -41,6 +41,11 @@ impl Simulation {
         Ok(energies)
     }
 
+    /// Whether dampers of bodies act.
+    fn is_damped(&self) -> bool {
+        self.system.has_damping && self.system.has_rates
+    }
+
     /// Books of a step whose equations were evaluated last at `iterate`, whose couplings did the work `of_pairs`.
     ///
     /// # Errors
@@ -63,14 +68,12 @@ impl Simulation {
         let mut books = Books::default();
         for (b, body) in self.model.bodies.iter().enumerate() {
             let of = 3 * body.nodes.start as usize..3 * body.nodes.end as usize;
-            let (mut work, mut dissipated) = (works.bodies[b], 0.0);
-            if self.system.has_damping && self.system.has_rates {
-                let buffers = &self.system.buffers;
-                dissipated = dt * vector::dot(&buffers.damping[of.clone()], &buffers.rate[of.clone()]);
-                work += rule.damping_weight() * work_of(&buffers.damping, of, &self.state.q, &iterate.q);
+            let mut work = works.bodies[b];
+            if measured && self.is_damped() {
+                work += rule.damping_weight() * work_of(&self.system.buffers.damping, of, &self.state.q, &iterate.q);
             }
-            let rest = remainder(work - (energies[b] - self.energies[b]) - dissipated);
-            books.bodies.push(Posting { stored: energies[b], dissipated, supplied: 0.0, remainder: rest });
+            let rest = remainder(work - (energies[b] - self.energies[b]));
+            books.bodies.push(Posting { stored: energies[b], remainder: rest, ..Posting::default() });
         }
         let step = stoss_part::PartStep {
             q_n: &self.state.q,
@@ -129,6 +132,15 @@ impl Simulation {
     ) -> Books {
         let Draft { mut books, energies, inertia } = draft;
         self.energies = energies;
+        if self.is_damped() {
+            let (buffers, dt) = (&self.system.buffers, self.clock.dt());
+            for (posting, body) in books.bodies.iter_mut().zip(&self.model.bodies) {
+                let of = 3 * body.nodes.start as usize..3 * body.nodes.end as usize;
+                let dissipated = dt * vector::dot(&buffers.damping[of.clone()], &buffers.rate[of]);
+                posting.dissipated = dissipated;
+                posting.remainder -= dissipated;
+            }
+        }
         let mut taken = 0.0;
         for (c, posting) in books.couplings.iter_mut().enumerate() {
             let of = |list: &[f64]| list.get(c).copied().unwrap_or(0.0);
