@@ -239,7 +239,7 @@ mod tests {
             figures: vec!["<svg></svg>".into()],
             tables: vec![Grid::default()],
         };
-        vec![(&Sample, Findings { checks, sections: vec![section] })]
+        vec![(&Sample, Findings { checks, sections: vec![section], ..Findings::default() })]
     }
 
     #[test]
