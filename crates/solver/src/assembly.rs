@@ -3,12 +3,11 @@
 
 use crate::anchor::Anchor;
 use crate::books::Works;
-use crate::closed::ClosedDiagonal;
 use crate::embedding::{Followed, Transform};
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
-use crate::rows::Rows;
+use crate::rows::{ClosedDiagonal, Rows};
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};

@@ -1,20 +1,10 @@
 //! Entries on the diagonals of rows of slots: the compliance of closed ones (theory/constraints#compliance), and what stands in the rows of others.
 
 use crate::assembly::System;
-use crate::rows::COMPLIANCE;
+use crate::rows::{COMPLIANCE, ClosedDiagonal};
 use crate::{Model, StepError};
 use stoss_contact::Auxiliary;
 use stoss_linalg::{LinalgError, NONE};
-
-/// Entry on the diagonal of the row of a closed slot of unilateral contact.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ClosedDiagonal {
-    position: u32,
-    /// One over the stiffness of the row, an area times a length over a stress, with the sign of the row.
-    softness: f64,
-    /// Weight of the slot, an area.
-    weight: f64,
-}
 
 impl System {
     /// Where the compliance of closed slots goes: of pressures, and of the multipliers of friction, which are the first two auxiliaries.

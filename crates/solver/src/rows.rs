@@ -29,6 +29,17 @@ impl Rows {
     }
 }
 
+/// Entry on the diagonal of the row of a closed slot of unilateral contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClosedDiagonal {
+    /// Where it is in the values of the matrix.
+    pub position: u32,
+    /// One over the stiffness of the row, an area times a length over a stress, with the sign of the row.
+    pub softness: f64,
+    /// Weight of the slot, an area.
+    pub weight: f64,
+}
+
 /// Value and derivative of the smoothed complementarity function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Smoothed {

@@ -14,6 +14,19 @@ enum Of {
     Stabilisation,
 }
 
+impl Of {
+    /// What it is, for names that occur twice.
+    fn kind(self) -> String {
+        match self {
+            Self::Inertia | Self::Supports | Self::Stabilisation => "all".to_owned(),
+            Self::Body(b) => format!("body {b}"),
+            Self::Part(p) => format!("part {p}"),
+            Self::Load(l) => format!("load {l}"),
+            Self::Coupling(c) => format!("contact or joint {c}"),
+        }
+    }
+}
+
 /// A number of a posting.
 type Entry = (&'static str, fn(&Posting) -> f64);
 
@@ -62,6 +75,14 @@ impl Terms {
         }
         if is_stabilised {
             groups.push((Of::Stabilisation, "stabilisation".to_owned(), vec![DISSIPATED]));
+        }
+        // What two things have in common gets its kind with it.
+        let mut taken = std::collections::BTreeSet::new();
+        for (of, name, _) in &mut groups {
+            if !taken.insert(name.clone()) {
+                *name = format!("{name} ({})", of.kind());
+                taken.insert(name.clone());
+            }
         }
         Self { groups }
     }
