@@ -76,7 +76,7 @@ impl Terms {
         if is_stabilised {
             groups.push((Of::Stabilisation, "stabilisation".to_owned(), vec![DISSIPATED]));
         }
-        // What two things have in common gets its kind with it.
+        // Of a name that occurs twice the second one has its kind behind it.
         let mut taken = std::collections::BTreeSet::new();
         for (of, name, _) in &mut groups {
             if !taken.insert(name.clone()) {
