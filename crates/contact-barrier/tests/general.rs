@@ -2,12 +2,12 @@
 
 use fastrand::Rng;
 use nalgebra::Vector3;
-use stoss_contact::{ContactWork, GradientRule, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, check_initial, mitre,
 };
 use stoss_geometry::{PairKind, closest};
 use stoss_reference_element::FacetNodes;
+use stoss_term::{At, GradientRule, Local, Potential, Step, StepConfiguration, Term, Work};
 
 const MODULUS: f64 = 3.0;
 
@@ -66,8 +66,8 @@ fn enter(contact: &mut GeneralContact, upper: &std::ops::Range<usize>, rule: Gra
         GradientRule::EndPoint => contact.begin(&Step::quasi_static(&lifted, 1.0)).unwrap(),
         _ => begin(contact, rule, &lifted, q),
     }
-    contact.renew(q).unwrap();
-    contact.commit(q);
+    contact.renew(&At::end(q, &[], &[]), true).unwrap();
+    contact.commit(&At::end(q, &[], &[]));
 }
 
 fn rules(friction: f64) -> Interactions {
@@ -97,15 +97,15 @@ fn two_with(n: [u32; 2], gap: f64, shift: [f64; 2], options: GeneralOptions, fri
 
 /// Residual and tangent of a step, dense.
 fn assemble(contact: &mut GeneralContact, rule: GradientRule, q_n: &[f64], q: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
-    contact.renew(q).unwrap();
+    contact.renew(&At::end(q, &[], &[]), true).unwrap();
     let n = q.len();
     let (mut residual, mut tangent) = (vec![0.0; n], vec![vec![0.0; n]; n]);
     let mut stencils = Vec::new();
-    contact.stencils(&mut |nodes| stencils.push(nodes.to_vec()));
+    contact.stencils(&[], &mut |nodes, _| stencils.push(nodes.to_vec()));
     let mut next = 0;
     let step = StepConfiguration { q_n, q_np1: q, rule };
     contact
-        .assemble(step, true, &mut |local: &LocalContribution| {
+        .assemble(&step.at(&[], &[]), true, &mut |local: &Local| {
             assert_eq!(local.nodes, stencils[next]);
             next += 1;
             let global: Vec<usize> =
@@ -149,10 +149,10 @@ fn work_is_the_change_of_energy_less_what_is_lost_and_momenta_stay() {
         let (q_n, q) = (noise(&mut random, &scene.reference, size), noise(&mut random, &scene.reference, size));
         scene.enter(GradientRule::DiscreteGradient, &q_n);
         let contact = &mut scene.contact;
-        let ContactWork { stored: before, friction_stored: springs, .. } = contact.work(&q_n).unwrap();
+        let Work { stored: before, friction_stored: springs, .. } = contact.work(&At::end(&q_n, &[], &[])).unwrap();
         begin(contact, GradientRule::DiscreteGradient, &q_n, &q);
         let (residual, _) = assemble(contact, GradientRule::DiscreteGradient, &q_n, &q);
-        let work = contact.work(&q).unwrap();
+        let work = contact.work(&At::end(&q, &[], &[])).unwrap();
         let of_layer = work.stored - work.friction_stored;
         assert!((of_layer - contact.energy(&q).unwrap()).abs() <= 1e-13 * work.stored);
         assert!((before - springs - contact.energy(&q_n).unwrap()).abs() <= 1e-13 * before);
@@ -349,13 +349,13 @@ fn what_acts_outlives_a_renewal_of_candidates() {
         scene.enter(rule, &reference);
         let contact = &mut scene.contact;
         begin(contact, rule, &reference, &q);
-        contact.renew(&q).unwrap();
+        contact.renew(&At::end(&q, &[], &[]), true).unwrap();
         let reports = |contact: &GeneralContact| {
             let pressures: Vec<(u32, f64, [f64; 3])> =
                 contact.surface_nodes(&q).iter().map(|node| (node.node, node.pressure, node.friction)).collect();
             // Nodes without pressure may have something near, or not.
             let pressures: Vec<_> = pressures.into_iter().filter(|(_, pressure, _)| *pressure != 0.0).collect();
-            let work = contact.work(&q).unwrap();
+            let work = contact.work(&At::end(&q, &[], &[])).unwrap();
             (
                 contact.body_pairs(),
                 contact.surface_forces(),
@@ -411,11 +411,11 @@ fn forces_do_not_depend_on_the_way_of_the_iteration() {
                         .collect();
                     let part = scene.contact.longest_step(&q_n, &aside);
                     let there: Vec<f64> = q_n.iter().zip(&aside).map(|(q, d)| q + part * d).collect();
-                    scene.contact.renew(&there).unwrap();
+                    scene.contact.renew(&At::end(&there, &[], &[]), true).unwrap();
                 }
             }
             let forces = assemble(&mut scene.contact, rule, &q_n, &q).0;
-            (forces, scene.contact.work(&q).unwrap().stored, scene.contact.body_pairs()[0].active)
+            (forces, scene.contact.work(&At::end(&q, &[], &[])).unwrap().stored, scene.contact.body_pairs()[0].active)
         });
         let [(first, energy, count), (second, other_energy, other_count)] = forces;
         let largest = first.iter().fold(0.0_f64, |largest, f| largest.max(f.abs()));
@@ -451,7 +451,7 @@ fn what_is_in_the_layer_goes_on_from_a_checkpoint() {
         let (first, second) = (of(first), of(second));
         assert!(first == second && first.0.iter().any(|force| *force != 0.0), "{case}");
         begin(&mut without.contact, rule, &q_n, &q_n);
-        without.contact.renew(&q_n).unwrap();
+        without.contact.renew(&At::end(&q_n, &[], &[]), true).unwrap();
         // The second power of round-off at the edge of the layer.
         assert!(without.contact.energy(&q_n).unwrap() < 1e-30, "{case}");
         // A contact that is switched on again begins with nothing.
@@ -503,7 +503,7 @@ fn inset_surfaces_that_touch_have_no_force() {
     let options = GeneralOptions { thickness: thickness * (1.0 - 1e-12), damping: 0.0, slip_velocity: None };
     let mut contact = GeneralContact::new("general", skin, rules(0.0), options).unwrap();
     contact.begin(&Step::quasi_static(reference, 1.0)).unwrap();
-    contact.renew(reference).unwrap();
+    contact.renew(&At::end(reference, &[], &[]), true).unwrap();
     assert!(!contact.acts() && contact.energy(reference).unwrap() == 0.0);
 }
 
@@ -566,7 +566,7 @@ fn pressures_at_a_rim_are_those_of_the_middle() {
         let mut contact = GeneralContact::new("general", skin, rules(0.0), options).unwrap();
         enter(&mut contact, &(0..first as usize), GradientRule::EndPoint, &q);
         begin(&mut contact, GradientRule::EndPoint, &q, &q);
-        contact.renew(&q).unwrap();
+        contact.renew(&At::end(&q, &[], &[]), true).unwrap();
         let nodes = contact.surface_nodes(&q);
         let lower = nodes.iter().filter(|node| (q[3 * node.node as usize + 2] - 0.5 * thickness).abs() < 1e-12);
         let mut count = 0;
@@ -600,15 +600,15 @@ fn static_friction_does_not_depend_on_the_number_of_steps() {
             contact.begin(&Step::quasi_static(&q_n, 1.0)).unwrap();
             let far: Vec<f64> =
                 q_n.iter().enumerate().map(|(k, x)| if k < 81 && k % 3 == 1 { x + 0.1 } else { *x }).collect();
-            contact.renew(&far).unwrap();
+            contact.renew(&At::end(&far, &[], &[]), true).unwrap();
             contact.begin(&Step::quasi_static(&q_n, 1.0)).unwrap();
-            contact.renew(&q).unwrap();
-            let work = contact.work(&q).unwrap();
+            contact.renew(&At::end(&q, &[], &[]), true).unwrap();
+            let work = contact.work(&At::end(&q, &[], &[])).unwrap();
             lost += work.dissipated;
             worked += work.friction_work;
             stored = work.friction_stored;
             assert!(work.dissipated >= -1e-15 && work.stored > stored, "{work:?}");
-            contact.commit(&q);
+            contact.commit(&At::end(&q, &[], &[]));
             let [pair] = contact.body_pairs()[..] else { panic!("one pair") };
             forces = Vector3::from(pair.force);
             // Goes on from a checkpoint with the same bits.

@@ -5,8 +5,8 @@
 //!
 //! `cargo run --example patch -p stoss-contact-mortar`
 
-use stoss_contact::{Constraint, ContactError, ContactMethod, GradientRule, Report, Step, StepConfiguration};
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
+use stoss_term::{At, GradientRule, Step, StepConfiguration, Term, Unilateral};
 
 /// A square of the slave that looks down on two rectangles of the master, of widths 0.3 and 0.7, `gap` below.
 fn positions(gap: f64) -> Vec<f64> {
@@ -15,7 +15,7 @@ fn positions(gap: f64) -> Vec<f64> {
     slave.into_iter().chain(master).flatten().collect()
 }
 
-fn main() -> Result<(), ContactError> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (gap, pressure) = (-0.001, 12.0);
     // A quarter of each facet's area for each of its nodes.
     let of_master = [0.3, 1.0, 0.7, 0.3, 1.0, 0.7].map(|width| -0.25 * width * pressure);
@@ -27,13 +27,13 @@ fn main() -> Result<(), ContactError> {
         let (q, active) = (positions(gap), [true; 4]);
         // In dynamics forces are gradients of the weighted gaps, in which weights move with the positions: a penetration shifts forces then.
         contact.begin(&Step { reach: 0.1, ..Step::quasi_static(&q, 1.0) })?;
-        contact.renew(&q, &[pressure; 4], &[], &active, false)?;
+        contact.renew(&At::end(&q, &[pressure; 4], &active), false)?;
         let mut gaps = [0.0; 4];
         contact.complementarity_gaps(&q, &active, &mut gaps)?;
 
         let (mut force, mut rows) = (vec![0.0; q.len()], [0.0; 4]);
         let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPoint };
-        contact.assemble(step, &[pressure; 4], &active, false, &mut |local| {
+        contact.assemble(&step.at(&[pressure; 4], &active), false, &mut |local| {
             for (k, &node) in local.nodes.iter().enumerate() {
                 // The residual holds minus the force.
                 (0..3).for_each(|i| force[3 * node as usize + i] -= local.residual[3 * k + i]);
@@ -56,6 +56,6 @@ fn main() -> Result<(), ContactError> {
 }
 
 #[test]
-fn the_checks_hold() -> Result<(), ContactError> {
+fn the_checks_hold() -> Result<(), Box<dyn std::error::Error>> {
     main()
 }

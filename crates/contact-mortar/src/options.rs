@@ -12,7 +12,7 @@ pub enum Integrals {
     #[default]
     Moving,
     /// Those of the expected middle of the step, held in the step (thesis). What two steps have different gaps for is gained or lost. Not with
-    /// [`stoss_contact::GradientRule::EndPoint`].
+    /// [`stoss_term::GradientRule::EndPoint`].
     Frozen,
 }
 
@@ -33,6 +33,6 @@ pub struct MortarOptions {
     /// Whether a weighted gap is held where it is in a step in which it closes and velocities come from the law of impact (theory/impacts#hold), and after how many steps without a break it
     /// comes down. Not with frozen integrals.
     pub hold: Option<u32>,
-    /// Pressure over penetration, a stress per length, if contact is not rigid; under [`stoss_contact::GradientRule::EndPoint`].
+    /// Pressure over penetration, a stress per length, if contact is not rigid; under [`stoss_term::GradientRule::EndPoint`].
     pub overclosure: Option<f64>,
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, GradientRule, Report, Step, StepConfiguration};
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
+use stoss_term::{At, GradientRule, Step, StepConfiguration, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, meshes};
 
 /// Faces of a cube whose corner `k` is at the bits of `k`, numbered outward; the first one is the lower.
@@ -37,11 +37,11 @@ fn force(method: &mut MortarContact, q: &[f64], pressure: f64, directions: &[[f6
     let along = |normal: [f64; 3]| directions.iter().any(|d| (Vector3::from(*d) - Vector3::from(normal)).norm() < 1e-9);
     let active: Vec<bool> = method.report(q).unwrap().iter().map(|r| r.gap.is_some() && along(r.normal)).collect();
     let pressures: Vec<f64> = active.iter().map(|a| if *a { pressure } else { 0.0 }).collect();
-    method.renew(q, &pressures, &[], &active, true).unwrap();
+    method.renew(&At::end(q, &pressures, &active), true).unwrap();
     let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     let mut force = Vector3::zeros();
     method
-        .assemble(step, &pressures, &active, false, &mut |local| {
+        .assemble(&step.at(&pressures, &active), false, &mut |local| {
             let slave = local.nodes.iter().zip(local.residual.chunks_exact(3)).filter(|(n, _)| **n < SLAVE as u32);
             slave.for_each(|(_, f)| force -= Vector3::new(f[0], f[1], f[2]));
         })

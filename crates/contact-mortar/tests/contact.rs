@@ -8,8 +8,8 @@ use crate::sheets::{
 };
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, GradientRule, Report, Step, StepConfiguration, Support};
 use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions};
+use stoss_term::{At, GradientRule, Step, StepConfiguration, Support, Term, Unilateral};
 
 fn lifted(d: &[f64], lift: f64) -> Vec<f64> {
     let mut q = moved(d);
@@ -30,7 +30,7 @@ fn begun(surfaces: [Surface; 2], dual: bool, kind: usize, rule: GradientRule, q_
 /// Minus the weighted gaps at `q`, and the residual.
 fn residual(method: &mut MortarContact, rule: GradientRule, q_n: &[f64], q: &[f64], p: &[f64]) -> Vec<f64> {
     let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
-    method.renew(q, &[], &[], &active, true).unwrap();
+    method.renew(&At::end(q, &[], &active), true).unwrap();
     assemble(method, StepConfiguration { q_n, q_np1: q, rule }, p, &active).residual
 }
 
@@ -263,7 +263,7 @@ fn penetrations_of_the_start_are_kept_in_dynamics() {
         let zero = vec![0.0; 3 * NODES];
         let q_n = lifted(&zero, start);
         method.begin(&Step { reach: 0.5, rates, ..Step::new(&q_n, GradientRule::DiscreteGradient, 0.1) }).unwrap();
-        method.renew(&lifted(&zero, end), &[], &[], &[false; SLAVE], false).unwrap();
+        method.renew(&At::end(&lifted(&zero, end), &[], &[false; SLAVE]), false).unwrap();
         let mut gaps = [0.0; SLAVE];
         method.complementarity_gaps(&lifted(&zero, end), &[true; SLAVE], &mut gaps).unwrap();
         gaps.into_iter().filter(|g| g.is_finite()).collect::<Vec<f64>>()
@@ -283,7 +283,7 @@ fn a_passage_is_an_error() {
         let mut method = begun(surfaces, false, 2, GradientRule::DiscreteGradient, &base());
         for (lift, passes) in [(-0.1, false), (-0.3, true), (-0.5, true)] {
             let q = lifted(&zero, lift);
-            method.renew(&q, &[], &[], &[false; SLAVE], false).unwrap();
+            method.renew(&At::end(&q, &[], &[false; SLAVE]), false).unwrap();
             assert_eq!(method.verify(&q).is_err(), passes, "{lift}");
         }
     }
@@ -312,7 +312,7 @@ fn changed_stencils_are_told() {
             method.begin(&Step { reach: 3.0, rates, ..Step::new(&q_n, rule, 0.1) }).unwrap();
             for part in [1.0, 0.6, 0.3, 0.0] {
                 let before = stencils(&method);
-                let told = method.renew(&beside(part), &[], &[], &active, true).unwrap();
+                let told = method.renew(&At::end(&beside(part), &[], &active), true).unwrap();
                 let changed = before != stencils(&method);
                 assert!(told || !changed, "rates {rates}, beside by {shift}, {part} of it left");
                 changes[usize::from(rates)] += usize::from(changed);

@@ -11,12 +11,13 @@ use std::sync::Arc;
 use stoss_contact::friction::{
     Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
 };
-use stoss_contact::{Constraint, ContactError, GradientRule, History, Report, Step, StepConfiguration, position};
+use stoss_contact::{ContactError, position};
 use stoss_contact_mortar::segmentation::GapRange;
 use stoss_contact_mortar::{
     FaceBlock, Faces, Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure,
     TriangleRule, facet_integrals, segment_surfaces,
 };
+use stoss_term::{At, Fault, GradientRule, Step, StepConfiguration, Term};
 
 const RULES: [GradientRule; 3] = [GradientRule::EndPoint, GradientRule::Midpoint, GradientRule::DiscreteGradient];
 const PENALTY: f64 = 40.0;
@@ -92,8 +93,8 @@ fn begin(method: &mut MortarContact, rule: GradientRule, q_n: &[f64]) {
 /// Does a whole step with given positions and pressures.
 fn go(method: &mut MortarContact, rule: GradientRule, q_n: &[f64], q: &[f64], p: &[f64]) {
     begin(method, rule, q_n);
-    method.renew(q, &[], &[], &set(p), false).unwrap();
-    method.commit(q, p, &set(p));
+    method.renew(&At::end(q, &[], &set(p)), false).unwrap();
+    method.commit(&At::end(q, p, &set(p)));
 }
 
 /// What friction adds to the residual of the step that has begun.
@@ -109,7 +110,7 @@ fn friction_force(
     let mut plain = sheets::method(surfaces, options(dual)).with_factors(method.factors());
     begin(&mut plain, rule, q_n);
     let residual = |m: &mut MortarContact| {
-        m.renew(q, &[], &[], &set(p), true).unwrap();
+        m.renew(&At::end(q, &[], &set(p)), true).unwrap();
         assemble(m, StepConfiguration { q_n, q_np1: q, rule }, p, &set(p)).residual
     };
     let without = residual(&mut plain);
@@ -172,8 +173,8 @@ fn directional_error(
     let mut at = |s: f64| {
         let (x, p, m) = (plus(q, s, v), plus(p, s, w), plus(multipliers, s, y));
         let step = StepConfiguration { q_n, q_np1: &x, rule };
-        method.renew(&x, &[], &m, &active, true).unwrap();
-        plain.renew(&x, &[], &[], &active, true).unwrap();
+        method.renew(&At::end(&x, &[], &active).with_auxiliaries(&m), true).unwrap();
+        plain.renew(&At::end(&x, &[], &active), true).unwrap();
         let mut all = sheets::assemble_with(method, step, &p, &m, &active);
         let without = assemble(plain, step, &p, &active);
         let (n, own) = (all.residual.len(), without.residual.len());
@@ -306,11 +307,11 @@ proptest! {
         go(&mut method, rule, &q_1, &q_1, &p);
         begin(&mut method, rule, &q_1);
         let before = friction_force(surfaces, &mut method, rule, &q_1, &q_1, &p, dual);
-        let at_rest = method.work(&q_1, &p, &set(&p)).unwrap();
+        let at_rest = method.work(&At::end(&q_1, &p, &set(&p))).unwrap();
         prop_assert!(at_rest.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));
         let q_2 = rotated(&q_1, Vector3::new(1.0, 2.0, -0.5));
-        method.renew(&q_2, &[], &[], &set(&p), false).unwrap();
-        let turned = method.work(&q_2, &p, &set(&p)).unwrap();
+        method.renew(&At::end(&q_2, &[], &set(&p)), false).unwrap();
+        let turned = method.work(&At::end(&q_2, &p, &set(&p))).unwrap();
         prop_assert!((turned.stored - at_rest.stored).abs() < 1e-11 * (1.0 + at_rest.stored));
         prop_assert!(turned.dissipated.abs() < 1e-11 * (1.0 + at_rest.stored));
         go(&mut method, rule, &q_1, &q_2, &p);
@@ -340,14 +341,14 @@ proptest! {
             begin(&mut method, rule, &q_n);
             let force = friction_force(surfaces, &mut method, rule, &q_n, &q, p, dual);
             let work: f64 = (0..3 * NODES).map(|k| force[k] * (q[k] - q_n[k])).sum();
-            let energy = method.work(&q, p, &set(p)).unwrap();
+            let energy = method.work(&At::end(&q, p, &set(p))).unwrap();
             let size = 1.0 + stored + energy.stored;
             // The dissipation of each point is the return map's, whatever slip it was given; the work is that of objective slip.
             prop_assert!(energy.dissipated > -1e-12 * size, "{energy:?}");
             if objective {
                 prop_assert!((work + stored - energy.stored - energy.dissipated + energy.driven).abs() < 1e-12 * size, "{work} {stored} {energy:?}");
             }
-            method.commit(&q, p, &set(p));
+            method.commit(&At::end(&q, p, &set(p)));
             stored = energy.stored;
         }
     }
@@ -363,7 +364,7 @@ proptest! {
         let accepted = friction(&method);
         prop_assert_eq!(accepted.iter().filter(|slot| slot.is_some()).count(), set(&p).iter().filter(|active| **active).count());
         begin(&mut method, rule, &q_1);
-        method.renew(&q_2, &[], &[], &set(&p), false).unwrap();
+        method.renew(&At::end(&q_2, &[], &set(&p)), false).unwrap();
         prop_assert_eq!(friction(&method), accepted);
     }
 
@@ -384,7 +385,7 @@ proptest! {
         };
         prop_assert_eq!(force(&mut first), force(&mut second));
         let short = second.load_history(&bytes[1..]);
-        let is_refused = matches!(short, Err(ContactError::History { .. }));
+        let is_refused = short.is_err_and(|e| matches!(e.cause(), Some(ContactError::History { .. })));
         prop_assert!(is_refused);
         // A node that opens forgets.
         let none = [0.0; SLAVE];
@@ -399,7 +400,7 @@ proptest! {
 fn what_has_no_friction_is_refused() {
     let friction = || Friction::new(coulomb(0.3), PENALTY, Stick::Penalty, MidpointFriction::B).unwrap();
     let surfaces = [Surface::Triangles; 2];
-    let refused = |error: ContactError| matches!(error, ContactError::FrictionUnavailable { .. });
+    let refused = |error: Fault| matches!(error.cause(), Some(ContactError::FrictionUnavailable { .. }));
     let mut yang = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Yang).unwrap();
     let q = sheets::base();
     yang.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::EndPoint, 0.1) }).unwrap();

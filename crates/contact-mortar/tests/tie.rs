@@ -3,9 +3,9 @@
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_contact::FacetNodes;
-use stoss_contact::{Constraint, GradientRule, Report, StepConfiguration};
 use stoss_contact_mortar::tie::{Interface, MeshTie, TieForm, TieOptions};
 use stoss_contact_mortar::{MortarError, MultiplierSpace};
+use stoss_term::{GradientRule, Rule, StepConfiguration, Term};
 use stoss_testkit::meshes::{Mesh, meshes};
 
 /// Facets of an `n x n` grid over `[-1, 1]^2`; seen from `up`, outward.
@@ -68,7 +68,7 @@ fn assemble(tie: &MeshTie, step: StepConfiguration<'_>, lambda: &[f64]) -> Assem
     let dim = n + slots;
     let mut out = Assembled { residual: vec![0.0; dim], tangent: vec![0.0; dim * dim] };
     let mut visited = Vec::new();
-    tie.assemble(step, lambda, &vec![true; slots], true, &mut |local| {
+    tie.assemble(&step.at(lambda, &vec![true; slots]), true, &mut |local| {
         let at: Vec<usize> = local
             .nodes
             .iter()
@@ -136,8 +136,8 @@ proptest! {
             for rule in GradientRule::ALL {
                 let exact = assemble(&tie, StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule }, &lambda);
                 let dim = q_n.len() + lambda.len();
-                prop_assert!(tie.is_symmetric(rule) || rule != GradientRule::EndPoint);
-                if tie.is_symmetric(rule) {
+                prop_assert!(tie.is_symmetric(Rule::Constraint(rule)) || rule != GradientRule::EndPoint);
+                if tie.is_symmetric(Rule::Constraint(rule)) {
                     let k = &exact.tangent;
                     let asymmetry = (0..dim * dim).fold(0f64, |m, e| m.max((k[e] - k[e % dim * dim + e / dim]).abs()));
                     prop_assert!(asymmetry <= 1e-13 * norm(k), "{form:?} {rule:?}: {asymmetry:e}");
@@ -214,9 +214,9 @@ proptest! {
             let of_node: Vec<u32> = tie.report(&q).unwrap().iter().map(|slot| slot.node).collect();
             let active: Vec<bool> = of_node.iter().map(|node| node % 7 == keep).collect();
             let mut all = Vec::new();
-            tie.assemble(step, &lambda, &vec![true; active.len()], true, &mut |local| all.push(format!("{local:?}"))).unwrap();
+            tie.assemble(&step.at(&lambda, &vec![true; active.len()]), true, &mut |local| all.push(format!("{local:?}"))).unwrap();
             let (mut kept, mut stencils, mut expected) = (Vec::new(), 0, 0);
-            tie.assemble(step, &lambda, &active, true, &mut |local| {
+            tie.assemble(&step.at(&lambda, &active), true, &mut |local| {
                 assert!(local.slots.iter().all(|&slot| active[slot as usize]));
                 kept.push(format!("{local:?}"));
             }).unwrap();

@@ -5,8 +5,8 @@
 //!
 //! `cargo run --example one_facet -p stoss-contact-nts`
 
-use stoss_contact::{Constraint, ContactError, ContactMethod, GradientRule, Report, Step, StepConfiguration};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+use stoss_term::{Fault, GradientRule, Step, StepConfiguration, Term, Unilateral};
 
 /// Four nodes of the master, whose facet looks up, and four of a small facet of the slave above it, of which the first is watched.
 fn positions(slave: [f64; 3], lift: f64) -> Vec<f64> {
@@ -16,7 +16,7 @@ fn positions(slave: [f64; 3], lift: f64) -> Vec<f64> {
     master.into_iter().chain(slave).flatten().collect()
 }
 
-fn main() -> Result<(), ContactError> {
+fn main() -> Result<(), Box<dyn std::error::Error>> {
     let reference = positions([0.4, 0.3, 0.2], 0.0);
     // The row of a step is -A (g_np1 - g_n).
     let options = NodeToSurfaceOptions { constraint: ConstraintForm::Modified, ..NodeToSurfaceOptions::default() };
@@ -29,11 +29,11 @@ fn main() -> Result<(), ContactError> {
         let q_np1 = positions(slave, lift);
         contact.begin(&Step { reach: 1.0, ..Step::new(&q_n, rule, 0.1) })?;
         contact.repair(&q_np1, &active)?;
-        let gap = |q: &[f64]| -> Result<f64, ContactError> { Ok(contact.report(q)?[0].gap.unwrap_or(f64::NAN)) };
+        let gap = |q: &[f64]| -> Result<f64, Fault> { Ok(contact.report(q)?[0].gap.unwrap_or(f64::NAN)) };
         let gaps = [gap(&q_n)?, gap(&q_np1)?];
         let (mut force, mut row) = (vec![0.0; q_n.len()], 0.0);
         let step = StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule };
-        contact.assemble(step, &pressures, &active, false, &mut |local| {
+        contact.assemble(&step.at(&pressures, &active), false, &mut |local| {
             for (k, &node) in local.nodes.iter().enumerate() {
                 // The residual holds minus the force.
                 (0..3).for_each(|i| force[3 * node as usize + i] -= local.residual[3 * k + i]);
@@ -65,6 +65,6 @@ fn main() -> Result<(), ContactError> {
 }
 
 #[test]
-fn the_checks_hold() -> Result<(), ContactError> {
+fn the_checks_hold() -> Result<(), Box<dyn std::error::Error>> {
     main()
 }

@@ -20,9 +20,9 @@ use crate::kinematics::{Gap, LOCAL, LocalMatrix};
 use nalgebra::Vector3;
 use stoss_contact::dual::{V3, cross, dot, unit};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep, PointIteration, stick_compliance};
-use stoss_contact::{GradientRule, SlotFriction, Step};
 use stoss_geometry::Patch;
 use stoss_reference_element::Nodal;
+use stoss_term::{GradientRule, SlotFriction, Step};
 
 /// Two tangent planes with `1 + n . m` below this are folded upon each other: no rotation from one to the other is the smallest. The
 /// traction is dropped then.

@@ -5,7 +5,7 @@
 //! * [`crossing`]: the element for a step from one facet to another;
 //! * the normal part by multiplier, penalty or augmented Lagrangian ([`stoss_contact::Enforcement`]);
 //! * friction in the direct form, also with the energy-momentum element ([`NodeToSurface::with_friction`]);
-//! * [`NodeToSurface`]: all of them as a [`stoss_contact::ContactMethod`];
+//! * [`NodeToSurface`]: all of them as a [`stoss_term::Unilateral`];
 //! * [`augmented`]: the coordinate augmentation technique (theory/coordinate-augmentation) on the same pairings, laws and histories.
 //!
 //! The crate knows neither solids nor the global system.

@@ -2,7 +2,8 @@
 
 use crate::options::{ConstraintForm, NodeToSurfaceOptions};
 use stoss_contact::friction::Stiffening;
-use stoss_contact::{ContactError, Enforcement, GradientRule};
+use stoss_contact::{ContactError, Enforcement};
+use stoss_term::GradientRule;
 
 /// Enforcement of a whole surface.
 #[derive(Clone, Debug)]

@@ -2,8 +2,9 @@
 
 use crate::crossing::{MAX_NODES, local_of};
 use crate::kinematics::{Gap, Local};
-use stoss_contact::{ContactSurface, FacetNodes, StepConfiguration};
+use stoss_contact::{ContactSurface, FacetNodes};
 use stoss_reference_element::Nodal;
+use stoss_term::StepConfiguration;
 
 /// Returns of one node to a facet that it had in this step already, after which it stays on the extension of the last one. A node in a
 /// valley or on a ridge can be sent back and forth between two facets without end. Staying is harmless: every pairing conserves, the extension
@@ -52,7 +53,7 @@ pub(crate) struct Slot {
     pub origin: Option<u32>,
     /// Gap at `n` to `origin`: to its extension if committed, else to the whole surface; infinite if there is none.
     pub origin_gap: f64,
-    /// Pairing while active; `None` until [`stoss_contact::ContactMethod::repair`] made one.
+    /// Pairing while active; `None` until [`stoss_term::Unilateral::repair`] made one.
     pub pairing: Option<Pairing>,
     /// Gap at `n` from which the work of the step is counted.
     pub gap_n: f64,

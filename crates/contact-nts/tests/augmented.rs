@@ -4,11 +4,10 @@ use crate::common::{path as path_of, *};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::sync::Arc;
+use stoss_contact::ContactError;
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
-use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactMethod, GradientRule, History, Report, Step, StepConfiguration,
-};
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
+use stoss_term::{At, Auxiliary, GradientRule, Step, StepConfiguration, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -66,7 +65,7 @@ impl Path {
     }
 
     /// Does the first step and pairs the second one.
-    fn run<M: ContactMethod>(&self, m: M) -> M {
+    fn run<M: Term + Unilateral>(&self, m: M) -> M {
         second_step(m, &self.q, self.rule, STEP, 7.0)
     }
 
@@ -80,7 +79,7 @@ impl Path {
     fn start(&self, m: &CoordinateAugmented) -> Vec<f64> {
         let mut values = vec![0.0; m.slot_count() * m.auxiliaries().len()];
         let step = StepConfiguration { q_n: &self.q[1], q_np1: &self.q[2], rule: self.rule };
-        m.start_auxiliaries(step, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE, &mut values).unwrap();
+        m.start_auxiliaries(&step.at(&[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE), &mut values).unwrap();
         for (value, off) in values.iter_mut().zip(self.off).take(m.auxiliaries().len()) {
             *value += off;
         }
@@ -175,7 +174,7 @@ proptest! {
         let expected = -&inverse * (r_first.rows(n, 2) + k_first.view((n, 0), (2, n - 1)) * DVector::from_row_slice(&increment));
         let mut found = vec![0.0; 8];
         let step = StepConfiguration { q_n: &path.q[1], q_np1: &path.q[2], rule: path.rule };
-        second.recover(step, &[&at[..2], &[0.0; 6]].concat(), &ACTIVE, &increment, &mut found).unwrap();
+        second.recover(&step.at(&[], &ACTIVE).with_auxiliaries(&[&at[..2], &[0.0; 6]].concat()), &increment, &mut found).unwrap();
         prop_assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-11 * (1.0 + expected.amax())));
     }
 
@@ -215,8 +214,8 @@ fn other_rules_are_refused() {
     m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
     let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::StartPoint };
-    let error = m.assemble(step, &[1.0, 0.0, 0.0, 0.0], &ACTIVE, false, &mut |_| {}).unwrap_err();
-    assert!(matches!(error, ContactError::RuleUnavailable { .. }), "{error}");
+    let error = m.assemble(&step.at(&[1.0, 0.0, 0.0, 0.0], &ACTIVE), false, &mut |_| {}).unwrap_err();
+    assert!(matches!(error.cause(), Some(ContactError::RuleUnavailable { .. })), "{error}");
 }
 
 /// An active slot without a facet leaves its pressure and its auxiliaries at zero.
@@ -229,7 +228,7 @@ fn a_slot_without_a_facet_has_identity_rows() {
         m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
         let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::Midpoint };
         let mut visits = 0;
-        m.assemble(step, &[2.0, 0.0, 0.0, 0.0], &ACTIVE, true, &mut |local| {
+        m.assemble(&step.at(&[2.0, 0.0, 0.0, 0.0], &ACTIVE), true, &mut |local| {
             visits += 1;
             assert_eq!((local.dim(), local.residual.len()), (4 + further, 4 + further));
             let k = DMatrix::from_row_slice(local.dim(), local.dim(), &local.tangent);
@@ -267,7 +266,7 @@ fn over_an_edge_the_traction_booked_is_that_of_the_equations() {
         let force = |m: &CoordinateAugmented| {
             let mut out = [0.0; 3];
             let step = StepConfiguration { q_n: &path[1], q_np1: &path[2], rule };
-            m.assemble(step, &pressures, &ACTIVE, false, &mut |l| {
+            m.assemble(&step.at(&pressures, &ACTIVE), false, &mut |l| {
                 (0..3).for_each(|i| out[i] += l.residual[i]);
             })
             .unwrap();
@@ -276,7 +275,7 @@ fn over_an_edge_the_traction_booked_is_that_of_the_equations() {
         let (with_friction, normal) = (force(&with), force(&without));
         let squared: f64 = (0..3).map(|i| (with_friction[i] - normal[i]).powi(2)).sum();
         let weight = with.report(&path[2]).unwrap()[0].weight;
-        let booked = with.work(&path[2], &pressures, &ACTIVE).unwrap().stored;
+        let booked = with.work(&At::end(&path[2], &pressures, &ACTIVE)).unwrap().stored;
         let expected = squared / (2.0 * STIFFNESS * weight);
         assert!((booked / expected - 1.0).abs() < 1e-10, "slope {slope}, turn {turn}: {booked:e}, {expected:e}");
     }

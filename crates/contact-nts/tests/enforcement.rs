@@ -3,10 +3,9 @@
 use crate::common::*;
 use proptest::prelude::*;
 use stoss_contact::friction::MAX_AUGMENTATIONS;
-use stoss_contact::{
-    Constraint, ContactError, ContactMethod, ContactWork, Enforcement, GradientRule, History, SearchOptions, Step,
-};
+use stoss_contact::{ContactError, Enforcement, SearchOptions};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+use stoss_term::{At, GradientRule, Step, Term, Unilateral, Work};
 
 const FACETS: u32 = 4;
 const FLAT: [f64; FACETS as usize + 1] = [0.0; FACETS as usize + 1];
@@ -34,7 +33,7 @@ fn pressure(m: &NodeToSurface, q_n: &[f64], q: &[f64], rule: GradientRule) -> f6
 }
 
 fn stored(m: &NodeToSurface, q: &[f64], active: &[bool]) -> f64 {
-    m.work(q, &[0.0; 4], active).unwrap().stored
+    m.work(&At::end(q, &[0.0; 4], active)).unwrap().stored
 }
 
 #[test]
@@ -51,12 +50,12 @@ fn a_spring_has_the_pressure_of_its_depth() {
     let energy = m.slot_weight(0) * 0.5 * STIFFNESS * 0.02 * 0.02;
     assert!((stored(&m, &at(0.4, -0.02), &ACTIVE) - energy).abs() < 1e-15 && stored(&m, &at(0.4, -0.02), &OPEN) == 0.0);
     // It goes on with its depth in the next step.
-    m.commit(&at(0.4, -0.02), &[0.6, 0.0, 0.0, 0.0], &ACTIVE);
+    m.commit(&At::end(&at(0.4, -0.02), &[0.6, 0.0, 0.0, 0.0], &ACTIVE));
     m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, -0.02), GradientRule::DiscreteGradient, 0.1) }).unwrap();
     assert!((pressure(&m, &at(0.4, -0.02), &at(0.4, -0.04), GradientRule::DiscreteGradient) - 0.9).abs() < 1e-13);
     // Out again: it stays closed for this step, which has the rest of the spring's force, and opens in the next one.
     assert_eq!(gap(&m, &at(0.4, 0.01), &ACTIVE), 0.0);
-    m.commit(&at(0.4, 0.01), &[0.1, 0.0, 0.0, 0.0], &ACTIVE);
+    m.commit(&At::end(&at(0.4, 0.01), &[0.1, 0.0, 0.0, 0.0], &ACTIVE));
     m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, 0.01), GradientRule::DiscreteGradient, 0.1) }).unwrap();
     assert!((gap(&m, &at(0.4, 0.02), &ACTIVE) - 0.02).abs() < 1e-13);
     assert!((gap(&m, &at(0.4, -0.02), &OPEN) + 0.02).abs() < 1e-13, "closes at zero, not at the old depth");
@@ -92,7 +91,7 @@ proptest! {
             prop_assert!((work - (after - before)).abs() < 1e-13, "{work:e} {:e}", after - before);
             prop_assert!(p >= -1e-13);
             before = after;
-            m.commit(&pair[1], &[p, 0.0, 0.0, 0.0], &ACTIVE);
+            m.commit(&At::end(&pair[1], &[p, 0.0, 0.0, 0.0], &ACTIVE));
         }
     }
 }
@@ -117,18 +116,18 @@ fn augmented_multipliers_close_exactly() {
             z = (lambda - push) / (stiffness - spring);
             p = push - spring * z;
             assert!(row(&m, &start, &at(0.4, z), p, rule).abs() < 1e-13);
-            if m.augment(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE).unwrap() == 0 {
+            if m.augment(&At::end(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE)).unwrap() == 0 {
                 break;
             }
             assert!(round < MAX_AUGMENTATIONS, "the rounds are limited");
         }
         assert!(z.abs() < 1e-8 && (p - push).abs() < 1e-7, "{z:e} {p}");
         assert_eq!(
-            m.work(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE).unwrap(),
-            ContactWork { closing: None, ..ContactWork::default() }
+            m.work(&At::end(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE)).unwrap(),
+            Work { closing: None, ..Work::default() }
         );
         // The next step starts from there, also after a checkpoint.
-        m.commit(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE);
+        m.commit(&At::end(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE));
         let mut other = enforced(FACETS, Enforcement::Augmented(STIFFNESS));
         other.load_history(&m.save_history()).unwrap();
         assert!(spring_history_differs(&m));

@@ -7,12 +7,11 @@ use std::sync::Arc;
 use stoss_contact::friction::{
     Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
 };
-use stoss_contact::{
-    Constraint, ContactError, ContactMethod, ContactWork, Enforcement, GradientRule, History, Report, Step,
-};
+use stoss_contact::{ContactError, Enforcement};
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_reference_element::FacetKind;
+use stoss_term::{At, GradientRule, Step, Term, Unilateral, Work};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -117,8 +116,8 @@ impl Path {
     }
 }
 
-fn work(m: &NodeToSurface, q: &[f64], pressure: f64, active: &[bool]) -> ContactWork {
-    m.work(q, &[pressure, 0.0, 0.0, 0.0], active).unwrap()
+fn work(m: &NodeToSurface, q: &[f64], pressure: f64, active: &[bool]) -> Work {
+    m.work(&At::end(q, &[pressure, 0.0, 0.0, 0.0], active)).unwrap()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -194,7 +193,7 @@ proptest! {
                 x[n - 1] -= (of(0, 0) * r[n - 1] - of(1, 0) * r[n - 2]) / det;
             }
             auxiliaries[..2].copy_from_slice(&x[n - 2..]);
-            m.renew(&path.q[2], &[PRESSURE, 0.0, 0.0, 0.0], &auxiliaries, &ACTIVE, false).unwrap();
+            m.renew(&At::end(&path.q[2], &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE).with_auxiliaries(&auxiliaries), false).unwrap();
             let work = work(&m, &path.q[2], PRESSURE, &ACTIVE);
             assert_eq!(work.stored, 0.0);
             (work.dissipated, [auxiliaries[0], auxiliaries[1]])
@@ -238,8 +237,8 @@ proptest! {
         let q = &x[..n - 3];
         auxiliaries[..2].copy_from_slice(&multiplier);
         let pressures = [pressure, 0.0, 0.0, 0.0];
-        m.renew(q, &pressures, &auxiliaries, &ACTIVE, false).unwrap();
-        let w = m.work(q, &pressures, &ACTIVE).unwrap();
+        m.renew(&At::end(q, &pressures, &ACTIVE).with_auxiliaries(&auxiliaries), false).unwrap();
+        let w = m.work(&At::end(q, &pressures, &ACTIVE)).unwrap();
         prop_assert!(w.dissipated == 0.0 && w.stored == 0.0 && w.friction_work.abs() < 1e-13, "{w:?}");
         let forces = path.friction_with(&m, q, pressure, &auxiliaries);
         let size = forces.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
@@ -411,7 +410,7 @@ fn on_a_flat_surface_edges_do_not_matter() {
             let stored = (tau[0] * tau[0] + tau[1] * tau[1]) / (2.0 * PENALTY);
             assert!((w.stored - area * stored).abs() < 1e-12);
             assert!((w.dissipated - area * (slip_work(tau) + before - stored)).abs() < 1e-12);
-            m.commit(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+            m.commit(&At::end(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
             m.begin(&Step { reach: 10.0, ..Step::new(&q, rule, STEP) }).unwrap();
             (from, here) = (q, to);
         }
@@ -430,10 +429,10 @@ fn traction_turns_with_the_surface_over_edges() {
             };
             m.begin(&Step { reach: 1.0, ..Step::new(&positions(&heights, [0.94, 0.3, 0.1]), rule, STEP) }).unwrap();
             m.repair(&on(0.98), &ACTIVE).unwrap();
-            m.commit(&on(0.98), &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+            m.commit(&At::end(&on(0.98), &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
             m.begin(&Step { reach: 1.0, ..Step::new(&on(0.98), rule, STEP) }).unwrap();
             let area = m.slot_weight(0);
-            let traction = |w: ContactWork| (2.0 * PENALTY * w.stored / area).sqrt();
+            let traction = |w: Work| (2.0 * PENALTY * w.stored / area).sqrt();
             let before = traction(work(&m, &on(0.98), PRESSURE, &ACTIVE));
             assert!((before - PENALTY * 0.04).abs() < 0.05, "{before}");
             let q = on(1.01);
@@ -442,7 +441,7 @@ fn traction_turns_with_the_surface_over_edges() {
             let after = traction(work(&m, &q, PRESSURE, &ACTIVE));
             assert!((after - before - PENALTY * length).abs() < 0.1 * PENALTY * length, "{rule:?} {before} {after}");
             // Beyond the edge the next step begins with the traction that this one ended with.
-            m.commit(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+            m.commit(&At::end(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
             m.begin(&Step { reach: 1.0, ..Step::new(&q, rule, STEP) }).unwrap();
             assert!((traction(work(&m, &q, PRESSURE, &ACTIVE)) - after).abs() < 1e-12 * after);
         }
@@ -456,15 +455,15 @@ fn a_node_that_comes_back_begins_anew() {
     let pressures = [PRESSURE, 0.0, 0.0, 0.0];
     m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
     m.repair(&flat([0.42, 0.3]), &ACTIVE).unwrap();
-    m.commit(&flat([0.42, 0.3]), &pressures, &ACTIVE);
+    m.commit(&At::end(&flat([0.42, 0.3]), &pressures, &ACTIVE));
     m.begin(&Step { reach: 1.0, ..Step::new(&flat([0.42, 0.3]), GradientRule::EndPoint, STEP) }).unwrap();
     assert!(work(&m, &flat([0.42, 0.3]), PRESSURE, &ACTIVE).stored > 0.0);
     // Open in the next step: what was stored is lost; closed again in the one after: only the new slip counts.
     m.repair(&above, &OPEN).unwrap();
     assert!(work(&m, &above, 0.0, &OPEN).dissipated > 0.0);
-    m.commit(&above, &[0.0; 4], &OPEN);
+    m.commit(&At::end(&above, &[0.0; 4], &OPEN));
     m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
-    assert_eq!(work(&m, &above, 0.0, &OPEN), ContactWork { closing: None, ..ContactWork::default() });
+    assert_eq!(work(&m, &above, 0.0, &OPEN), Work { closing: None, ..Work::default() });
     let q = flat([0.41, 0.3]);
     m.repair(&q, &ACTIVE).unwrap();
     let (residual, _) = assembled(&m, &above, &q, PRESSURE, GradientRule::EndPoint, false);
@@ -479,7 +478,7 @@ fn the_report_is_that_of_the_last_accepted_step() {
     let on = flat([0.42, 0.3]);
     m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
     m.repair(&on, &ACTIVE).unwrap();
-    m.commit(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+    m.commit(&At::end(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
     let accepted = m.report(&on).unwrap()[0].friction;
     assert!(accepted.is_some());
     // Attempts with a facet before and without one.
@@ -490,7 +489,7 @@ fn the_report_is_that_of_the_last_accepted_step() {
     }
     m.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::EndPoint, STEP) }).unwrap();
     m.repair(&above, &OPEN).unwrap();
-    m.commit(&above, &[0.0; 4], &OPEN);
+    m.commit(&At::end(&above, &[0.0; 4], &OPEN));
     assert_eq!(m.report(&above).unwrap()[0].friction, None);
 }
 
@@ -504,7 +503,7 @@ fn history_goes_through_bytes() {
     .unwrap();
     let on = flat([0.5, 0.33]);
     m.repair(&on, &ACTIVE).unwrap();
-    m.commit(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE);
+    m.commit(&At::end(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
     let bytes = m.save_history();
     let mut other = with_coulomb(QUADS, 0.5, MidpointFriction::C);
     other.load_history(&bytes).unwrap();
@@ -531,8 +530,8 @@ fn what_has_no_friction_says_so() {
     let q = flat([0.4, 0.3]);
     m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
-    let step = stoss_contact::StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPointMean };
-    let error = m.assemble(step, &[1.0, 0.0, 0.0, 0.0], &ACTIVE, false, &mut |_| ()).unwrap_err();
+    let step = stoss_term::StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPointMean };
+    let error = m.assemble(&step.at(&[1.0, 0.0, 0.0, 0.0], &ACTIVE), false, &mut |_| ()).unwrap_err();
     assert_eq!(error.to_string(), "contact with friction is not available with the rule EndPointMean");
 }
 
@@ -561,7 +560,7 @@ fn augmented_multipliers_stick_exactly() {
                     x = 0.5 * (low + high);
                     if force(&m, x) > 0.0 { low = x } else { high = x }
                 }
-                if m.augment(&flat([x, 0.3]), &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE).unwrap() == 0 {
+                if m.augment(&At::end(&flat([x, 0.3]), &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE)).unwrap() == 0 {
                     break;
                 }
                 assert!(round < 12, "the rounds are limited");

@@ -1,8 +1,8 @@
 //! The whole method on a small surface: tangents of what it assembles, crossing, jumps, rims, history.
 
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, GradientRule, History, Step, StepConfiguration};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+use stoss_term::{At, GradientRule, Step, StepConfiguration, Term, Unilateral};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 /// Master: four facets of edge one in a row along x, heights given at x = 0..4; slave: one facet of edge one half above, its first node at `at`.
@@ -30,7 +30,7 @@ fn assembled(m: &NodeToSurface, q_n: &[f64], q_1: &[f64], p: f64, rule: Gradient
     let n = q_1.len() + 1;
     let (mut residual, mut tangent) = (vec![0.0; n], vec![0.0; n * n]);
     let active = [true, false, false, false];
-    m.assemble(StepConfiguration { q_n, q_np1: q_1, rule }, &[p, 0.0, 0.0, 0.0], &active, true, &mut |local| {
+    m.assemble(&StepConfiguration { q_n, q_np1: q_1, rule }.at(&[p, 0.0, 0.0, 0.0], &active), true, &mut |local| {
         assert_eq!(local.slots, [0]);
         let mut map: Vec<usize> = local.nodes.iter().flat_map(|&k| (0..3).map(move |i| 3 * k as usize + i)).collect();
         map.push(n - 1);
@@ -109,7 +109,7 @@ fn a_node_that_crosses_an_edge_changes_its_facet() {
     m.begin(&Step { reach: 1.0, ..Step::new(&q_0, GradientRule::EndPoint, 0.0) }).unwrap();
     assert!(gaps(&m, &on, &[false; 4])[0] < 0.0);
     assert_eq!(m.repair(&on, &active).unwrap(), 1);
-    m.commit(&on, &[1.0, 0.0, 0.0, 0.0], &active);
+    m.commit(&At::end(&on, &[1.0, 0.0, 0.0, 0.0], &active));
     // From facet 0 over the ridge to facet 2: the stencil then has the nodes of both.
     m.begin(&Step { reach: 5.0, ..Step::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
     let far = positions(heights, [2.5, 0.3, -0.2]);
@@ -139,7 +139,7 @@ fn a_node_beyond_the_rim_is_let_go() {
     m.begin(&Step { reach: 1.0, ..Step::new(&positions([0.0; 5], [3.8, 0.3, 0.01]), GradientRule::EndPoint, 0.0) })
         .unwrap();
     m.repair(&on, &active).unwrap();
-    m.commit(&on, &[1.0, 0.0, 0.0, 0.0], &active);
+    m.commit(&At::end(&on, &[1.0, 0.0, 0.0, 0.0], &active));
     m.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
     let off = positions([0.0; 5], [4.3, 0.3, -0.01]);
     assert_eq!(gaps(&m, &off, &active)[0], f64::INFINITY);
@@ -154,7 +154,7 @@ fn history_goes_through_bytes() {
     m.begin(&Step { reach: 1.0, ..Step::new(&positions([0.0; 5], [2.2, 0.3, 0.1]), GradientRule::EndPoint, 0.0) })
         .unwrap();
     m.repair(&on, &active).unwrap();
-    m.commit(&on, &[1.0, 0.0, 0.0, 0.0], &active);
+    m.commit(&At::end(&on, &[1.0, 0.0, 0.0, 0.0], &active));
     let bytes = m.save_history();
     let mut other = method(ConstraintForm::Standard);
     other.load_history(&bytes).unwrap();

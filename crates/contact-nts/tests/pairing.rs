@@ -2,8 +2,9 @@
 
 use crate::common::*;
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, GradientRule, History, SearchOptions, Step};
+use stoss_contact::SearchOptions;
 use stoss_contact_nts::ConstraintForm;
+use stoss_term::{At, GradientRule, Step, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -191,7 +192,7 @@ fn going_to_and_fro_in_a_valley_ends() {
     // Closed on the extension at the end of this step, it starts the next one with the gap that it ended with.
     let q_1 = &sides[1];
     let row = assembled(&m, &on, q_1, 1.0, GradientRule::DiscreteGradient, false).0[q_1.len()];
-    m.commit(q_1, &[1.0, 0.0, 0.0, 0.0], &ACTIVE);
+    m.commit(&At::end(q_1, &[1.0, 0.0, 0.0, 0.0], &ACTIVE));
     m.begin(&Step { reach: 20.0, ..Step::new(q_1, GradientRule::EndPoint, 0.0) }).unwrap();
     assert!((gap(&m, q_1, &ACTIVE) + row / m.slot_weight(0)).abs() < 1e-14);
 }

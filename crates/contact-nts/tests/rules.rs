@@ -4,10 +4,11 @@
 use crate::common::*;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stoss_contact::{Constraint, ContactMethod, FacetNodes, GradientRule, SearchOptions, Step};
+use stoss_contact::{FacetNodes, SearchOptions};
 use stoss_contact_nts::kinematics::Gap;
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_geometry::Patch;
+use stoss_term::{GradientRule, Rule, Step, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -158,8 +159,8 @@ proptest! {
             |x, out| out.copy_from_slice(&assembled(m, q_n, &x[..n - 1], x[n - 1], rule, false).0), &at, 1e-3, n,
         );
         assert_jacobian_close(&tangent, &numeric, n, 1e-7, &format!("tangent of {rule:?}"));
-        prop_assert_eq!(m.is_symmetric(rule), rule == GradientRule::EndPoint);
-        if m.is_symmetric(rule) {
+        prop_assert_eq!(m.is_symmetric(Rule::Constraint(rule)), rule == GradientRule::EndPoint);
+        if m.is_symmetric(Rule::Constraint(rule)) {
             let size = tangent.iter().fold(0f64, |m, k| m.max(k.abs()));
             let asymmetry = (0..n * n).fold(0f64, |m, k| m.max((tangent[k] - tangent[k % n * n + k / n]).abs()));
             prop_assert!(asymmetry <= 1e-13 * size, "{asymmetry:e} of {size:e}");

@@ -192,3 +192,9 @@ pub enum ContactError {
         reason: String,
     },
 }
+
+impl From<ContactError> for stoss_term::Fault {
+    fn from(error: ContactError) -> Self {
+        Self::other(error)
+    }
+}

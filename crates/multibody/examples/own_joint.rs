@@ -6,12 +6,12 @@
 //! `cargo run --example own_joint -p stoss-multibody`; docs/how-to-add/joint.md explains it.
 
 use std::error::Error;
-use stoss_contact::{Bilateral, Constraint, ContactError, GradientRule, LocalContribution, StepConfiguration};
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_multibody::{ConstraintSet, Embedded, Equation, QuadraticsBuilder, RigidBody, RigidMass};
 use stoss_newton::NewtonOptions;
-use stoss_solver::{ContactPair, Coupling, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_solver::{Coupling, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_term::{Fault, GradientRule, Local, StepConfiguration, Term};
 
 /// `(|x_b - x_a|^2 - l^2) / (2 l) = 0`: a length; its multiplier is the force of the rod, positive in compression.
 fn rod(name: &str, a: &Embedded, b: &Embedded, length: f64) -> ConstraintSet {
@@ -30,9 +30,8 @@ struct Pair {
 const LENGTH: f64 = 1.5;
 const MASS: f64 = 2.0;
 
-fn add(model: &mut Model, name: &str, constraint: impl Bilateral + 'static) {
-    let method = Coupling::bilateral(constraint);
-    model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restitution: None });
+fn add(model: &mut Model, name: &str, constraint: impl Term + 'static) {
+    model.contacts.push(Coupling::new(name, constraint, 1.0));
 }
 
 fn pair(off: f64, velocities: [[f64; 3]; 2], spins: [[f64; 3]; 2]) -> Result<Pair, Box<dyn Error>> {
@@ -74,10 +73,10 @@ fn tangent_error(rule: GradientRule) -> Result<f64, Box<dyn Error>> {
     let rod = rod("rod", &points[0], &points[1], LENGTH);
     let q_n = &model.reference;
     let q: Vec<f64> = q_n.iter().enumerate().map(|(i, x)| x + 0.05 * (3.0 * i as f64).sin()).collect();
-    let at = |q_np1: &[f64], multiplier: f64| -> Result<LocalContribution, ContactError> {
-        let mut made = LocalContribution::default();
+    let at = |q_np1: &[f64], multiplier: f64| -> Result<Local, Fault> {
+        let mut made = Local::default();
         let step = StepConfiguration { q_n, q_np1, rule };
-        rod.assemble(step, &[multiplier], &[true], true, &mut |local| made = local.clone())?;
+        rod.assemble(&step.at(&[multiplier], &[true]), true, &mut |local| made = local.clone())?;
         Ok(made)
     };
     let (made, h, mut worst) = (at(&q, 0.7)?, 1e-6, 0.0_f64);

@@ -13,7 +13,7 @@ use crate::section::Section;
 use nalgebra::{Matrix3, Vector3};
 use std::collections::BTreeMap;
 use std::ops::Range;
-use stoss_part::{LocalForce, Part, PartError, PartStep};
+use stoss_term::{At, Fault, ForceRule, Local, Rule, Term, Vectors};
 
 /// A shear-deformable beam with the unknowns `(phi, D_1, D_2, D_3)` of each node: its position and three orthogonal directors of length `l`
 /// ([`Self::director_length`]), all interpolated by Lagrange polynomials of order 1, 2 or 3 (Romero and Armero, Int. J. Numer. Meth. Engng 54 (2002) 1683;
@@ -335,46 +335,26 @@ fn axis_length(axis: &BeamAxis) -> f64 {
     (0..axis.elements()).map(|e| length_of(axis.element(e), axis.order())).sum()
 }
 
-impl Part for Beam {
+impl Term for Beam {
     fn name(&self) -> &str {
         &self.name
     }
 
-    fn own_vectors(&self) -> Range<u32> {
-        self.first..self.first + Self::VECTORS * self.node_count() as u32
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        self.points.chunks_exact(self.axis.order()).for_each(|element| visit(element[0].strains.vectors(), &[]));
     }
 
-    fn is_direction(&self, vector: u32) -> bool {
-        !(vector - self.first).is_multiple_of(Self::VECTORS)
-    }
-
-    fn cluster(&self, vector: u32) -> u32 {
-        vector - (vector - self.first) % Self::VECTORS
-    }
-
-    fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
-        self.mass.iter().for_each(|&(i, j, m)| visit(i, j, m));
-    }
-
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.points.chunks_exact(self.axis.order()).for_each(|element| visit(element[0].strains.vectors()));
-    }
-
-    fn assemble(
-        &self,
-        step: PartStep<'_>,
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalForce),
-    ) -> Result<(), PartError> {
-        let at = GradientAt::of(step.rule);
-        let (mut kernel, mut local) = (Kernel::default(), LocalForce::default());
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = at.rule.force() else { return Ok(()) };
+        let gradient = GradientAt::of(rule);
+        let (mut kernel, mut local) = (Kernel::default(), Local::default());
         for element in self.points.chunks_exact(self.axis.order()) {
-            local.vectors.clear();
+            local.nodes.clear();
             // The vectors of all points of an element are the same, in the same order.
-            local.vectors.extend_from_slice(element[0].strains.vectors());
+            local.nodes.extend_from_slice(element[0].strains.vectors());
             local.reset(want_tangent);
             for point in element {
-                kernel.evaluate(&point.strains, &point.energy, step.q_n, step.q_np1, at, want_tangent);
+                kernel.evaluate(&point.strains, &point.energy, at.q_n, at.q_np1, gradient, want_tangent);
                 kernel.add_to(&mut local, want_tangent);
             }
             visit(&local);
@@ -382,7 +362,7 @@ impl Part for Beam {
         Ok(())
     }
 
-    fn energy(&self, q: &[f64]) -> Result<f64, PartError> {
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
         let mut strains = Evaluation::default();
         let mut of = |point: &Point| {
             point.strains.evaluate(q, q, 1.0, false, &mut strains);
@@ -397,5 +377,31 @@ impl Part for Beam {
 
     fn force_scale(&self) -> f64 {
         self.section.axial
+    }
+
+    fn is_symmetric(&self, rule: Rule) -> bool {
+        rule != Rule::Force(ForceRule::DiscreteGradient)
+    }
+
+    fn vectors(&self) -> Option<&dyn Vectors> {
+        Some(self)
+    }
+}
+
+impl Vectors for Beam {
+    fn own_vectors(&self) -> Range<u32> {
+        self.first..self.first + Self::VECTORS * self.node_count() as u32
+    }
+
+    fn is_direction(&self, vector: u32) -> bool {
+        !(vector - self.first).is_multiple_of(Self::VECTORS)
+    }
+
+    fn cluster(&self, vector: u32) -> u32 {
+        vector - (vector - self.first) % Self::VECTORS
+    }
+
+    fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
+        self.mass.iter().for_each(|&(i, j, m)| visit(i, j, m));
     }
 }

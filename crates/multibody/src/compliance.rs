@@ -1,6 +1,6 @@
 //! Compliance in the tangent that makes the linear equations of redundant constraints solvable, without an influence on the converged solution.
 
-use stoss_contact::LocalContribution;
+use stoss_term::Local;
 
 /// Number of linear equations at the beginning of a step that are written for the multipliers themselves, not for their increments.
 const ABSOLUTE: u32 = 2;
@@ -33,7 +33,7 @@ impl Weights {
 /// The residual has no compliance, so the constraints hold exactly. Multipliers are to be those of least norm `sum lambda^2` among all that balance, combinations `G y` of the gradients
 /// at the end of the step (theory/multibody#redundancy). Increments are such combinations of the iterate's gradients, but multipliers begin with those of the last step, and away
 /// from the solution redundant equations contradict each other in second order. So the first two linear equations of a step are written for the multipliers themselves
-/// and not for their increments (`LocalContribution::shift`), as if they began at zero: the second is at gradients that are nearly the last. What the compliance takes
+/// and not for their increments (`Local::shift`), as if they began at zero: the second is at gradients that are nearly the last. What the compliance takes
 /// of the forces there is `eps` of them, and the iterations after them give it back.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Compliance {
@@ -64,7 +64,7 @@ impl Compliance {
     }
 
     /// Adds to the row of a multiplier.
-    pub fn add(&self, row: usize, multiplier: f64, want_tangent: bool, local: &mut LocalContribution) {
+    pub fn add(&self, row: usize, multiplier: f64, want_tangent: bool, local: &mut Local) {
         if self.value == 0.0 || !want_tangent {
             return;
         }

@@ -2,9 +2,7 @@
 
 use crate::compliance::{Compliance, Weights};
 use crate::quadratic::{Evaluation, Quadratics};
-use stoss_contact::{
-    Constraint, ContactError, GradientRule, History, LocalContribution, Report, SlotReport, Step, StepConfiguration,
-};
+use stoss_term::{At, Bilateral, Fault, GradientRule, Local, Rule, Step, StepConfiguration, Term};
 
 /// Equations of the same vectors: each of the functions is to be zero.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +53,7 @@ impl Rows<'_> {
         multipliers: &[f64],
         compliance: &Compliance,
         want_tangent: bool,
-        local: &mut LocalContribution,
+        local: &mut Local,
     ) {
         let (n, dim) = (3 * local.nodes.len(), local.dim());
         for at in 0..local.slots.len() {
@@ -120,7 +118,7 @@ impl ConstraintSet {
     }
 }
 
-impl Report for ConstraintSet {
+impl Term for ConstraintSet {
     fn name(&self) -> &str {
         &self.name
     }
@@ -129,14 +127,6 @@ impl Report for ConstraintSet {
         self.length
     }
 
-    fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        Ok(Vec::new())
-    }
-}
-
-impl History for ConstraintSet {}
-
-impl Constraint for ConstraintSet {
     fn slot_count(&self) -> usize {
         self.slots
     }
@@ -145,23 +135,16 @@ impl Constraint for ConstraintSet {
         1.0
     }
 
-    fn is_symmetric(&self, rule: GradientRule) -> bool {
-        rule == GradientRule::EndPoint
+    fn is_symmetric(&self, rule: Rule) -> bool {
+        rule == Rule::Constraint(GradientRule::EndPoint)
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
         self.compliance.begin(step.dt);
         Ok(())
     }
 
-    fn renew(
-        &mut self,
-        _q_np1: &[f64],
-        _pressures: &[f64],
-        _auxiliaries: &[f64],
-        _active: &[bool],
-        want_tangent: bool,
-    ) -> Result<bool, ContactError> {
+    fn renew(&mut self, _at: &At<'_>, want_tangent: bool) -> Result<bool, Fault> {
         self.compliance.renew(want_tangent);
         Ok(false)
     }
@@ -179,16 +162,11 @@ impl Constraint for ConstraintSet {
         }
     }
 
-    fn assemble(
-        &self,
-        step: StepConfiguration<'_>,
-        multipliers: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
+        let At { multipliers, active, .. } = *at;
         let theta = gradient_fraction(step.rule);
-        let mut local = LocalContribution::default();
+        let mut local = Local::default();
         let (mut between, mut end) = (Evaluation::default(), Evaluation::default());
         let mut first = 0;
         for equation in &self.equations {
@@ -211,4 +189,10 @@ impl Constraint for ConstraintSet {
         }
         Ok(())
     }
+
+    fn bilateral(&self) -> Option<&dyn Bilateral> {
+        Some(self)
+    }
 }
+
+impl Bilateral for ConstraintSet {}

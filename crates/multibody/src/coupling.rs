@@ -2,7 +2,6 @@
 
 use crate::{ConstraintSet, Embedded, Equation, QuadraticsBuilder, RigidBody};
 use nalgebra::{Matrix3, Vector3};
-use stoss_contact::position;
 
 /// Why nodes cannot be coupled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -133,4 +132,8 @@ pub fn distributing_coupling(
         builder.function(0.0, &[(factor, moments[j], directors[k]), (-factor, moments[k], directors[j])]);
     }
     Ok(ConstraintSet::new(name, body.director_length(), vec![Equation::each(builder.build())]))
+}
+
+fn position(q: &[f64], node: u32) -> Vector3<f64> {
+    Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3])
 }

@@ -2,7 +2,7 @@
 
 use crate::quadratic::{Evaluation, Quadratics};
 use crate::response::Response;
-use stoss_part::{ForceRule, LocalForce};
+use stoss_term::{ForceRule, Local};
 
 /// Where the gradient of a function between two configurations is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl Kernel {
     }
 
     /// Adds force and, if asked, tangent to a contribution with the same vectors in the same order.
-    pub fn add_to(&self, local: &mut LocalForce, want_tangent: bool) {
+    pub fn add_to(&self, local: &mut Local, want_tangent: bool) {
         local.residual.iter_mut().zip(&self.force).for_each(|(r, f)| *r += f);
         if want_tangent {
             local.tangent.iter_mut().zip(&self.tangent).for_each(|(t, k)| *t += k);

@@ -3,7 +3,7 @@
 use crate::Embedded;
 use crate::error::{PartDataError, positive};
 use std::ops::Range;
-use stoss_part::Part;
+use stoss_term::{Rule, Term, Vectors};
 
 /// A mass at one vector, its position.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,20 +31,30 @@ impl PointMass {
     }
 }
 
-impl Part for PointMass {
+impl Term for PointMass {
     fn name(&self) -> &str {
         &self.name
     }
 
+    fn length_scale(&self) -> f64 {
+        self.length
+    }
+
+    fn is_symmetric(&self, _rule: Rule) -> bool {
+        true
+    }
+
+    fn vectors(&self) -> Option<&dyn Vectors> {
+        Some(self)
+    }
+}
+
+impl Vectors for PointMass {
     fn own_vectors(&self) -> Range<u32> {
         self.vector..self.vector + 1
     }
 
     fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
         visit(self.vector, self.vector, self.mass);
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.length
     }
 }

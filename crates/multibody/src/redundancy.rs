@@ -6,7 +6,7 @@
 
 use crate::{ConstraintSet, Joint};
 use std::collections::BTreeMap;
-use stoss_contact::{Constraint, ContactError, GradientRule, StepConfiguration};
+use stoss_term::{Fault, GradientRule, StepConfiguration, Term};
 
 /// A row counts as zero if its entries fell below this part of its largest entry before the elimination.
 const TOLERANCE: f64 = 1e-8;
@@ -15,7 +15,7 @@ const TOLERANCE: f64 = 1e-8;
 const CONTRADICTION: f64 = 1e-6;
 
 /// Constraints that hold as equations.
-pub trait Equations: Constraint {
+pub trait Equations: Term {
     /// Whether the slot is an equation between positions at all times: not that of friction or of a limit.
     fn is_equation(&self, slot: usize) -> bool;
     /// Whether it is the rigidity of a body: in a redundant system the other sets are reported, not these.
@@ -75,7 +75,7 @@ pub struct Redundancy {
 }
 
 /// Why the redundancy of a system of equations cannot be resolved.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RedundancyError {
     /// An equation contradicts others.
@@ -92,7 +92,7 @@ pub enum RedundancyError {
     },
     /// A set cannot be evaluated.
     #[error(transparent)]
-    Evaluation(#[from] ContactError),
+    Evaluation(#[from] Fault),
 }
 
 #[derive(Debug)]
@@ -171,12 +171,12 @@ pub fn analyse(
 ///
 /// # Errors
 /// If the set cannot be evaluated.
-pub fn velocity_violation(set: &dyn Equations, q: &[f64], v: &[f64]) -> Result<f64, ContactError> {
+pub fn velocity_violation(set: &dyn Equations, q: &[f64], v: &[f64]) -> Result<f64, Fault> {
     let slots = set.slot_count();
     let (multipliers, active) = (vec![0.0; slots], (0..slots).map(|s| set.is_equation(s)).collect::<Vec<_>>());
     let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     let mut largest = 0.0_f64;
-    set.assemble(step, &multipliers, &active, true, &mut |local| {
+    set.assemble(&step.at(&multipliers, &active), true, &mut |local| {
         let (n, dim) = (3 * local.nodes.len(), local.dim());
         for (k, _) in local.slots.iter().enumerate().filter(|(_, slot)| !set.moves_by_itself(**slot as usize)) {
             let row = &local.tangent[(n + k) * dim..(n + k) * dim + n];
@@ -195,11 +195,11 @@ fn collect(
     is_free: &impl Fn(u32) -> bool,
     rows: &mut Vec<Row>,
     connected: &mut Connected,
-) -> Result<(), ContactError> {
+) -> Result<(), Fault> {
     let slots = constraint.slot_count();
     let (multipliers, active) = (vec![0.0; slots], (0..slots).map(|s| constraint.is_equation(s)).collect::<Vec<_>>());
     let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
-    constraint.assemble(step, &multipliers, &active, true, &mut |local| {
+    constraint.assemble(&step.at(&multipliers, &active), true, &mut |local| {
         let (n, dim) = (3 * local.nodes.len(), local.dim());
         let component = |i: usize| 3 * local.nodes[i / 3] + (i % 3) as u32;
         connected.join(set, (0..n).map(component).filter(|&c| is_free(c)).map(|c| c / 3));

@@ -5,7 +5,7 @@ use crate::constraint::{ConstraintSet, Equation};
 use crate::quadratic::QuadraticsBuilder;
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 use std::ops::Range;
-use stoss_part::Part;
+use stoss_term::{Rule, Term, Vectors};
 
 /// Why a rigid body cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -216,7 +216,7 @@ impl RigidBody {
 
     /// Angular velocity at `q`, `v`: `1/2 sum_k D_k x D_k' / l^2`.
     pub fn angular_velocity(&self, q: &[f64], v: &[f64]) -> [f64; 3] {
-        stoss_part::angular_velocity(self.first + 1..self.first + 4, q, v)
+        stoss_term::angular_velocity(self.first + 1..self.first + 4, q, v)
     }
 }
 
@@ -233,11 +233,25 @@ pub(crate) fn director_equations(directors: [u32; 3], length: f64) -> Equation {
     Equation::each(builder.build())
 }
 
-impl Part for RigidBody {
+impl Term for RigidBody {
     fn name(&self) -> &str {
         &self.name
     }
 
+    fn length_scale(&self) -> f64 {
+        self.length
+    }
+
+    fn is_symmetric(&self, _rule: Rule) -> bool {
+        true
+    }
+
+    fn vectors(&self) -> Option<&dyn Vectors> {
+        Some(self)
+    }
+}
+
+impl Vectors for RigidBody {
     fn own_vectors(&self) -> Range<u32> {
         self.vectors()
     }
@@ -259,9 +273,5 @@ impl Part for RigidBody {
             let v = self.first + 1 + k as u32;
             visit(v, v, self.mass.euler[k] / (self.length * self.length));
         }
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.length
     }
 }

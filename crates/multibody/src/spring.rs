@@ -5,8 +5,7 @@ use crate::error::{PartDataError, not_negative};
 use crate::kernel::{GradientAt, Kernel};
 use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
 use crate::response::Response;
-use std::ops::Range;
-use stoss_part::{LocalForce, Part, PartError, PartStep};
+use stoss_term::{At, Fault, ForceRule, Local, Rule, Term, Undefined, Work};
 
 /// Stiffness and damping of a [`Spring`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -88,71 +87,62 @@ impl Spring {
     }
 
     /// An error if the ends of a spring with a force coincide.
-    fn check(&self, step: &PartStep<'_>, at: GradientAt) -> Result<(), PartError> {
+    fn check(&self, at: &At<'_>, gradient: GradientAt) -> Result<(), Undefined> {
         let pushes = self.data.stiffness > 0.0 && self.data.rest_length > 0.0 && !self.data.tension_only;
         let no_length = pushes
-            && match at {
+            && match gradient {
                 GradientAt::Configuration(theta) => {
                     let mut squared = Evaluation::default();
-                    self.squared.evaluate(step.q_n, step.q_np1, theta, false, &mut squared);
+                    self.squared.evaluate(at.q_n, at.q_np1, theta, false, &mut squared);
                     squared.values[0] == 0.0
                 }
-                GradientAt::Discrete => self.length(step.q_n) + self.length(step.q_np1) == 0.0,
+                GradientAt::Discrete => self.length(at.q_n) + self.length(at.q_np1) == 0.0,
             };
         if no_length {
             let reason = "its ends coincide: the force has no direction".to_owned();
-            return Err(PartError { part: self.name.clone(), reason });
+            return Err(Undefined { term: self.name.clone(), reason });
         }
         Ok(())
     }
 }
 
-impl Part for Spring {
+impl Term for Spring {
     fn name(&self) -> &str {
         &self.name
     }
 
-    fn own_vectors(&self) -> Range<u32> {
-        0..0
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        visit(self.squared.vectors(), &[]);
     }
 
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        visit(self.squared.vectors());
-    }
-
-    fn assemble(
-        &self,
-        step: PartStep<'_>,
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalForce),
-    ) -> Result<(), PartError> {
-        let at = GradientAt::of(step.rule);
-        self.check(&step, at)?;
-        let (mut kernel, mut local) = (Kernel::default(), LocalForce::default());
-        local.vectors.extend_from_slice(self.squared.vectors());
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = at.rule.force() else { return Ok(()) };
+        let gradient = GradientAt::of(rule);
+        self.check(at, gradient)?;
+        let (mut kernel, mut local) = (Kernel::default(), Local::default());
+        local.nodes.extend_from_slice(self.squared.vectors());
         local.reset(want_tangent);
-        kernel.evaluate(&self.squared, &self.data, step.q_n, step.q_np1, at, want_tangent);
+        kernel.evaluate(&self.squared, &self.data, at.q_n, at.q_np1, gradient, want_tangent);
         kernel.add_to(&mut local, want_tangent);
-        if step.has_rates && self.data.damping > 0.0 {
-            let damper = Damper(self.data.damping / step.dt);
-            kernel.evaluate(&self.squared, &damper, step.q_n, step.q_np1, GradientAt::Discrete, want_tangent);
+        if at.rates && self.data.damping > 0.0 {
+            let damper = Damper(self.data.damping / at.dt);
+            kernel.evaluate(&self.squared, &damper, at.q_n, at.q_np1, GradientAt::Discrete, want_tangent);
             kernel.add_to(&mut local, want_tangent);
         }
         visit(&local);
         Ok(())
     }
 
-    fn energy(&self, q: &[f64]) -> Result<f64, PartError> {
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
         let l = self.length(q);
         Ok(self.data.value(&[l * l]))
     }
 
-    fn dissipated(&self, step: PartStep<'_>) -> f64 {
-        if !step.has_rates {
-            return 0.0;
-        }
-        let change = self.length(step.q_np1) - self.length(step.q_n);
-        self.data.damping * change * change / step.dt
+    fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
+        let stored = self.energy(at.q_np1)?;
+        let change = self.length(at.q_np1) - self.length(at.q_n);
+        let dissipated = if at.rates { self.data.damping * change * change / at.dt } else { 0.0 };
+        Ok(Work { stored, dissipated, ..Work::default() })
     }
 
     fn conserves_linear_momentum(&self) -> bool {
@@ -171,8 +161,8 @@ impl Part for Spring {
         self.data.stiffness * self.length
     }
 
-    fn is_symmetric(&self) -> bool {
-        self.data.damping == 0.0
+    fn is_symmetric(&self, rule: Rule) -> bool {
+        self.data.damping == 0.0 && rule != Rule::Force(ForceRule::DiscreteGradient)
     }
 }
 

@@ -8,7 +8,7 @@ use crate::line::{MAX_ORDER, combine, cross, difference, element_count, gauss, n
 use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
 use crate::response::Response;
 use std::ops::Range;
-use stoss_part::{LocalForce, Part, PartError, PartStep};
+use stoss_term::{At, Fault, ForceRule, Local, Rule, Term, Undefined, Vectors};
 
 /// Stiffness and mass of a string.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -176,7 +176,7 @@ impl ElasticString {
     }
 
     /// An error if the energy is not defined at `q`.
-    fn check(&self, point: usize, stretch: &Evaluation) -> Result<(), PartError> {
+    fn check(&self, point: usize, stretch: &Evaluation) -> Result<(), Undefined> {
         let pi = stretch.values[0];
         // False for NaN.
         if pi > 0.0 || self.material.tension_only && pi == 0.0 {
@@ -184,15 +184,72 @@ impl ElasticString {
         }
         let (element, point) = (point / (self.order + 1), point % (self.order + 1));
         let reason = format!("element {element} has the squared stretch {pi:e} at its Gauss point {point}");
-        Err(PartError { part: self.name.clone(), reason })
+        Err(Undefined { term: self.name.clone(), reason })
     }
 }
 
-impl Part for ElasticString {
+impl Term for ElasticString {
     fn name(&self) -> &str {
         &self.name
     }
 
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        self.points.chunks_exact(self.order + 1).for_each(|element| visit(element[0].stretch.vectors(), &[]));
+    }
+
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = at.rule.force() else { return Ok(()) };
+        let gradient = GradientAt::of(rule);
+        let fractions: &[f64] = match gradient {
+            GradientAt::Configuration(theta) => &[theta],
+            GradientAt::Discrete => &[0.0, 1.0],
+        };
+        let (mut kernel, mut local, mut stretch) = (Kernel::default(), Local::default(), Evaluation::default());
+        for (element, points) in self.points.chunks_exact(self.order + 1).enumerate() {
+            local.nodes.clear();
+            local.nodes.extend_from_slice(points[0].stretch.vectors());
+            local.reset(want_tangent);
+            for (k, point) in points.iter().enumerate() {
+                for &fraction in fractions {
+                    point.stretch.evaluate(at.q_n, at.q_np1, fraction, false, &mut stretch);
+                    self.check(element * (self.order + 1) + k, &stretch)?;
+                }
+                kernel.evaluate(&point.stretch, &point.energy, at.q_n, at.q_np1, gradient, want_tangent);
+                kernel.add_to(&mut local, want_tangent);
+            }
+            visit(&local);
+        }
+        Ok(())
+    }
+
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
+        let (mut stretch, mut sum) = (Evaluation::default(), 0.0);
+        for (k, point) in self.points.iter().enumerate() {
+            point.stretch.evaluate(q, q, 1.0, false, &mut stretch);
+            self.check(k, &stretch)?;
+            sum += point.energy.value(&stretch.values);
+        }
+        Ok(sum)
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.length * self.order as f64 / (self.nodes.len() - 1) as f64
+    }
+
+    fn force_scale(&self) -> f64 {
+        self.material.stiffness
+    }
+
+    fn is_symmetric(&self, rule: Rule) -> bool {
+        rule != Rule::Force(ForceRule::DiscreteGradient)
+    }
+
+    fn vectors(&self) -> Option<&dyn Vectors> {
+        Some(self)
+    }
+}
+
+impl Vectors for ElasticString {
     fn own_vectors(&self) -> Range<u32> {
         self.first..self.first + self.nodes.len() as u32
     }
@@ -212,57 +269,6 @@ impl Part for ElasticString {
                 }
             }
         }
-    }
-
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.points.chunks_exact(self.order + 1).for_each(|element| visit(element[0].stretch.vectors()));
-    }
-
-    fn assemble(
-        &self,
-        step: PartStep<'_>,
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalForce),
-    ) -> Result<(), PartError> {
-        let at = GradientAt::of(step.rule);
-        let fractions: &[f64] = match at {
-            GradientAt::Configuration(theta) => &[theta],
-            GradientAt::Discrete => &[0.0, 1.0],
-        };
-        let (mut kernel, mut local, mut stretch) = (Kernel::default(), LocalForce::default(), Evaluation::default());
-        for (element, points) in self.points.chunks_exact(self.order + 1).enumerate() {
-            local.vectors.clear();
-            local.vectors.extend_from_slice(points[0].stretch.vectors());
-            local.reset(want_tangent);
-            for (k, point) in points.iter().enumerate() {
-                for &fraction in fractions {
-                    point.stretch.evaluate(step.q_n, step.q_np1, fraction, false, &mut stretch);
-                    self.check(element * (self.order + 1) + k, &stretch)?;
-                }
-                kernel.evaluate(&point.stretch, &point.energy, step.q_n, step.q_np1, at, want_tangent);
-                kernel.add_to(&mut local, want_tangent);
-            }
-            visit(&local);
-        }
-        Ok(())
-    }
-
-    fn energy(&self, q: &[f64]) -> Result<f64, PartError> {
-        let (mut stretch, mut sum) = (Evaluation::default(), 0.0);
-        for (k, point) in self.points.iter().enumerate() {
-            point.stretch.evaluate(q, q, 1.0, false, &mut stretch);
-            self.check(k, &stretch)?;
-            sum += point.energy.value(&stretch.values);
-        }
-        Ok(sum)
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.length * self.order as f64 / (self.nodes.len() - 1) as f64
-    }
-
-    fn force_scale(&self) -> f64 {
-        self.material.stiffness
     }
 }
 

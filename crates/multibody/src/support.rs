@@ -1,8 +1,7 @@
 //! Springs and dashpots between nodes and the ground, for surfaces on a foundation.
 
 use crate::error::{PartDataError, not_negative};
-use std::ops::Range;
-use stoss_part::{ForceRule, LocalForce, Part, PartError, PartStep};
+use stoss_term::{At, Fault, ForceRule, Local, Rule, Term, Work};
 
 /// The axes of space.
 pub const AXES_OF_SPACE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -63,8 +62,8 @@ impl Supported {
     }
 
     /// The motion in a step.
-    fn motion(&self, axis: [f64; 3], step: &PartStep<'_>) -> Vec<f64> {
-        self.along(axis, |n, k| step.q_np1[self.place(n, k)] - step.q_n[self.place(n, k)]).collect()
+    fn motion(&self, axis: [f64; 3], at: &At<'_>) -> Vec<f64> {
+        self.along(axis, |n, k| at.q_np1[self.place(n, k)] - at.q_n[self.place(n, k)]).collect()
     }
 
     /// `sum_J A_IJ u_J`.
@@ -103,40 +102,32 @@ impl ElasticSupport {
     }
 }
 
-impl Part for ElasticSupport {
+impl Term for ElasticSupport {
     fn name(&self) -> &str {
         &self.name
     }
 
-    fn own_vectors(&self) -> Range<u32> {
-        0..0
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        self.items.iter().for_each(|item| visit(&item.vectors, &[]));
     }
 
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.items.iter().for_each(|item| visit(&item.vectors));
-    }
-
-    fn assemble(
-        &self,
-        step: PartStep<'_>,
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalForce),
-    ) -> Result<(), PartError> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = at.rule.force() else { return Ok(()) };
         // Of a quadratic energy the gradient at the midpoint is the discrete one.
-        let theta = match step.rule {
+        let theta = match rule {
             ForceRule::Configuration { theta } => theta,
             ForceRule::DiscreteGradient => 0.5,
         };
         let Foundation { axes, stiffness, damping } = self.foundation;
-        let mut local = LocalForce::default();
+        let mut local = Local::default();
         for item in &self.items {
             let count = item.vectors.len();
-            local.vectors.clone_from(&item.vectors);
+            local.nodes.clone_from(&item.vectors);
             local.reset(want_tangent);
             for (i, axis) in axes.into_iter().enumerate() {
-                let damper = if step.has_rates { damping[i] / step.dt } else { 0.0 };
-                let (old, new) = (item.stretch(axis, step.q_n), item.stretch(axis, step.q_np1));
-                let motion = item.motion(axis, &step);
+                let damper = if at.rates { damping[i] / at.dt } else { 0.0 };
+                let (old, new) = (item.stretch(axis, at.q_n), item.stretch(axis, at.q_np1));
+                let motion = item.motion(axis, at);
                 let between = |n: usize| (1.0 - theta) * old[n] + theta * new[n];
                 let force: Vec<f64> = (0..count).map(|n| stiffness[i] * between(n) + damper * motion[n]).collect();
                 let slope = theta * stiffness[i] + damper;
@@ -156,7 +147,7 @@ impl Part for ElasticSupport {
         Ok(())
     }
 
-    fn energy(&self, q: &[f64]) -> Result<f64, PartError> {
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
         let Foundation { axes, stiffness, .. } = self.foundation;
         let of_item = |item: &Supported| -> f64 {
             axes.iter().zip(stiffness).map(|(axis, k)| 0.5 * k * item.square(&item.stretch(*axis, q))).sum()
@@ -164,15 +155,14 @@ impl Part for ElasticSupport {
         Ok(self.items.iter().map(of_item).sum())
     }
 
-    fn dissipated(&self, step: PartStep<'_>) -> f64 {
-        if !step.has_rates {
-            return 0.0;
-        }
+    fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
+        let stored = self.energy(at.q_np1)?;
         let Foundation { axes, damping, .. } = self.foundation;
         let loss = |item: &Supported| -> f64 {
-            axes.iter().zip(damping).map(|(axis, d)| d * item.square(&item.motion(*axis, &step)) / step.dt).sum()
+            axes.iter().zip(damping).map(|(axis, d)| d * item.square(&item.motion(*axis, at)) / at.dt).sum()
         };
-        self.items.iter().map(loss).sum()
+        let dissipated = if at.rates { self.items.iter().map(loss).sum() } else { 0.0 };
+        Ok(Work { stored, dissipated, ..Work::default() })
     }
 
     fn conserves_linear_momentum(&self) -> bool {
@@ -190,6 +180,10 @@ impl Part for ElasticSupport {
     fn force_scale(&self) -> f64 {
         let largest = self.foundation.stiffness.into_iter().fold(0.0, f64::max);
         self.length * largest * self.items.iter().flat_map(|item| &item.shares).sum::<f64>()
+    }
+
+    fn is_symmetric(&self, _rule: Rule) -> bool {
+        true
     }
 }
 
@@ -210,17 +204,17 @@ mod tests {
         ElasticSupport::new("support", items, foundation, 1.0).unwrap()
     }
 
-    fn force(support: &ElasticSupport, step: PartStep<'_>) -> (Vec<f64>, Vec<f64>) {
-        let n = step.q_n.len();
+    fn force(support: &ElasticSupport, at: At<'_>) -> (Vec<f64>, Vec<f64>) {
+        let n = at.q_n.len();
         let (mut force, mut tangent) = (vec![0.0; n], vec![0.0; n * n]);
-        let mut add = |local: &LocalForce| {
-            let place = |i: usize| 3 * local.vectors[i / 3] as usize + i % 3;
+        let mut add = |local: &Local| {
+            let place = |i: usize| 3 * local.nodes[i / 3] as usize + i % 3;
             for i in 0..local.dim() {
                 force[place(i)] += local.residual[i];
                 (0..local.dim()).for_each(|j| tangent[n * place(i) + place(j)] += local.tangent[local.dim() * i + j]);
             }
         };
-        support.assemble(step, true, &mut add).unwrap();
+        support.assemble(&at, true, &mut add).unwrap();
         (force, tangent)
     }
 
@@ -230,23 +224,23 @@ mod tests {
         let support = support();
         let q_n = [0.3, -0.1, 0.5, 0.7, 0.1, -0.3, 0.2, 0.4, -0.6, 0.2, 0.0, 0.1];
         let q_np1 = [0.5, 0.3, 0.1, 0.2, -0.4, 0.6, -0.2, 0.1, 0.7, 0.5, -0.3, 0.2];
-        let step = PartStep { q_n: &q_n, q_np1: &q_np1, rule: ForceRule::DiscreteGradient, dt: 0.05, has_rates: true };
-        let (f, tangent) = force(&support, step);
+        let at = At::force([&q_n, &q_np1], ForceRule::DiscreteGradient, 0.05);
+        let (f, tangent) = force(&support, at);
         let work: f64 = f.iter().zip(q_np1.iter().zip(&q_n)).map(|(f, (new, old))| f * (new - old)).sum();
         let change = support.energy(&q_np1).unwrap() - support.energy(&q_n).unwrap();
-        assert!((work - change - support.dissipated(step)).abs() < 1e-13, "{work}");
+        assert!((work - change - support.work(&at).unwrap().dissipated).abs() < 1e-13, "{work}");
         for i in 0..12 {
             let mut moved = q_np1;
             moved[i] += 0.25;
-            let (g, _) = force(&support, PartStep { q_np1: &moved, ..step });
+            let (g, _) = force(&support, At { q_np1: &moved, ..at });
             for j in 0..12 {
                 // The force is linear.
                 let derivative = (g[j] - f[j]) / 0.25;
                 assert!((derivative - tangent[12 * j + i]).abs() < 1e-12);
             }
         }
-        let at_rest = PartStep { has_rates: false, ..step };
-        assert_eq!(support.dissipated(at_rest), 0.0);
+        let at_rest = At { rates: false, ..at };
+        assert_eq!(support.work(&at_rest).unwrap().dissipated, 0.0);
     }
 
     #[test]

@@ -1,9 +1,8 @@
 //! Which length of the directors makes the best matrix: condition numbers of the linear equations of a clamped beam, rigidity included.
 
 use nalgebra::DMatrix;
-use stoss_contact::{Constraint, GradientRule, StepConfiguration};
 use stoss_multibody::{Beam, BeamAxis, Section, SectionMaterial};
-use stoss_part::{ForceRule, Part, PartStep};
+use stoss_term::{At, ForceRule, GradientRule, StepConfiguration, Term, Vectors};
 
 /// Condition number (2-norm) of `[K + M / dt^2, s G^T; s G, 0]` in the reference configuration, first node clamped, `s = EA / h` so that multipliers are lengths.
 fn condition(beam: &Beam, inertia: f64) -> f64 {
@@ -21,8 +20,8 @@ fn condition(beam: &Beam, inertia: f64) -> f64 {
             }
         }
     };
-    let step = PartStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT, dt: 1.0, has_rates: false };
-    beam.assemble(step, true, &mut |local| add(&rows_of(&local.vectors), 1.0, &local.tangent)).unwrap();
+    let step = At { rates: false, ..At::force([&q, &q], ForceRule::END_POINT, 1.0) };
+    beam.assemble(&step, true, &mut |local| add(&rows_of(&local.nodes), 1.0, &local.tangent)).unwrap();
     beam.mass(&mut |i, j, m| {
         for d in 0..3 {
             let [i, j] = [i, j].map(|v| 3 * v as usize + d);
@@ -36,7 +35,7 @@ fn condition(beam: &Beam, inertia: f64) -> f64 {
     let scale = beam.section().axial / beam.length_scale();
     let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPoint };
     let (zero, active) = (vec![0.0; set.slot_count()], vec![true; set.slot_count()]);
-    set.assemble(step, &zero, &active, true, &mut |local| {
+    set.assemble(&step.at(&zero, &active), true, &mut |local| {
         let mut rows = rows_of(&local.nodes);
         rows.extend(local.slots.iter().map(|&s| q.len() + s as usize));
         add(&rows, scale, &local.tangent);

@@ -3,13 +3,12 @@
 use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, finish, rod, run};
 use std::ops::Range;
 use std::sync::Arc;
-use stoss_contact::{Constraint, GradientRule, StepConfiguration};
 use stoss_multibody::{
     ConstraintSet, CoordinateOptions, DriveFunction, Embedded, GradientAt, Joint, JointKind, Kernel, QuadraticEnergy,
     Quadratics, QuadraticsBuilder, RigidBody, distributing_coupling, kinematic_coupling,
 };
-use stoss_part::{ForceRule, LocalForce, Part, PartError, PartStep};
 use stoss_solver::Model;
+use stoss_term::{At, Fault, ForceRule, GradientRule, Local, StepConfiguration, Term, Vectors};
 
 /// Point masses with a spring between each two of them: a small elastic body.
 #[derive(Debug)]
@@ -37,36 +36,35 @@ impl Cloud {
     }
 }
 
-impl Part for Cloud {
+impl Term for Cloud {
     fn name(&self) -> &str {
         "cloud"
     }
-    fn own_vectors(&self) -> Range<u32> {
-        self.own.clone()
+    fn vectors(&self) -> Option<&dyn Vectors> {
+        Some(self)
     }
-    fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
-        self.own.clone().for_each(|v| visit(v, v, 0.4));
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        self.springs.iter().for_each(|s| visit(s.vectors(), &[]));
     }
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.springs.iter().for_each(|s| visit(s.vectors()));
-    }
-    fn assemble(&self, step: PartStep<'_>, want: bool, visit: &mut dyn FnMut(&LocalForce)) -> Result<(), PartError> {
-        let at = match step.rule {
+    fn assemble(&self, step: &At<'_>, want: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = step.rule.force() else { return Ok(()) };
+        let at = match rule {
             ForceRule::Configuration { theta } => GradientAt::Configuration(theta),
             ForceRule::DiscreteGradient => GradientAt::Discrete,
         };
         let mut kernel = Kernel::default();
         for s in &self.springs {
             kernel.evaluate(s, &self.energy, step.q_n, step.q_np1, at, want);
-            visit(&LocalForce {
-                vectors: s.vectors().to_vec(),
+            visit(&Local {
+                nodes: s.vectors().to_vec(),
                 residual: kernel.force.clone(),
                 tangent: kernel.tangent.clone(),
+                ..Local::default()
             });
         }
         Ok(())
     }
-    fn energy(&self, q: &[f64]) -> Result<f64, PartError> {
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
         Ok(self.springs.iter().map(|s| Kernel::default().value(s, &self.energy, q)).sum())
     }
     fn length_scale(&self) -> f64 {
@@ -74,6 +72,15 @@ impl Part for Cloud {
     }
     fn force_scale(&self) -> f64 {
         self.energy.stiffness[0]
+    }
+}
+
+impl Vectors for Cloud {
+    fn own_vectors(&self) -> Range<u32> {
+        self.own.clone()
+    }
+    fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
+        self.own.clone().for_each(|v| visit(v, v, 0.4));
     }
 }
 
@@ -181,7 +188,7 @@ fn force_and_torque_reach_the_nodes() {
     let step = StepConfiguration { q_n: &q_n, q_np1: &q_np1, rule: GradientRule::DiscreteGradient };
     let (mut sums, mut moments) = ([[0.0; 3]; 2], [[0.0; 3]; 2]);
     coupling
-        .assemble(step, &multipliers, &[true; 6], false, &mut |local| {
+        .assemble(&step.at(&multipliers, &[true; 6]), false, &mut |local| {
             for (k, &node) in local.nodes.iter().enumerate() {
                 let side = usize::from(node >= 6);
                 let at = 3 * node as usize;
@@ -218,7 +225,7 @@ fn the_frame_turns_with_its_nodes() {
     let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPoint };
     for set in [&coupling, &kinematic_coupling("k", &frame, &[0, 1, 2, 3, 4, 5], &model.reference).unwrap()] {
         let slots = set.slot_count();
-        set.assemble(step, &vec![0.0; slots], &vec![true; slots], false, &mut |local| {
+        set.assemble(&step.at(&vec![0.0; slots], &vec![true; slots]), false, &mut |local| {
             for row in &local.residual[3 * local.nodes.len()..] {
                 assert!(row.abs() < 1e-14, "{row:e}");
             }

@@ -1,11 +1,11 @@
 //! Forces and tangents of joints against differences, resultants, moments and work, at random states.
 
 use proptest::prelude::*;
-use stoss_contact::{Constraint, GradientRule, History, LocalContribution, Report, Step, StepConfiguration};
 use stoss_multibody::{
     CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, Pretension,
     RigidBody, RigidMass,
 };
+use stoss_term::{At, Bilateral, GradientRule, Local, Step, StepConfiguration, Term};
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const POINT: [f64; 3] = [0.4, -0.3, 0.2];
@@ -76,17 +76,11 @@ fn begin(joint: &mut Joint, q_n: &[f64], rule: GradientRule) {
     joint.begin(&Step::new(q_n, rule, 0.05)).unwrap();
 }
 
-fn assemble(
-    joint: &Joint,
-    q: [&[f64]; 2],
-    rule: GradientRule,
-    multipliers: &[f64],
-    tangent: bool,
-) -> LocalContribution {
+fn assemble(joint: &Joint, q: [&[f64]; 2], rule: GradientRule, multipliers: &[f64], tangent: bool) -> Local {
     let active = vec![true; joint.slot_count()];
-    let mut made = LocalContribution::default();
+    let mut made = Local::default();
     let step = StepConfiguration { q_n: q[0], q_np1: q[1], rule };
-    joint.assemble(step, multipliers, &active, tangent, &mut |local| made = local.clone()).unwrap();
+    joint.assemble(&step.at(multipliers, &active), tangent, &mut |local| made = local.clone()).unwrap();
     made
 }
 
@@ -120,7 +114,7 @@ fn torques_of_the_coordinate_are_those_of_their_laws_and_parts_of_the_moment() {
     let (mut multipliers, active) = (vec![0.0; joint.slot_count()], vec![true; joint.slot_count()]);
     let first = joint.kind().equations();
     multipliers[first..].copy_from_slice(&[0.2, -1.5, 0.9]);
-    joint.commit(&q_np1, &multipliers, &active);
+    joint.commit(&At::end(&q_np1, &multipliers, &active));
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a}, not {b}");
     let check = |joint: &Joint| {
         let report = joint.joint(&q_np1, &multipliers).unwrap();
@@ -158,7 +152,7 @@ fn friction_and_limits_that_give_energy_are_seen() {
             q
         };
         let of = |by: f64| {
-            let work = joint.work(&after(by), &multipliers, &active).unwrap();
+            let work = joint.work(&At::end(&after(by), &multipliers, &active)).unwrap();
             work.dissipated + work.closing.unwrap()
         };
         let change = joint.coordinate(0, &after(0.02)).unwrap();
@@ -301,14 +295,14 @@ proptest! {
             prop_assert!((work - expected).abs() < 1e-11, "{kind:?} {work} {expected}");
             // The same of the reported work where nothing gives energy.
             let towards: Vec<f64> = (0..8).map(|s| if s < 4 { m[s] } else { m[s] * (own.1[(s - 4) / 2] - own.0[(s - 4) / 2]).signum() }).collect();
-            let reported = joint.work(&q_np1, &towards, &[true; 8]).unwrap();
+            let reported = joint.work(&At::end(&q_np1, &towards, &[true; 8])).unwrap();
             let local = assemble(&joint, [&q_n, &q_np1], rule, &towards, false);
             let mut work = 0.0;
             for (k, &node) in local.nodes.iter().enumerate() {
                 let at = 3 * node as usize;
                 work += (0..3).map(|i| local.residual[3 * k + i] * (q_np1[at + i] - q_n[at + i])).sum::<f64>();
             }
-            let stored = joint.stored_at_start(&q_n);
+            let stored = joint.energy(&q_n).unwrap();
             prop_assert!((reported.stored - stored + reported.dissipated + reported.closing.unwrap() - work).abs() < 1e-11, "{kind:?}");
         }
     }
@@ -447,18 +441,18 @@ fn work_of_the_ledger() {
     let mut multipliers = vec![0.0; joint.slot_count()];
     multipliers[5] = 0.5;
     let active = vec![true; joint.slot_count()];
-    let work = joint.work(&q(0.1), &multipliers, &active).unwrap();
+    let work = joint.work(&At::end(&q(0.1), &multipliers, &active)).unwrap();
     assert!((work.stored - 1.5 * 0.04).abs() < 1e-14);
     assert!((work.dissipated - (0.4 * 0.01 / 0.05 + LENGTH * 0.5 * 0.1)).abs() < 1e-14);
-    assert!((joint.stored_at_start(&q(0.0)) - 1.5 * 0.09).abs() < 1e-14);
-    joint.commit(&q(0.1), &multipliers, &active);
+    assert!((joint.energy(&q(0.0)).unwrap() - 1.5 * 0.09).abs() < 1e-14);
+    joint.commit(&At::end(&q(0.1), &multipliers, &active));
     // Released: the spring's energy is lost, once.
     begin(&mut joint, &q(0.1), GradientRule::DiscreteGradient);
     let released = vec![false; joint.slot_count()];
-    let work = joint.work(&q(0.2), &multipliers, &released).unwrap();
+    let work = joint.work(&At::end(&q(0.2), &multipliers, &released)).unwrap();
     assert!((work.dissipated - 1.5 * 0.04).abs() < 1e-14 && work.stored == 0.0);
-    joint.commit(&q(0.2), &multipliers, &released);
-    assert_eq!(joint.work(&q(0.2), &multipliers, &released).unwrap().dissipated, 0.0);
+    joint.commit(&At::end(&q(0.2), &multipliers, &released));
+    assert_eq!(joint.work(&At::end(&q(0.2), &multipliers, &released)).unwrap().dissipated, 0.0);
 }
 
 /// An angle is followed over turns, and its history comes back bit for bit.
@@ -471,7 +465,7 @@ fn angles_are_followed_and_restored() {
     for _ in 0..40 {
         begin(&mut first, &q(angle), GradientRule::DiscreteGradient);
         angle -= 1.3;
-        first.commit(&q(angle), &[0.3; 5], &active);
+        first.commit(&At::end(&q(angle), &[0.3; 5], &active));
         assert!((first.coordinate(0, &q(angle)).unwrap() - angle).abs() < 1e-12);
     }
     let mut second = joint(JointKind::Hinge, false);
@@ -512,6 +506,6 @@ fn misplaced_frames_are_refused() {
     });
     ball.stencils(&[false; 3], &mut |_, _| visited += 1);
     let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::Midpoint };
-    ball.assemble(step, &[1.0; 3], &[false; 3], true, &mut |_| visited += 1).unwrap();
+    ball.assemble(&step.at(&[1.0; 3], &[false; 3]), true, &mut |_| visited += 1).unwrap();
     assert_eq!(visited, 1);
 }

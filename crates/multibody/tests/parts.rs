@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use stoss_multibody::{
     Beam, BeamAxis, ElasticString, Embedded, PointMass, Section, SectionMaterial, Spring, SpringData, StringMaterial,
 };
-use stoss_part::{ForceRule, Part, PartStep};
+use stoss_term::{At, ForceRule, Term, Vectors};
 
 const MATERIAL: SectionMaterial = SectionMaterial { young: 50.0, poisson: 0.3, density: 2.0 };
 
@@ -29,8 +29,8 @@ fn string(order: usize, tension_only: bool) -> ElasticString {
 }
 
 /// Each part with a reference configuration; the unit of its forces.
-fn parts() -> Vec<(Box<dyn Part>, Vec<f64>, f64)> {
-    let mut parts: Vec<(Box<dyn Part>, Vec<f64>, f64)> = Vec::new();
+fn parts() -> Vec<(Box<dyn Term>, Vec<f64>, f64)> {
+    let mut parts: Vec<(Box<dyn Term>, Vec<f64>, f64)> = Vec::new();
     for order in 1..=3 {
         let beam = corner(order);
         let reference = flat(&beam.reference());
@@ -50,16 +50,16 @@ fn parts() -> Vec<(Box<dyn Part>, Vec<f64>, f64)> {
     parts
 }
 
-fn assemble(part: &dyn Part, step: PartStep<'_>) -> (Vec<f64>, Vec<Vec<f64>>) {
+fn assemble(part: &dyn Term, step: At<'_>) -> (Vec<f64>, Vec<Vec<f64>>) {
     let n = step.q_n.len();
     let (mut force, mut tangent) = (vec![0.0; n], vec![vec![0.0; n]; n]);
     let mut stencils = Vec::new();
-    part.stencils(&mut |v| stencils.push(v.to_vec()));
+    part.stencils(&[], &mut |v, _| stencils.push(v.to_vec()));
     let mut k = 0;
-    part.assemble(step, true, &mut |local| {
-        assert_eq!(local.vectors, stencils[k]);
+    part.assemble(&step, true, &mut |local| {
+        assert_eq!(local.nodes, stencils[k]);
         k += 1;
-        let rows: Vec<usize> = local.vectors.iter().flat_map(|&v| (0..3).map(move |d| 3 * v as usize + d)).collect();
+        let rows: Vec<usize> = local.nodes.iter().flat_map(|&v| (0..3).map(move |d| 3 * v as usize + d)).collect();
         for (i, &row) in rows.iter().enumerate() {
             force[row] += local.residual[i];
             for (j, &column) in rows.iter().enumerate() {
@@ -72,8 +72,8 @@ fn assemble(part: &dyn Part, step: PartStep<'_>) -> (Vec<f64>, Vec<Vec<f64>>) {
     (force, tangent)
 }
 
-fn step<'a>(q_n: &'a [f64], q_np1: &'a [f64], rule: ForceRule) -> PartStep<'a> {
-    PartStep { q_n, q_np1, rule, dt: 0.1, has_rates: true }
+fn step<'a>(q_n: &'a [f64], q_np1: &'a [f64], rule: ForceRule) -> At<'a> {
+    At::force([q_n, q_np1], rule, 0.1)
 }
 
 const RULES: [ForceRule; 4] =
@@ -235,7 +235,7 @@ proptest! {
             let (force, tangent) = assemble(&damper, now);
             let work: f64 = force.iter().zip(q_n.iter().zip(&q_np1)).map(|(f, (a, b))| f * (b - a)).sum();
             let loss = 0.7 * change * change / 0.1;
-            prop_assert!((work - loss).abs() < 1e-13 * 10.0 && (damper.dissipated(now) - loss).abs() < 1e-13 * 10.0);
+            prop_assert!((work - loss).abs() < 1e-13 * 10.0 && (damper.work(&now).unwrap().dissipated - loss).abs() < 1e-13 * 10.0);
             for column in 0..6 {
                 let at = |h: f64| {
                     let mut q = q_np1.clone();
@@ -248,8 +248,8 @@ proptest! {
                 }
             }
         }
-        let without = PartStep { has_rates: false, ..step(&q_n, &q_np1, ForceRule::DiscreteGradient) };
-        prop_assert!(assemble(&damper, without).0.iter().all(|f| *f == 0.0) && damper.dissipated(without) == 0.0);
+        let without = At { rates: false, ..step(&q_n, &q_np1, ForceRule::DiscreteGradient) };
+        prop_assert!(assemble(&damper, without).0.iter().all(|f| *f == 0.0) && damper.work(&without).unwrap().dissipated == 0.0);
     }
 }
 
@@ -297,7 +297,7 @@ fn masses() {
     assert!(PointMass::new("point", 0, -1.0, 1.0).is_err());
 }
 
-fn sum_of_weights(part: &dyn Part) -> f64 {
+fn sum_of_weights(part: &dyn Term) -> f64 {
     let mut sum = 0.0;
     part.weight([0.0, 0.0, -9.81], &mut |_, f| sum += f[2]);
     sum
@@ -376,13 +376,13 @@ fn no_length() {
     let string = string(1, false);
     let q = vec![1.0; 9];
     assert!(string.energy(&q).is_err());
-    assert!(string.assemble(step(&q, &q, ForceRule::DiscreteGradient), true, &mut |_| {}).is_err());
+    assert!(string.assemble(&step(&q, &q, ForceRule::DiscreteGradient), true, &mut |_| {}).is_err());
     let ends = [Embedded::vector(0), Embedded::ground([1.0; 3])];
     let of = |data| Spring::new("spring", ends.clone(), data).unwrap();
     let q = [1.0; 3];
     let now = step(&q, &q, ForceRule::DiscreteGradient);
     let stiff = SpringData { stiffness: 2.0, rest_length: 0.5, ..SpringData::default() };
-    assert!(of(stiff).assemble(now, true, &mut |_| {}).is_err());
+    assert!(of(stiff).assemble(&now, true, &mut |_| {}).is_err());
     for data in [SpringData { tension_only: true, ..stiff }, SpringData { rest_length: 0.0, damping: 1.0, ..stiff }] {
         let (force, tangent) = assemble(&of(data), now);
         assert!(force.iter().all(|f| *f == 0.0) && tangent.iter().flatten().all(|k| k.is_finite()));

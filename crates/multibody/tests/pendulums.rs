@@ -119,7 +119,7 @@ fn an_angle_is_followed_over_50_turns() {
     finish(&mut simulation);
     assert!((simulation.balance().total() / first.total() - 1.0).abs() < 1e-11);
     // The joint's own history, by way of the checkpoint.
-    use stoss_contact::History;
+    use stoss_term::Term;
     let checkpoint = simulation.checkpoint("t", Default::default());
     let mut copy = copy;
     copy.load_history(&checkpoint.histories[at]).unwrap();

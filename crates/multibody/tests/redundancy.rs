@@ -3,12 +3,12 @@
 use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, rod, run, run_with};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
-use stoss_contact::{Constraint, GradientRule, StepConfiguration};
 use stoss_multibody::{
     ConstraintSet, CoordinateOptions, Equations, Frame, Joint, JointKind, PiecewiseLinear, RigidBody, RigidMass,
     Weights, analyse,
 };
 use stoss_solver::{Model, Simulation};
+use stoss_term::{GradientRule, StepConfiguration, Term};
 
 const WEIGHTS: Weights = Weights { mass: 1.0, stiffness: 0.0 };
 
@@ -38,13 +38,13 @@ fn add_joints(model: &mut Model, bodies: &[&RigidBody], joints: &[Joint]) -> (us
 /// Gradients of all functions as columns, without what the rigidity of the bodies takes.
 fn gradients(sets: &[Joint], bodies: &[&RigidBody], q_n: &[f64], q_np1: &[f64], rule: GradientRule) -> DMatrix<f64> {
     let step = StepConfiguration { q_n, q_np1, rule };
-    let of = |set: &dyn Constraint| {
+    let of = |set: &dyn Term| {
         let slots = set.slot_count();
         let mut columns = DMatrix::<f64>::zeros(q_n.len(), slots);
         for slot in 0..slots {
             let mut multipliers = vec![0.0; slots];
             multipliers[slot] = 1.0;
-            set.assemble(step, &multipliers, &vec![true; slots], false, &mut |local| {
+            set.assemble(&step.at(&multipliers, &vec![true; slots]), false, &mut |local| {
                 for (k, &node) in local.nodes.iter().enumerate() {
                     for i in 0..3 {
                         columns[(3 * node as usize + i, slot)] -= local.residual[3 * k + i];

@@ -4,13 +4,11 @@ use crate::lines;
 
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
-use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use stoss_contact::{Constraint, GradientRule, StepConfiguration};
 use stoss_multibody::{Beam, BeamAxis, ElasticString, Section, SectionMaterial, StringMaterial};
-use stoss_part::{ForceRule, LocalForce, Part, PartError, PartStep};
 use stoss_solver::Model;
+use stoss_term::{At, Fault, ForceRule, GradientRule, Local, StepConfiguration, Term};
 
 fn straight(length: f64, elements: usize, order: usize, section: Section) -> Beam {
     let axis = BeamAxis::straight([0.0; 3], [length, 0.0, 0.0], [0.0, 1.0, 0.0], elements, order).unwrap();
@@ -63,19 +61,17 @@ struct Couple {
     magnitude: Arc<AtomicU64>,
 }
 
-impl Part for Couple {
+impl Term for Couple {
     fn name(&self) -> &str {
         "couple"
     }
-    fn own_vectors(&self) -> Range<u32> {
-        0..0
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        visit(&self.directors, &[]);
     }
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        visit(&self.directors);
-    }
-    fn assemble(&self, step: PartStep<'_>, want: bool, visit: &mut dyn FnMut(&LocalForce)) -> Result<(), PartError> {
-        assert_eq!(step.rule, ForceRule::END_POINT);
-        let mut local = LocalForce { vectors: self.directors.to_vec(), ..LocalForce::default() };
+    fn assemble(&self, step: &At<'_>, want: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = step.rule.force() else { return Ok(()) };
+        assert_eq!(rule, ForceRule::END_POINT);
+        let mut local = Local { nodes: self.directors.to_vec(), ..Local::default() };
         local.reset(want);
         let m = f64::from_bits(self.magnitude.load(Ordering::Relaxed)) / (2.0 * self.length * self.length);
         let [x, y, z] = self.axis.map(|a| -m * a);
@@ -96,9 +92,6 @@ impl Part for Couple {
     }
     fn length_scale(&self) -> f64 {
         1.0
-    }
-    fn is_symmetric(&self) -> bool {
-        false
     }
 }
 
@@ -198,7 +191,7 @@ fn buckling_of_a_column() {
 }
 
 /// Sign of the determinant of `[K G^T; G 0]` without the first node.
-fn determinant_sign(beam: &Beam, set: &impl Constraint, q: &[f64], multipliers: &[f64]) -> bool {
+fn determinant_sign(beam: &Beam, set: &impl Term, q: &[f64], multipliers: &[f64]) -> bool {
     let n = q.len() - 12;
     let size = n + multipliers.len();
     let mut matrix = DMatrix::<f64>::zeros(size, size);
@@ -212,11 +205,11 @@ fn determinant_sign(beam: &Beam, set: &impl Constraint, q: &[f64], multipliers: 
     let components = |vectors: &[u32]| -> Vec<usize> {
         vectors.iter().flat_map(|&v| (0..3).map(move |d| 3 * v as usize + d)).collect()
     };
-    let step = PartStep { q_n: q, q_np1: q, rule: ForceRule::END_POINT, dt: 1.0, has_rates: false };
-    beam.assemble(step, true, &mut |local| add(&components(&local.vectors), &local.tangent)).unwrap();
+    let step = At { rates: false, ..At::force([q, q], ForceRule::END_POINT, 1.0) };
+    beam.assemble(&step, true, &mut |local| add(&components(&local.nodes), &local.tangent)).unwrap();
     let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     let active = vec![true; multipliers.len()];
-    set.assemble(step, multipliers, &active, true, &mut |local| {
+    set.assemble(&step.at(multipliers, &active), true, &mut |local| {
         let mut rows = components(&local.nodes);
         rows.extend(local.slots.iter().map(|&s| q.len() + s as usize));
         add(&rows, &local.tangent);

@@ -1,21 +1,19 @@
-//! A contact method of one's own: a block on a fixed plane by penalty. Shown: the trait `Potential`, for forces with an energy and without
-//! multipliers; a model made by hand, and its run. Checked: energy and horizontal momentum of a block that bounces under the
+//! A contact method of one's own: a block on a fixed plane by penalty. Shown: the trait `Term` with the ability `Potential`, for forces that act in the place of constraints; a model made by hand, and its run. Checked: energy and horizontal momentum of a block that bounces under the
 //! energy-momentum scheme, from above and from inside the plane.
 //!
 //! `cargo run --example own_contact -p stoss-solver`; docs/how-to-add/contact-method.md explains it.
 
 use std::error::Error;
 use std::sync::Arc;
-use stoss_contact::{
-    ContactError, ContactSurface, GradientRule, LocalContribution, Potential, Step, StepConfiguration,
-};
+use stoss_contact::{ContactError, ContactSurface};
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_materials::NeoHooke;
 use stoss_mesh::{Rotation, generate::Block};
 use stoss_newton::NewtonOptions;
-use stoss_solver::{Body, ContactPair, Coupling, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_solver::{Body, Coupling, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_term::{At, Fault, GradientRule, Local, Potential, Step, Term};
 
 /// Nodes of a surface against the plane `z = 0` with the energy `V(g) = k A g^2 / 2` for a gap `g < 0`, `A` the reference area of the node.
 #[derive(Debug)]
@@ -52,7 +50,7 @@ impl PenaltyPlane {
     }
 }
 
-impl Potential for PenaltyPlane {
+impl Term for PenaltyPlane {
     fn name(&self) -> &str {
         "plane"
     }
@@ -62,23 +60,19 @@ impl Potential for PenaltyPlane {
     fn conserves_angular_momentum(&self) -> bool {
         false
     }
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
         self.near = (0..self.surface.nodes().len()).filter(|&local| self.gap(local, step.q_n) < step.reach).collect();
         Ok(())
     }
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        self.near.iter().for_each(|&local| visit(&[self.surface.nodes()[local]]));
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        self.near.iter().for_each(|&local| visit(&[self.surface.nodes()[local]], &[]));
     }
-    fn assemble(
-        &self,
-        step: StepConfiguration<'_>,
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        let mut local = LocalContribution::default();
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = at.rule.constraint() else { return Ok(()) };
+        let mut local = Local::default();
         for &node in &self.near {
-            let [start, end] = [step.q_n, step.q_np1].map(|q| self.gap(node, q));
-            let (slope, derivative) = self.slope(node, step.rule, start, end)?;
+            let [start, end] = [at.q_n, at.q_np1].map(|q| self.gap(node, q));
+            let (slope, derivative) = self.slope(node, rule, start, end)?;
             local.nodes = vec![self.surface.nodes()[node]];
             local.reset(want_tangent);
             // The residual is minus the force; x and y stay free.
@@ -90,11 +84,19 @@ impl Potential for PenaltyPlane {
         }
         Ok(())
     }
-    fn energy(&self, q: &[f64]) -> Result<f64, ContactError> {
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
         let energy = |local: usize| 0.5 * self.spring(local) * self.gap(local, q).min(0.0).powi(2);
         Ok((0..self.surface.nodes().len()).map(energy).sum())
     }
+    fn potential(&self) -> Option<&dyn Potential> {
+        Some(self)
+    }
+    fn potential_mut(&mut self) -> Option<&mut dyn Potential> {
+        Some(self)
+    }
 }
+
+impl Potential for PenaltyPlane {}
 
 /// A block that is turned and falls on the plane, its lowest corner at this height; it may begin in the plane.
 fn block(height: f64) -> Result<Model, Box<dyn Error>> {
@@ -104,7 +106,7 @@ fn block(height: f64) -> Result<Model, Box<dyn Error>> {
     let reference: Vec<f64> = mesh.nodes.iter().flatten().copied().collect();
     let facets: Vec<_> = mesh.facets_of("boundary")?.iter().map(|facet| facet.nodes.linear()).collect();
     let surface = ContactSurface::new("block", &facets, &reference)?;
-    let method = Coupling::potential(PenaltyPlane { surface, stiffness: 1e4, near: Vec::new() });
+    let plane = PenaltyPlane { surface, stiffness: 1e4, near: Vec::new() };
     let (nodes, density) = (0..mesh.nodes.len() as u32, Some(1.0));
     let solid = SolidBody::new("block", &mesh, 0, Arc::new(NeoHooke::from_young_poisson(1e3, 0.3)?))?;
     let body =
@@ -112,7 +114,7 @@ fn block(height: f64) -> Result<Model, Box<dyn Error>> {
     Ok(Model {
         velocity: [1.0, 0.5, -3.0].repeat(mesh.nodes.len()),
         bodies: vec![body],
-        contacts: vec![ContactPair { name: "plane".into(), method, complementarity: 1.0, restitution: None }],
+        contacts: vec![Coupling::new("plane", plane, 1.0)],
         reference,
         ..Model::default()
     })

@@ -13,10 +13,10 @@ use crate::switches::Acting;
 use crate::{LoadKind, Model, PhaseTime, StepError};
 use std::ops::Range;
 use std::sync::Arc;
-use stoss_contact::Auxiliary;
 use stoss_fe_solid::{TangentTarget, Volumetric, Workspace};
-use stoss_integrators::{Buffers, EndPoint};
+use stoss_integrators::{Buffers, EndPoint, Step};
 use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
+use stoss_term::{At, Auxiliary};
 
 /// Part of what a mass moves in a step under a force.
 const RIGID_COMPLIANCE: f64 = 1e-3;
@@ -175,8 +175,8 @@ impl Contributions {
     /// In the order in which the methods visit them.
     fn active(model: &Model, active: &[Vec<bool>]) -> Self {
         let mut list = Self::default();
-        for (c, pair) in model.contacts.iter().enumerate() {
-            pair.method.stencils(&active[c], &mut |nodes, slots| list.push(model, c, nodes, slots));
+        for (c, pair) in model.couplings() {
+            pair.term.stencils(&active[c], &mut |nodes, slots| list.push(model, c, nodes, slots));
         }
         list
     }
@@ -271,6 +271,19 @@ impl Iterate {
         embedding.follow_changes(&mut self.increment, of_increment);
     }
 
+    /// What the constraints of a coupling are evaluated at in a step.
+    pub fn at<'a>(&'a self, coupling: usize, step: &Step<'a>) -> At<'a> {
+        let (rule, auxiliaries) = (step.rule.constraint.rule, &self.auxiliaries[coupling]);
+        let (multipliers, active) = (&self.pressures[coupling], &self.active[coupling]);
+        At {
+            time: step.state_n.time,
+            dt: step.dt,
+            rates: step.rule.has_inertia(),
+            auxiliaries,
+            ..At::constraint([&step.state_n.q, &self.q], rule, multipliers, active)
+        }
+    }
+
     pub fn end_point(&self) -> EndPoint<'_> {
         EndPoint { q: &self.q, increment: &self.increment }
     }
@@ -310,12 +323,12 @@ fn loaded(model: &Model) -> Vec<u32> {
 
 /// Zero for every auxiliary of every slot of every contact pair.
 pub(crate) fn no_auxiliaries(model: &Model) -> Vec<Vec<f64>> {
-    model.contacts.iter().map(|c| vec![0.0; c.method.slot_count() * c.method.auxiliaries().len()]).collect()
+    model.contacts.iter().map(|c| vec![0.0; c.term.slot_count() * c.term.auxiliaries().len()]).collect()
 }
 
 /// Whether a pair has auxiliaries without equations.
 pub(crate) fn has_condensed(model: &Model) -> bool {
-    model.contacts.iter().any(|c| c.method.auxiliaries().contains(&Auxiliary::Condensed))
+    model.contacts.iter().any(|c| c.term.auxiliaries().contains(&Auxiliary::Condensed))
 }
 
 impl System {
@@ -372,7 +385,7 @@ impl System {
         let has_dead_loads = model.loads.iter().any(|load| !load.follows());
         let first_part_stencil = solids.starts.len();
         for part in &model.parts {
-            part.stencils(&mut |vectors| solids.push(|out| numbering.node_equations(vectors, out)));
+            part.stencils(&[], &mut |vectors, _| solids.push(|out| numbering.node_equations(vectors, out)));
         }
         let part_masses: Vec<PartMass> =
             if dynamic { model.parts.iter().map(|part| PartMass::new(&**part)).collect() } else { Vec::new() };
@@ -434,7 +447,7 @@ impl System {
         stiffness_force += model.parts.iter().map(|part| part.force_scale()).sum::<f64>();
         strain_energy_scale += model.parts.iter().map(|part| part.force_scale() * part.length_scale()).sum::<f64>();
         let slot_equation: Vec<Vec<u32>> =
-            model.contacts.iter().map(|pair| vec![NONE; pair.method.slot_count()]).collect();
+            model.contacts.iter().map(|pair| vec![NONE; pair.term.slot_count()]).collect();
         let own = model.embedding.own(components);
         let loaded = loaded(model);
         let empty: [&[u32]; 0] = [];
@@ -484,7 +497,7 @@ impl System {
             first_stencil,
             mass_values,
             slot_width: (model.contacts.iter())
-                .map(|pair| 1 + Auxiliary::equations(pair.method.auxiliaries()) as u32)
+                .map(|pair| 1 + Auxiliary::equations(pair.term.auxiliaries()) as u32)
                 .collect(),
             slot_equation,
             inactive_diagonal: Vec::new(),
@@ -580,8 +593,8 @@ impl System {
         let present = Contributions::active(model, active);
         let mut all = Contributions::default();
         all.append(&present);
-        for (c, pair) in model.contacts.iter().enumerate() {
-            pair.method.candidates(&active[c], &mut |nodes, slots| all.push(model, c, nodes, slots));
+        for (c, pair) in model.couplings() {
+            pair.term.candidates(&active[c], &mut |nodes, slots| all.push(model, c, nodes, slots));
         }
         if all != self.contributions || self.solid_to_global.is_empty() {
             self.set_pattern(all)?;
@@ -676,8 +689,8 @@ impl System {
         for ((equations, active), pair) in self.slot_equation.iter().zip(active).zip(&model.contacts) {
             let slots = equations.iter().zip(active).enumerate();
             for (slot, (&first, _)) in slots.filter(|&(_, (&first, &active))| first != NONE && !active) {
-                let weight = pair.method.slot_weight(slot);
-                let of_auxiliaries = pair.method.auxiliaries().iter().filter_map(|kind| match kind {
+                let weight = pair.term.slot_weight(slot);
+                let of_auxiliaries = pair.term.auxiliaries().iter().filter_map(|kind| match kind {
                     Auxiliary::Condensed => None,
                     Auxiliary::Balance => Some(f64::INFINITY),
                     _ => Some(weight),

@@ -36,7 +36,7 @@ pub struct Balance {
     /// loss at closing gaps, negative where contact added energy. Zero in statics.
     pub closing_loss: f64,
     /// The part of `closing_loss` that is not explained by closing gaps, since the start. Zero for methods that do not report the loss of closing gaps
-    /// ([`stoss_contact::ContactWork::closing`]).
+    /// ([`stoss_term::Work::closing`]).
     pub contact_remainder: f64,
     /// Energy that impacts have taken by the law of impact since the start: what closing gaps cost where the law does not act is in `closing_loss`.
     pub impact_loss: f64,

@@ -3,8 +3,8 @@
 use crate::assembly::System;
 use crate::rows::{COMPLIANCE, ClosedDiagonal};
 use crate::{Model, StepError};
-use stoss_contact::Auxiliary;
 use stoss_linalg::{LinalgError, NONE};
+use stoss_term::Auxiliary;
 
 impl System {
     /// Where the compliance of closed slots goes: of pressures, and of the multipliers of friction, which are the first two auxiliaries.
@@ -12,13 +12,16 @@ impl System {
         self.closed_diagonal.clear();
         for ((equations, active), pair) in self.slot_equation.iter().zip(active).zip(&model.contacts) {
             // Between rigid bodies in statics there is no stiffness to measure it by.
-            let Some(method) = pair.method.as_contact().filter(|_| pair.complementarity > 0.0) else { continue };
-            let of_friction = if method.has_friction() { 2 } else { 0 };
-            let kinds = method.auxiliaries().iter().take(of_friction);
+            if pair.unilateral().is_none() || pair.complementarity <= 0.0 {
+                continue;
+            }
+            let term = &pair.term;
+            let of_friction = if term.has_friction() { 2 } else { 0 };
+            let kinds = term.auxiliaries().iter().take(of_friction);
             let multipliers = kinds.filter(|kind| matches!(kind, Auxiliary::Constraint)).count() as u32;
             let slots = equations.iter().zip(active).enumerate();
             for (slot, (&first, _)) in slots.filter(|&(_, (&first, &active))| first != NONE && active) {
-                let weight = method.slot_weight(slot);
+                let weight = term.slot_weight(slot);
                 let softness = weight / pair.complementarity;
                 for k in 0..=multipliers {
                     let equation = first + k;

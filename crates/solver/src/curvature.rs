@@ -1,10 +1,8 @@
 //! The curvature of the energy at a static solution: in how many directions it falls.
 
-use crate::StepError;
-use crate::assembly::Iterate;
 use crate::problem::{SMALLEST_SHIFT, StepProblem};
 use crate::timing::Phase;
-use stoss_contact::StepConfiguration as ContactStep;
+use crate::{Coupling, StepError};
 
 impl StepProblem<'_> {
     /// Negative eigenvalues of what was factorised last, a symmetric tangent, beyond one for each multiplier; zero if the solver does not count.
@@ -29,7 +27,7 @@ impl StepProblem<'_> {
             return 0;
         }
         let count = self.negative(None);
-        if count == 0 || !self.model.contacts.iter().any(|pair| pair.method.is_potential() && pair.method.acts()) {
+        if count == 0 || !self.model.contacts.iter().filter_map(Coupling::potential).any(|of| of.acts()) {
             return count;
         }
         let Ok(mut values) = self.without_softening() else { return count };
@@ -56,16 +54,14 @@ impl StepProblem<'_> {
 
     /// The tangent with the parts of contact by potentials that have no negative curvature.
     fn without_softening(&mut self) -> Result<Vec<f64>, StepError> {
-        let step =
-            ContactStep { q_n: &self.step.state_n.q, q_np1: &self.iterate.q, rule: self.step.rule.constraint.rule };
         let (model, s) = (&*self.model, &mut *self.system);
         let mut values = s.values.clone();
         let (mut k, mut expanded) = (0, Vec::new());
-        for (c, pair) in model.contacts.iter().enumerate() {
-            let Iterate { pressures, auxiliaries, active, .. } = &*self.iterate;
-            let softens = pair.method.is_potential();
+        for (c, pair) in model.couplings() {
+            let at = self.iterate.at(c, &self.step);
+            let softens = pair.is_potential();
             let (map, transform) = (&s.contact_map, &mut s.transform);
-            pair.method.assemble_with(step, &pressures[c], &auxiliaries[c], &active[c], softens, &mut |local| {
+            pair.term.assemble(&at, softens, &mut |local| {
                 if softens {
                     let change = negative_part(&local.tangent, local.dim());
                     if model.embedding.touches(&local.nodes) {

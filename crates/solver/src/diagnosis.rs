@@ -3,8 +3,8 @@
 use crate::assembly::{Iterate, System};
 use crate::words::short;
 use crate::{Model, Place, StepError, Unknown};
-use stoss_contact::SurfaceNode;
 use stoss_linalg::{LinalgError, NONE};
+use stoss_term::SurfaceNode;
 
 /// Constraints violated by more than this part of the largest violation are named too.
 const PART: f64 = 0.1;
@@ -44,8 +44,8 @@ fn owner(model: &Model, node: u32) -> Option<&str> {
 /// Where surfaces that must stay apart are nearest to each other, as the middle of a sentence, and what helps if prescribed motion takes them there.
 pub(crate) fn blocked(model: &Model, q: &[f64], is_prescribed: &dyn Fn(u32) -> bool) -> (String, Place, &'static str) {
     const CAN_DEFORM: &str = "smaller steps help where the bodies can deform";
-    let nodes = model.contacts.iter().filter(|pair| pair.method.keeps_apart());
-    let nodes: Vec<_> = nodes.flat_map(|pair| pair.method.surface_nodes(q)).collect();
+    let nodes = model.contacts.iter().filter(|pair| pair.keeps_apart());
+    let nodes: Vec<_> = nodes.filter_map(|pair| Some(pair.potential()?.surface_nodes(q))).flatten().collect();
     let nearest = |list: &mut dyn Iterator<Item = &SurfaceNode>| {
         list.filter(|node| node.distance.is_finite()).min_by(|a, b| a.distance.total_cmp(&b.distance)).copied()
     };
@@ -93,7 +93,7 @@ pub(crate) fn linear_error(
             equations.iter().position(|&equation| equation as usize == row).map(|slot| (pair, slot))
         })
     });
-    let bilateral = slot.filter(|&(pair, _)| model.contacts[pair].method.is_bilateral());
+    let bilateral = slot.filter(|&(pair, _)| model.contacts[pair].always_holds());
     if let Some((pair, slot)) = bilateral {
         return StepError::Singular {
             unknown: Unknown::Multiplier { constraint: model.contacts[pair].name.clone(), equation: slot + 1 },
@@ -120,12 +120,12 @@ pub(crate) fn linear_error(
 
 /// Why a multiplier of a constraint that always holds is not determined.
 fn multiplier_hint(model: &Model, pair: usize, slot: usize, active: &[Vec<bool>]) -> &'static str {
-    let Some(held) = model.contacts[pair].method.supported_node(slot, 0.0) else {
+    let Some(held) = model.contacts[pair].supported_node(slot, 0.0) else {
         return "it is redundant at this moment: a mechanism is in a singular position, a joint, tie or support is given twice, or a part is fixed at both ends";
     };
     let mut touches = false;
-    for (pair, active) in model.contacts.iter().zip(active).filter(|(pair, _)| pair.method.as_contact().is_some()) {
-        pair.method.stencils(active, &mut |nodes, _| touches |= nodes.contains(&held.node));
+    for (pair, active) in model.contacts.iter().zip(active).filter(|(pair, _)| pair.unilateral().is_some()) {
+        pair.term.stencils(active, &mut |nodes, _| touches |= nodes.contains(&held.node));
     }
     if touches {
         "a support along a normal and a contact hold the same node: leave the nodes that touch out of the support, or those that are held out of the contact"
@@ -141,14 +141,14 @@ fn pressure_hint(model: &Model, system: &System, iterate: &Iterate, pair: usize,
         return "it is in the middle of a face with 8 nodes and moves with it, so that its constraint is redundant: use `method = \"mortar\"`, or a penalty, or exchange slave and master";
     }
     // Of pressures that depend on each other the factorisation may meet any one last.
-    let reports = model.contacts[pair].method.report(&iterate.q).unwrap_or_default();
+    let reports = model.contacts[pair].term.report(&iterate.q).unwrap_or_default();
     let mut closed = reports.iter().zip(&iterate.active[pair]).filter(|(_, active)| **active);
     let follow = closed.any(|(report, _)| model.follows_its_face(report.node));
     let is_guided = |node: u32| {
         let mut slots = model
             .contacts
             .iter()
-            .flat_map(|pair| (0..pair.method.slot_count()).map_while(|slot| pair.method.supported_node(slot, 0.0)));
+            .flat_map(|pair| (0..pair.term.slot_count()).map_while(|slot| pair.supported_node(slot, 0.0)));
         slots.any(|held| held.node == node)
     };
     let own = |node: u32| model.embedding.carriers(node).is_none();
@@ -165,13 +165,13 @@ fn pressure_hint(model: &Model, system: &System, iterate: &Iterate, pair: usize,
 
 /// A slot, and the node that it belongs to.
 pub(crate) fn slot_place(model: &Model, pair: usize, slot: usize, q: &[f64]) -> Place {
-    let reports = model.contacts[pair].method.report(q).unwrap_or_default();
+    let reports = model.contacts[pair].term.report(q).unwrap_or_default();
     Place { node: reports.get(slot).map(|report| report.node), slot: Some((pair, slot)), ..Place::default() }
 }
 
 /// The slave node of a slot.
 pub(crate) fn slot_name(model: &Model, pair: usize, slot: usize, q: &[f64]) -> String {
-    let reports = model.contacts[pair].method.report(q).unwrap_or_default();
+    let reports = model.contacts[pair].term.report(q).unwrap_or_default();
     reports.get(slot).map_or_else(|| format!("slot {slot}"), |report| node_name(model, report.node, q))
 }
 
@@ -187,7 +187,7 @@ pub(crate) fn largest_residual(
         |equation: usize| system.rhs.get(equation).map_or(0.0, |r| if r.is_nan() { f64::INFINITY } else { r.abs() });
     if of_constraints {
         let slots = system.slot_equation.iter().enumerate().flat_map(|(pair, equations)| {
-            let method = &model.contacts[pair].method;
+            let method = &model.contacts[pair].term;
             let closed = equations.iter().enumerate().filter(|(_, equation)| **equation != NONE);
             closed.map(move |(slot, &equation)| (size(equation as usize) / method.slot_weight(slot), pair, slot))
         });
@@ -195,7 +195,7 @@ pub(crate) fn largest_residual(
         if let Some(&(largest, pair, slot)) = all.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
             let name = &model.contacts[pair].name;
             let at = slot_place(model, pair, slot, &iterate.q);
-            if model.contacts[pair].method.is_bilateral() {
+            if model.contacts[pair].always_holds() {
                 let mut others: Vec<&str> = Vec::new();
                 for &(size, other, _) in &all {
                     let name = model.contacts[other].name.as_str();
@@ -225,14 +225,14 @@ pub(crate) fn largest_residual(
     let place = node_name(model, node, &iterate.q);
     // What touches there says more than what holds it, and a support along a normal no more than one along an axis.
     let mut contact: Option<(&str, bool, bool)> = None;
-    for (pair, active) in model.contacts.iter().zip(&iterate.active) {
-        let is_bilateral = pair.method.is_bilateral();
+    for (c, pair) in model.couplings() {
+        let is_bilateral = pair.always_holds();
         if is_bilateral && (contact.is_some_and(|(_, bilateral, _)| !bilateral) || is_sliding_support(pair)) {
             continue;
         }
-        pair.method.stencils(active, &mut |nodes, _| {
+        pair.term.stencils(&iterate.active[c], &mut |nodes, _| {
             if nodes.contains(&node) {
-                contact = Some((pair.name.as_str(), is_bilateral, pair.method.keeps_apart()));
+                contact = Some((pair.name.as_str(), is_bilateral, pair.keeps_apart()));
             }
         });
     }
@@ -244,7 +244,7 @@ pub(crate) fn largest_residual(
             "largest at {place}, which is in contact {name}: in one step the bodies there slide, or move by much more than the thickness of the layer; a larger `thickness` may help"
         ),
         Some((name, false, false)) => {
-            let with_friction = model.contacts.iter().any(|pair| pair.name == name && pair.method.has_friction());
+            let with_friction = model.contacts.iter().any(|pair| pair.name == name && pair.term.has_friction());
             let stick = if with_friction { ", or between stick and slip," } else { "" };
             format!(
                 "largest at {place}, which is in contact {name}: contact points there may change facets{stick} with every iteration; exchanging slave and master may help"
@@ -258,8 +258,8 @@ pub(crate) fn largest_residual(
 }
 
 /// Whether a pair is a support along a normal.
-fn is_sliding_support(pair: &crate::ContactPair) -> bool {
-    pair.method.supported_node(0, 0.0).is_some()
+fn is_sliding_support(pair: &crate::Coupling) -> bool {
+    pair.supported_node(0, 0.0).is_some()
 }
 
 /// Why a vector of a part (position or director) is not determined.
@@ -274,7 +274,7 @@ fn part_hint(model: &Model, dynamic: bool, node: u32) -> String {
     let mut elastic = Vec::new();
     for other in &model.parts {
         let mut acts = false;
-        other.stencils(&mut |vectors| acts |= vectors.iter().any(|vector| part.own_vectors().contains(vector)));
+        other.stencils(&[], &mut |vectors, _| acts |= vectors.iter().any(|vector| part.own_vectors().contains(vector)));
         if acts {
             elastic.push(other.name());
         }
@@ -303,10 +303,12 @@ fn position_hint(model: &Model, system: &System, iterate: &Iterate, dynamic: boo
     let supports = model.prescriptions.iter().zip(&system.acting.prescriptions).filter(|(_, acts)| **acts);
     let mut held = supports.flat_map(|(p, _)| &p.nodes).any(|node| body.nodes.contains(node));
     let mut touches = false;
-    for (pair, active) in model.contacts.iter().zip(&iterate.active) {
-        let is_support = pair.method.supported_node(0, 0.0).is_some();
+    for (c, pair) in model.couplings() {
+        let is_support = pair.supported_node(0, 0.0).is_some();
         let reached = if is_support { &mut held } else { &mut touches };
-        pair.method.stencils(active, &mut |nodes, _| *reached |= nodes.iter().any(|node| body.nodes.contains(node)));
+        pair.term.stencils(&iterate.active[c], &mut |nodes, _| {
+            *reached |= nodes.iter().any(|node| body.nodes.contains(node))
+        });
     }
     let is_stabilised = system.stabilisation.is_some();
     let contact = if is_stabilised {

@@ -2,23 +2,17 @@
 
 use crate::checkpoint::CheckpointError;
 use crate::place::Place;
-use stoss_contact::ContactError;
 use stoss_fe_solid::{InsideOut, SolidError};
 use stoss_linalg::LinalgError;
+use stoss_term::Fault;
 
 /// Why an attempted step failed.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// A solid could not be evaluated (an inverted element, for instance).
+    /// A term could not be evaluated: an element is inverted, a string has no length, a search failed.
     #[error(transparent)]
-    Solid(#[from] SolidError),
-    /// A part could not be evaluated (a string of no length, for instance).
-    #[error(transparent)]
-    Part(#[from] stoss_part::PartError),
-    /// Contact geometry failed.
-    #[error(transparent)]
-    Contact(#[from] ContactError),
+    Term(#[from] Fault),
     /// The linear system could not be solved for another reason than [`Self::Singular`].
     #[error(transparent)]
     Linear(#[from] LinalgError),
@@ -211,4 +205,10 @@ pub enum SimulationError {
     /// Reading or writing a checkpoint failed.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+}
+
+impl From<SolidError> for StepError {
+    fn from(error: SolidError) -> Self {
+        Self::Term(error.into())
+    }
 }

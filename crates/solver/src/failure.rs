@@ -125,11 +125,14 @@ fn of_element(model: &Model, body: &str, element: usize) -> Place {
 
 fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
     match cause {
-        StepError::Solid(
-            SolidError::InvertedElement { body, element, .. }
-            | SolidError::CollapsedElement { body, element, .. }
-            | SolidError::Constitutive { body, element, .. },
-        ) => (FailureKind::InvertedElement, of_element(model, body, *element)),
+        StepError::Term(fault) => match fault.cause() {
+            Some(
+                SolidError::InvertedElement { body, element, .. }
+                | SolidError::CollapsedElement { body, element, .. }
+                | SolidError::Constitutive { body, element, .. },
+            ) => (FailureKind::InvertedElement, of_element(model, body, *element)),
+            _ => (FailureKind::Other, Place::default()),
+        },
         StepError::InsideOut { body, found, .. } => {
             let place = of_element(model, body, found.element);
             let corner = |(body, element): (usize, usize)| {

@@ -1,9 +1,8 @@
 //! Joints between things of which some components are held.
 
-use crate::Coupling;
 use crate::numbering::Numbering;
-use stoss_contact::{GradientRule, LocalContribution, Step, StepConfiguration};
 use stoss_linalg::NONE;
+use stoss_term::{GradientRule, Local, Step, StepConfiguration, Term};
 
 /// Part of the length of a joint by which free components are moved to see which of its rows depend on them.
 const PROBED: f64 = 1.0e-3;
@@ -12,7 +11,7 @@ const SMALLEST_DEPENDENCE: f64 = 1.0e-9;
 
 /// Which rows of a joint depend on components that are free, or on its own multipliers; `None` if it cannot be evaluated. Where of a node some components are held
 /// and others are not, an equation may be about those that are held alone.
-pub(crate) fn depends_on_free(method: &mut Coupling, numbering: &Numbering, begins: &Step<'_>) -> Option<Vec<bool>> {
+pub(crate) fn depends_on_free(method: &mut dyn Term, numbering: &Numbering, begins: &Step<'_>) -> Option<Vec<bool>> {
     let q = begins.q_n;
     let count = method.slot_count();
     let by = PROBED * method.length_scale();
@@ -24,7 +23,7 @@ pub(crate) fn depends_on_free(method: &mut Coupling, numbering: &Numbering, begi
         let mut rows = vec![0.0; count];
         let auxiliaries = vec![0.0; count * method.auxiliaries().len()];
         let step = StepConfiguration { q_n: q, q_np1: end, rule: GradientRule::EndPoint };
-        let mut add = |local: &LocalContribution| {
+        let mut add = |local: &Local| {
             let coordinates = 3 * local.nodes.len();
             local
                 .slots
@@ -34,7 +33,7 @@ pub(crate) fn depends_on_free(method: &mut Coupling, numbering: &Numbering, begi
         };
         let (multipliers, all) = (vec![multiplier; count], vec![true; count]);
         method.begin(begins).ok()?;
-        method.assemble_with(step, &multipliers, &auxiliaries, &all, false, &mut add).ok()?;
+        method.assemble(&step.at(&multipliers, &all).with_auxiliaries(&auxiliaries), false, &mut add).ok()?;
         Some(rows)
     };
     let (still, other) = (rows(q, 0.0)?, rows(q, 1.0)?);

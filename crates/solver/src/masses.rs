@@ -1,7 +1,7 @@
 //! The mass of all bodies and parts: products, momenta, energy. Constant, and no global matrix.
 
 use stoss_fe_solid::MassMatrix;
-use stoss_part::Part;
+use stoss_term::Term;
 
 /// Mass of a part: scalar entries between vectors, acting alike on the three components.
 #[derive(Debug)]
@@ -14,7 +14,7 @@ pub(crate) struct PartMass {
 }
 
 impl PartMass {
-    pub fn new(part: &dyn Part) -> Self {
+    pub fn new(part: &dyn Term) -> Self {
         let mut entries = Vec::new();
         part.mass(&mut |i, j, m| entries.push((i, j, m)));
         let own = part.own_vectors();

@@ -4,13 +4,9 @@ use crate::switches::Acting;
 use crate::{AxisRotation, Embedding, Load, Release, SimulationError, Switches, Table};
 use std::collections::BTreeMap;
 use std::ops::Range;
-use stoss_contact::{
-    Auxiliary, Bilateral, BodyPair, Constraint, ContactError, ContactMethod, ContactWork, GradientRule, Hold,
-    LocalContribution, Potential, PotentialConstraint, Report, SlotReport, Step, StepConfiguration, Support,
-    SurfaceForce, SurfaceNode,
-};
+
 use stoss_fe_solid::{MassKind, MassMatrix, Massless, SolidBody};
-use stoss_part::Part;
+use stoss_term::{Bilateral, Hold, JointReport, Potential, Support, SupportedNode, Term, Unilateral};
 
 /// Mass- and stiffness-proportional damping of a body (Rayleigh): for small strains the force `(a M + b K) v`. Only where there is inertia.
 ///
@@ -123,316 +119,79 @@ impl Prescription {
     }
 }
 
-/// An interaction between nodes: contact, bilateral constraints (ties, joints), or forces with a potential.
+/// A term that joins what others move (contact, a tie, a joint, a barrier), with what the run has to know of it beside the term.
 #[derive(Debug)]
-pub enum Coupling {
-    /// Unilateral constraints, which open and close.
-    Contact(Box<dyn ContactMethod>),
-    /// Bilateral constraints: mesh ties, joints.
-    Bilateral(Box<dyn Bilateral>),
-    /// Forces with a potential: penalties, barriers.
-    Potential(PotentialConstraint),
-    /// One of the others, switched off.
-    Off(SwitchedOff),
-}
-
-impl Coupling {
-    /// A contact method.
-    pub fn contact(method: impl ContactMethod + 'static) -> Self {
-        Self::Contact(Box::new(method))
-    }
-
-    /// Bilateral constraints.
-    pub fn bilateral(constraint: impl Bilateral + 'static) -> Self {
-        Self::Bilateral(Box::new(constraint))
-    }
-
-    /// Forces with a potential.
-    pub fn potential(potential: impl Potential + 'static) -> Self {
-        Self::Potential(PotentialConstraint(Box::new(potential)))
-    }
-
-    /// The contact method, if the coupling is unilateral contact.
-    pub fn as_contact(&self) -> Option<&dyn ContactMethod> {
-        if let Self::Contact(method) = self { Some(&**method) } else { None }
-    }
-
-    /// As [`Self::as_contact`].
-    pub fn as_contact_mut(&mut self) -> Option<&mut (dyn ContactMethod + 'static)> {
-        if let Self::Contact(method) = self { Some(&mut **method) } else { None }
-    }
-
-    /// Contact results by pairs of bodies, of a potential at the end of a step.
-    pub(crate) fn body_pairs(&self) -> Vec<BodyPair> {
-        if let Self::Potential(of) = self { of.0.body_pairs() } else { Vec::new() }
-    }
-
-    /// Contact results at surface nodes, of a potential in the step to `q_np1`.
-    pub(crate) fn surface_nodes(&self, q_np1: &[f64]) -> Vec<SurfaceNode> {
-        if let Self::Potential(of) = self { of.0.surface_nodes(q_np1) } else { Vec::new() }
-    }
-
-    /// Forces at surface nodes, of a potential whose forces are applied to other nodes.
-    pub(crate) fn surface_forces(&self) -> Vec<SurfaceForce> {
-        if let Self::Potential(of) = self { of.0.surface_forces() } else { Vec::new() }
-    }
-
-    /// Whether it is contact with friction.
-    pub fn has_friction(&self) -> bool {
-        match self {
-            Self::Contact(method) => method.has_friction(),
-            Self::Bilateral(_) => false,
-            Self::Potential(of) => of.0.has_friction(),
-            Self::Off(silent) => silent.0.has_friction(),
-        }
-    }
-
-    /// Its history variables, for checkpoints; empty if it has none.
-    pub(crate) fn save_history(&self) -> Vec<u8> {
-        match self {
-            Self::Contact(method) => method.save_history(),
-            Self::Bilateral(constraint) => constraint.save_history(),
-            Self::Potential(of) => of.0.save_history(),
-            Self::Off(silent) => silent.0.save_history(),
-        }
-    }
-
-    /// Restores what [`Self::save_history`] wrote.
-    pub(crate) fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        match self {
-            Self::Contact(method) => method.load_history(bytes),
-            Self::Bilateral(constraint) => constraint.load_history(bytes),
-            Self::Potential(of) => of.0.load_history(bytes),
-            Self::Off(silent) => silent.0.load_history(bytes),
-        }
-    }
-
-    /// True for bilateral constraints: while they are not switched off all their slots are active.
-    pub fn is_bilateral(&self) -> bool {
-        match self {
-            Self::Bilateral(_) => true,
-            Self::Off(silent) => silent.0.is_bilateral(),
-            _ => false,
-        }
-    }
-
-    /// True for forces with a potential, also while they are switched off.
-    pub fn is_potential(&self) -> bool {
-        match self {
-            Self::Potential(_) => true,
-            Self::Off(silent) => silent.0.is_potential(),
-            _ => false,
-        }
-    }
-
-    /// True if it is switched off.
-    pub fn is_off(&self) -> bool {
-        matches!(self, Self::Off(_))
-    }
-
-    /// Contributions that may come in the step, see [`ContactMethod::candidates`].
-    pub(crate) fn candidates(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
-        match self {
-            Self::Contact(method) => method.candidates(active, visit),
-            Self::Potential(of) => of.0.candidates(&mut |nodes| visit(nodes, &[])),
-            Self::Bilateral(_) | Self::Off(_) => {}
-        }
-    }
-
-    /// Whether it is a potential that acts, see [`Potential::acts`].
-    pub(crate) fn acts(&self) -> bool {
-        matches!(self, Self::Potential(of) if of.0.acts())
-    }
-
-    /// Whether it limits motions, see [`Potential::keeps_apart`].
-    pub(crate) fn keeps_apart(&self) -> bool {
-        matches!(self, Self::Potential(of) if of.0.keeps_apart())
-    }
-
-    /// Part of a motion of all nodes that it admits.
-    pub(crate) fn longest_step(&mut self, q: &[f64], increment: &[f64]) -> f64 {
-        match self {
-            Self::Potential(of) => of.0.longest_step(q, increment),
-            _ => 1.0,
-        }
-    }
-
-    /// Whether its forces are the gradient of an energy, but for friction, as far as no multiplier acts; see [`Potential::has_energy`].
-    pub(crate) fn has_energy(&self, rule: GradientRule) -> bool {
-        match self {
-            Self::Potential(of) => of.0.has_energy(rule),
-            _ => true,
-        }
-    }
-
-    /// See [`Potential::set_line`].
-    pub(crate) fn set_line(&mut self, increment: &[f64]) {
-        if let Self::Potential(of) = self {
-            of.0.set_line(increment);
-        }
-    }
-
-    /// See [`Potential::friction_along`].
-    pub(crate) fn friction_along(&self, part: f64) -> f64 {
-        match self {
-            Self::Potential(of) => of.0.friction_along(part),
-            _ => 0.0,
-        }
-    }
-
-    /// Energy at the start of a run, at `q`: of a potential, of springs in joints.
-    pub(crate) fn energy_at_start(&self, q: &[f64]) -> Result<f64, ContactError> {
-        match self {
-            Self::Contact(_) | Self::Off(_) => Ok(0.0),
-            Self::Bilateral(constraint) => Ok(constraint.stored_at_start(q)),
-            Self::Potential(of) => of.0.energy(q),
-        }
-    }
-
-    /// Energy stored and dissipated by the step that ends at `q_np1`.
-    pub(crate) fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
-        match self {
-            Self::Contact(method) => method.work(q_np1, pressures, active),
-            Self::Bilateral(constraint) => constraint.work(q_np1, pressures, active),
-            Self::Potential(of) => of.0.work(q_np1),
-            Self::Off(_) => Ok(ContactWork::default()),
-        }
-    }
-
-    /// The step that ends at `q_np1` was accepted.
-    pub(crate) fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
-        match self {
-            Self::Contact(method) => method.commit(q_np1, pressures, active),
-            Self::Bilateral(constraint) => constraint.commit(q_np1, pressures, active),
-            Self::Potential(of) => of.0.commit(q_np1),
-            Self::Off(_) => {}
-        }
-    }
-}
-
-impl std::ops::Deref for Coupling {
-    type Target = dyn Constraint;
-    fn deref(&self) -> &Self::Target {
-        match self {
-            Self::Contact(method) => &**method,
-            Self::Bilateral(constraint) => &**constraint,
-            Self::Potential(of) => of,
-            Self::Off(silent) => silent,
-        }
-    }
-}
-
-impl std::ops::DerefMut for Coupling {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        match self {
-            Self::Contact(method) => &mut **method,
-            Self::Bilateral(constraint) => &mut **constraint,
-            Self::Potential(of) => of,
-            Self::Off(silent) => silent,
-        }
-    }
-}
-
-/// A coupling that is switched off: it keeps its slots and its history, and exerts no forces.
-#[derive(Debug)]
-pub struct SwitchedOff(pub(crate) Box<Coupling>);
-
-impl Report for SwitchedOff {
-    fn name(&self) -> &str {
-        self.0.name()
-    }
-    fn length_scale(&self) -> f64 {
-        self.0.length_scale()
-    }
-    fn has_limits(&self) -> bool {
-        self.0.has_limits()
-    }
-    fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        Ok(Vec::new())
-    }
-}
-
-impl Constraint for SwitchedOff {
-    fn slot_count(&self) -> usize {
-        self.0.slot_count()
-    }
-    fn slot_weight(&self, slot: usize) -> f64 {
-        self.0.slot_weight(slot)
-    }
-    fn is_symmetric(&self, _rule: GradientRule) -> bool {
-        true
-    }
-    fn stencils(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
-    fn assemble(
-        &self,
-        _step: StepConfiguration<'_>,
-        _pressures: &[f64],
-        _active: &[bool],
-        _want_tangent: bool,
-        _visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        Ok(())
-    }
-    fn auxiliaries(&self) -> &[Auxiliary] {
-        self.0.auxiliaries()
-    }
-}
-
-impl Coupling {
-    /// Switches it on or off.
-    pub(crate) fn set_acting(&mut self, acting: bool) {
-        if acting != self.is_off() {
-            return;
-        }
-        // A potential of nothing takes its place for a moment; it holds no memory.
-        let old = std::mem::replace(self, Self::potential(Nothing));
-        *self = match old {
-            Self::Off(silent) => *silent.0,
-            other => Self::Off(SwitchedOff(Box::new(other))),
-        };
-    }
-}
-
-/// A potential without forces.
-#[derive(Debug)]
-struct Nothing;
-
-impl Potential for Nothing {
-    fn name(&self) -> &str {
-        "nothing"
-    }
-    fn length_scale(&self) -> f64 {
-        1.0
-    }
-    fn begin(&mut self, _step: &Step<'_>) -> Result<(), ContactError> {
-        Ok(())
-    }
-    fn stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
-    fn assemble(
-        &self,
-        _step: StepConfiguration<'_>,
-        _want_tangent: bool,
-        _visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        Ok(())
-    }
-    fn energy(&self, _q: &[f64]) -> Result<f64, ContactError> {
-        Ok(0.0)
-    }
-}
-
-/// A coupling with its name, and the factor of its complementarity function.
-#[derive(Debug)]
-pub struct ContactPair {
+pub struct Coupling {
     /// Name for reports, unique.
     pub name: String,
-    /// The method.
-    pub method: Coupling,
+    /// The term.
+    pub term: Box<dyn Term>,
+    /// False while it is switched off: it keeps its slots and its history, and nobody asks it for anything.
+    pub acts: bool,
     /// `c` of theory/constraints#eq-active-set: active if `p - c gap > 0`; about Young's modulus over the edge length.
     pub complementarity: f64,
     /// The coefficient of restitution, from 0 to 1, of the impact law that gives the velocities after a step in which slots closed, of contact and of limits of joints (theory/impacts). `None`: they
     /// are those of the step.
     pub restitution: Option<f64>,
+}
+
+impl Coupling {
+    /// That acts, with the factor of the complementarity function (zero if nothing opens and closes) and without a law of impact.
+    pub fn new(name: impl Into<String>, term: impl Term + 'static, complementarity: f64) -> Self {
+        Self { name: name.into(), term: Box::new(term), acts: true, complementarity, restitution: None }
+    }
+
+    /// Whether its constraints always hold (mesh ties, joints), also while it is switched off.
+    pub fn always_holds(&self) -> bool {
+        self.term.bilateral().is_some()
+    }
+
+    /// Whether it has no constraints but forces in their place, also while it is switched off.
+    pub fn is_potential(&self) -> bool {
+        self.term.potential().is_some()
+    }
+
+    /// Its constraints that open and close, if it acts.
+    pub fn unilateral(&self) -> Option<&dyn Unilateral> {
+        self.term.unilateral().filter(|_| self.acts)
+    }
+
+    /// As [`Self::unilateral`].
+    pub fn unilateral_mut(&mut self) -> Option<&mut dyn Unilateral> {
+        let acts = self.acts;
+        self.term.unilateral_mut().filter(|_| acts)
+    }
+
+    /// Its constraints that always hold, if it acts.
+    pub fn bilateral(&self) -> Option<&dyn Bilateral> {
+        self.term.bilateral().filter(|_| self.acts)
+    }
+
+    /// Its forces in the place of constraints, if it acts.
+    pub fn potential(&self) -> Option<&dyn Potential> {
+        self.term.potential().filter(|_| self.acts)
+    }
+
+    /// As [`Self::potential`].
+    pub fn potential_mut(&mut self) -> Option<&mut dyn Potential> {
+        let acts = self.acts;
+        self.term.potential_mut().filter(|_| acts)
+    }
+
+    /// Whether surfaces must stay apart on the way from one iterate to the next.
+    pub(crate) fn keeps_apart(&self) -> bool {
+        self.potential().is_some_and(|of| of.keeps_apart())
+    }
+
+    /// What a joint does at the end of a step at `q`, if it is one and acts.
+    pub fn joint(&self, q: &[f64], multipliers: &[f64]) -> Option<JointReport> {
+        self.bilateral()?.joint(q, multipliers)
+    }
+
+    /// What a slot of a sliding support prescribes at a time, if it is one and acts.
+    pub fn supported_node(&self, slot: usize, time: f64) -> Option<SupportedNode> {
+        self.bilateral()?.supported_node(slot, time)
+    }
 }
 
 /// Bodies, prescribed motion, loads and contact. Global nodes are numbered body after body.
@@ -445,7 +204,7 @@ pub struct Model {
     /// The bodies.
     pub bodies: Vec<Body>,
     /// Parts other than solids: rigid bodies, beams, strings, springs. Their vectors are nodes of the model like those of the bodies.
-    pub parts: Vec<Box<dyn Part>>,
+    pub parts: Vec<Box<dyn Term>>,
     /// Nodes without equations, whose positions follow from other nodes.
     pub embedding: Embedding,
     /// Embedded nodes that are vertices of what contact sees of a quadratic face: of its trace (theory/elements#contact), each with the node in whose place it is, if
@@ -456,18 +215,54 @@ pub struct Model {
     /// Loads.
     pub loads: Vec<Load>,
     /// Contacts, ties, joints and potentials.
-    pub contacts: Vec<ContactPair>,
+    pub contacts: Vec<Coupling>,
 }
 
 impl Model {
+    /// The couplings that act, with their numbers.
+    pub fn couplings(&self) -> impl Iterator<Item = (usize, &Coupling)> {
+        self.contacts.iter().enumerate().filter(|(_, pair)| pair.acts)
+    }
+
+    /// As [`Self::couplings`].
+    pub(crate) fn couplings_mut(&mut self) -> impl Iterator<Item = (usize, &mut Coupling)> {
+        self.contacts.iter_mut().enumerate().filter(|(_, pair)| pair.acts)
+    }
+
+    /// Whether each term is in the list that asks it for what it does: forces follow another rule of the scheme than constraints and what acts in their place.
+    pub(crate) fn check_places(&self) -> Result<(), String> {
+        let is_force = |term: &dyn Term| {
+            term.slot_count() == 0
+                && term.bilateral().is_none()
+                && term.unilateral().is_none()
+                && term.potential().is_none()
+        };
+        if let Some(part) = self.parts.iter().find(|part| !is_force(&***part)) {
+            return Err(format!(
+                "{} has constraints or acts in their place: it belongs in `Model::contacts`, not in `Model::parts`",
+                part.name()
+            ));
+        }
+        match self.contacts.iter().find(|pair| is_force(&*pair.term)) {
+            Some(pair) => Err(format!(
+                "{} has neither constraints nor acts in their place: it belongs in `Model::parts`, not in `Model::contacts`",
+                pair.name
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// Part of the motion of all nodes from `q` by `increment` on which surfaces stay apart that must; 1 without such.
     pub(crate) fn longest_step(&mut self, q: &[f64], increment: &[f64]) -> f64 {
-        self.contacts.iter_mut().map(|pair| pair.method.longest_step(q, increment)).fold(1.0, f64::min)
+        self.contacts
+            .iter_mut()
+            .filter_map(|pair| Some(pair.potential_mut()?.longest_step(q, increment)))
+            .fold(1.0, f64::min)
     }
 
     /// Whether surfaces must stay apart on the way from one iterate to the next.
     pub(crate) fn keeps_apart(&self) -> bool {
-        self.contacts.iter().any(|pair| pair.method.keeps_apart())
+        self.contacts.iter().any(|pair| pair.keeps_apart())
     }
 
     /// Whether a node is a vertex whose place follows from those of the other vertices of its face, so that a multiplier of its own would say
@@ -497,8 +292,8 @@ impl Model {
             .keys()
             .filter(|&&node| self.follows_its_face(node))
             .for_each(|&node| support.hold(node, Hold::Wholly));
-        for pair in &self.contacts {
-            pair.method.holds(&mut |node, how| support.hold(node, how));
+        for (_, pair) in self.couplings() {
+            pair.term.holds(&mut |node, how| support.hold(node, how));
         }
         support
     }
@@ -535,17 +330,18 @@ impl Model {
 
     /// True if there is contact by constraints that open and close or by potentials (mesh ties alone are none), also while it is switched off.
     pub fn has_contact_pairs(&self) -> bool {
-        self.contacts.iter().any(|pair| !pair.method.is_bilateral())
+        self.contacts.iter().any(|pair| !pair.always_holds())
     }
 
     /// True if something can close: contact, also while it is switched off, or a limit of a joint.
     pub fn has_gaps(&self) -> bool {
-        self.has_contact_pairs() || self.contacts.iter().any(|pair| pair.method.has_limits())
+        self.has_contact_pairs()
+            || self.contacts.iter().any(|pair| pair.term.bilateral().is_some_and(|of| of.has_limits()))
     }
 
     /// Whether constraints that open and close act at present. Potentials have none.
     pub fn has_unilateral_contact(&self) -> bool {
-        self.contacts.iter().any(|pair| pair.method.as_contact().is_some())
+        self.contacts.iter().any(|pair| pair.unilateral().is_some())
     }
 
     /// Components that are prescribed: (component index `3*node + i`, prescription, column), each once. Several prescriptions of a

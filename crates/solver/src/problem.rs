@@ -3,12 +3,12 @@
 use crate::assembly::{Iterate, System, has_condensed, with_nodes};
 use crate::diagnosis::{blocked, linear_error};
 use crate::system::FeSystem;
-use crate::{Load, Model, Phase, PhaseTime, StepError, Timings};
+use crate::{Coupling, Load, Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
-use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
 use stoss_integrators::{Buffers, ForceRule, Step, evaluate};
 use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
 use stoss_newton::{LineSearch, NewtonProblem, Potential, ResidualNorms};
+use stoss_term::{Auxiliary, Rule};
 
 /// Motions below this fraction of an edge length in a step are not resolved relative to themselves: the forces that they
 /// need are the smallest scale that the residual is measured against. Without it a free, unstressed flight, whose
@@ -128,12 +128,11 @@ impl StepProblem<'_> {
         if self.model.contacts.is_empty() {
             return Ok(());
         }
-        let Self { model, system, iterate, .. } = self;
-        let Iterate { q, pressures, auxiliaries, active, .. } = &**iterate;
+        let Self { model, system, iterate, step, .. } = self;
         let changed = system.contact_time.measure(|| -> Result<bool, StepError> {
             let mut changed = false;
-            for (c, pair) in model.contacts.iter_mut().enumerate() {
-                changed |= pair.method.renew(q, &pressures[c], &auxiliaries[c], &active[c], want_tangent)?;
+            for (c, pair) in model.couplings_mut() {
+                changed |= pair.term.renew(&iterate.at(c, step), want_tangent)?;
             }
             Ok(changed)
         })?;
@@ -163,9 +162,9 @@ impl StepProblem<'_> {
         let from: Vec<f64> = prescribed.iter().map(|&(component, _)| self.iterate.q[component]).collect();
         let largest = prescribed.iter().zip(&from).map(|((_, to), from)| (to - from).abs()).fold(0.0, f64::max);
         let bodies = self.model.bodies.iter().map(|b| b.solid.characteristic_length());
-        let layers = self.model.contacts.iter().filter(|pair| pair.method.keeps_apart());
+        let layers = self.model.contacts.iter().filter(|pair| pair.keeps_apart());
         let length = (bodies.chain(self.model.parts.iter().map(|p| p.length_scale())))
-            .chain(layers.map(|pair| pair.method.length_scale()))
+            .chain(layers.map(|pair| pair.term.length_scale()))
             .fold(f64::INFINITY, f64::min);
         if largest == 0.0 || !length.is_finite() {
             return Ok(1.0);
@@ -260,11 +259,9 @@ impl StepProblem<'_> {
         self.full_increment();
         let Self { model, system, step, iterate, .. } = self;
         let System { full_increment, auxiliary_increment, .. } = &mut **system;
-        let configuration = contact_step(step, &iterate.q);
         self.timings.measure(Phase::Contact, || {
-            for (c, pair) in model.contacts.iter().enumerate() {
-                let (values, active) = (&iterate.auxiliaries[c], &iterate.active[c]);
-                pair.method.recover(configuration, values, active, full_increment, &mut auxiliary_increment[c])?;
+            for (c, pair) in model.couplings() {
+                pair.term.recover(&iterate.at(c, step), full_increment, &mut auxiliary_increment[c])?;
             }
             Ok(())
         })
@@ -272,7 +269,7 @@ impl StepProblem<'_> {
 }
 
 /// Energy of deformation and of potentials in a static step, minus what dead loads and stabilisation did since its start.
-fn potential_energy(model: &Model, system: &System, iterate: &Iterate, dt: f64) -> Result<f64, StepError> {
+fn potential_energy(model: &Model, system: &System, iterate: &Iterate, step: &Step<'_>) -> Result<f64, StepError> {
     let mut energy = 0.0;
     for body in &model.bodies {
         energy += body.solid.strain_energy(&iterate.q)?;
@@ -280,23 +277,24 @@ fn potential_energy(model: &Model, system: &System, iterate: &Iterate, dt: f64) 
     for (part, _) in model.parts.iter().zip(&system.acting.parts).filter(|(_, acts)| **acts) {
         energy += part.energy(&iterate.q)?;
     }
-    for (c, pair) in model.contacts.iter().enumerate() {
-        energy += pair.method.work(&iterate.q, &iterate.pressures[c], &iterate.active[c])?.stored;
+    for (c, pair) in model.couplings() {
+        energy += pair.term.work(&iterate.at(c, step))?.stored;
     }
     if system.has_dead_loads {
         for range in &system.load_support {
             energy -= vector::dot(&system.dead[range.clone()], &iterate.increment[range.clone()]);
         }
     }
-    Ok(energy + system.stabilisation_energy(&iterate.increment, dt))
+    Ok(energy + system.stabilisation_energy(&iterate.increment, step.dt))
 }
 
 /// Values from which the auxiliaries of the active slots start at the present iterate.
 pub(crate) fn start_auxiliaries(model: &Model, step: &Step<'_>, iterate: &mut Iterate) -> Result<(), StepError> {
-    let configuration = contact_step(step, &iterate.q);
-    for (c, pair) in model.contacts.iter().enumerate().filter(|(_, pair)| !pair.method.auxiliaries().is_empty()) {
-        let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
-        pair.method.start_auxiliaries(configuration, pressures, active, &mut iterate.auxiliaries[c])?;
+    for (c, pair) in model.couplings().filter(|(_, pair)| !pair.term.auxiliaries().is_empty()) {
+        let mut values = std::mem::take(&mut iterate.auxiliaries[c]);
+        let started = pair.term.start_auxiliaries(&iterate.at(c, step), &mut values);
+        iterate.auxiliaries[c] = values;
+        started?;
     }
     Ok(())
 }
@@ -309,14 +307,15 @@ impl StepProblem<'_> {
     }
 
     fn has_symmetric_parts(&self) -> bool {
-        self.model.parts.iter().zip(&self.system.acting.parts).all(|(part, acts)| !acts || part.is_symmetric())
+        let rule = Rule::Force(self.step.rule.force.rule);
+        self.model.parts.iter().zip(&self.system.acting.parts).all(|(part, acts)| !acts || part.is_symmetric(rule))
     }
 
     /// Whether every part of the tangent is symmetric under the rule of the step. With a weight on constraint forces the constraint rows, which
     /// have none, are not their gradients.
     pub(crate) fn is_symmetric(&self) -> bool {
         let rule = &self.step.rule;
-        let contact = rule.constraint.rule;
+        let contact = Rule::Constraint(rule.constraint.rule);
         rule.force.rule != ForceRule::DiscreteGradient
             && self.acting_loads().all(Load::is_symmetric)
             && (!(self.system.has_damping && self.system.has_rates)
@@ -324,7 +323,7 @@ impl StepProblem<'_> {
             && self.has_symmetric_parts()
             && (self.model.contacts.is_empty()
                 || rule.constraint.weight == 1.0
-                    && self.model.contacts.iter().all(|pair| pair.method.is_symmetric(contact)))
+                    && self.model.couplings().all(|(_, pair)| pair.term.is_symmetric(contact)))
     }
 }
 
@@ -335,7 +334,7 @@ impl StepProblem<'_> {
         !self.step.rule.has_inertia()
             && !self.acting_loads().any(Load::follows)
             && self.has_symmetric_parts()
-            && self.model.contacts.iter().all(|pair| pair.method.has_energy(rule))
+            && self.model.contacts.iter().filter_map(Coupling::potential).all(|of| of.has_energy(rule))
             && !self.iterate.active.iter().flatten().any(|&active| active)
     }
 
@@ -365,7 +364,11 @@ impl StepProblem<'_> {
         self.part = 0.0;
         self.full_increment();
         let Self { model, system, .. } = self;
-        model.contacts.iter_mut().for_each(|pair| pair.method.set_line(&system.full_increment));
+        model
+            .contacts
+            .iter_mut()
+            .filter_map(Coupling::potential_mut)
+            .for_each(|of| of.set_line(&system.full_increment));
     }
 
     /// Derivative of the potential along the increment.
@@ -500,10 +503,6 @@ impl StepProblem<'_> {
     }
 }
 
-pub(crate) fn contact_step<'a>(step: &Step<'a>, q_np1: &'a [f64]) -> ContactStep<'a> {
-    ContactStep { q_n: &step.state_n.q, q_np1, rule: step.rule.constraint.rule }
-}
-
 impl NewtonProblem for StepProblem<'_> {
     type Error = StepError;
 
@@ -547,7 +546,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn line_search(&self, chosen: LineSearch) -> LineSearch {
-        let is_steep = self.model.contacts.iter().any(|pair| pair.method.acts());
+        let is_steep = self.model.contacts.iter().filter_map(Coupling::potential).any(|of| of.acts());
         if is_steep && chosen != LineSearch::Off { LineSearch::best() } else { chosen }
     }
 
@@ -579,10 +578,11 @@ impl NewtonProblem for StepProblem<'_> {
         let is_fixed = self.is_symmetric();
         let Self { model, system, iterate, step, part, .. } = self;
         let mut timings = std::mem::take(self.timings);
-        let value = timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step.dt));
+        let value = timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step));
         *self.timings = timings;
         let anchored = system.anchor.as_ref().map_or(0.0, |anchor| anchor.energy(&iterate.q, &system.numbering.free));
-        let friction: f64 = model.contacts.iter().map(|pair| pair.method.friction_along(*part)).sum();
+        let friction: f64 =
+            model.contacts.iter().filter_map(Coupling::potential).map(|of| of.friction_along(*part)).sum();
         let friction = if is_fixed { 0.0 } else { friction };
         let round_off = ENERGY_ROUND_OFF * system.strain_energy_scale;
         Ok(Some(Potential { value: value? + anchored + friction, round_off, is_fixed }))
@@ -620,7 +620,7 @@ impl NewtonProblem for StepProblem<'_> {
             }
         }
         for (c, pair) in self.model.contacts.iter().enumerate() {
-            let kinds = pair.method.auxiliaries();
+            let kinds = pair.term.auxiliaries();
             if kinds.is_empty() {
                 continue;
             }
@@ -659,7 +659,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn is_recoverable(&self, error: &StepError) -> bool {
-        matches!(error, StepError::Solid(_) | StepError::Part(_) | StepError::Contact(_))
+        matches!(error, StepError::Term(_))
     }
 
     fn iterate_norm(&self) -> f64 {

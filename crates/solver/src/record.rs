@@ -3,7 +3,7 @@
 use crate::{Balance, Books};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use stoss_contact::{BodyPair, Coverage, SurfaceForce, SurfaceNode};
+use stoss_term::{BodyPair, Coverage, SurfaceForce, SurfaceNode};
 
 /// One row of the Newton history.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! What becomes of the rows of unilateral contact where they are scattered into the system, whatever method wrote them: a compliance in the tangent
 //! (theory/constraints#compliance), and smoothed complementarity in place of the set of closed slots (theory/constraints#smoothed).
 
-use stoss_contact::LocalContribution;
+use stoss_term::Local;
 
 /// Compliance of rows in the tangent of a static step, in parts of one over the factor of the complementarity function: far below the eigenvalues
 /// that rows have among bodies of like stiffness (1 to 1e-3), and half of the digits of a factorisation.
@@ -85,13 +85,7 @@ impl SmoothedPair<'_> {
     }
 
     /// Changes the rows of slots in a tangent as [`Self::row`] does in the residual; `first`: row of the first slot.
-    pub fn change_tangent(
-        &self,
-        local: &LocalContribution,
-        tangent: &mut [f64],
-        first: usize,
-        weight: impl Fn(u32) -> f64,
-    ) {
+    pub fn change_tangent(&self, local: &Local, tangent: &mut [f64], first: usize, weight: impl Fn(u32) -> f64) {
         let rest = local.dim() - 3 * local.nodes.len();
         let dim = first + rest;
         for (k, (&slot, &row)) in local.slots.iter().zip(&local.residual[3 * local.nodes.len()..]).enumerate() {

@@ -29,10 +29,10 @@ use crate::{
     StepError, StepRecord, Switches, Timings,
 };
 use std::collections::BTreeMap;
-use stoss_contact::{SlotReport, Step as ContactStep, Support, SurfaceForce};
 use stoss_integrators::{Scheme, State, StepRule};
 use stoss_linalg::{AutoSolver, LinearSolver, SolverStatistics};
 use stoss_newton::NewtonOptions;
+use stoss_term::{At, SlotReport, Step as ContactStep, Support, SurfaceForce};
 
 /// Slave nodes nearer to the master surface than this (in multiples of an edge length of the slave surface) are in contact from the
 /// start of a quasi-static run; tension releases them. Without inertia a body that is held by contact alone could not move
@@ -188,11 +188,12 @@ impl Simulation {
         let FirstStage { stabilise, off, later_dynamics } = first;
         let acting = model.acting(&off, &[]).map_err(SimulationError::Model)?;
         for (pair, &acts) in model.contacts.iter_mut().zip(&acting.contacts) {
-            pair.method.set_acting(acts);
+            pair.acts = acts;
             if !model.embedding.is_empty() {
-                pair.method.set_carriers(&|node| model.embedding.carriers(node));
+                pair.term.set_carriers(&|node| model.embedding.carriers(node));
             }
         }
+        model.check_places().map_err(SimulationError::Model)?;
         let prescribed = model.prescribed_components(&acting)?;
         let support = support(&model, &acting);
         let components = model.reference.len();
@@ -223,17 +224,13 @@ impl Simulation {
             state.v.copy_from_slice(&model.velocity);
             model.embedding.follow(&mut state.v);
         }
-        let slots = |pair: &crate::ContactPair| pair.method.slot_count();
+        let slots = |pair: &crate::Coupling| pair.term.slot_count();
         let has_supports = model.prescriptions.iter().any(|p| !p.nodes.is_empty());
         let contact_components = if model.contacts.is_empty() { 0 } else { components };
         let mut simulation = Self {
             mean_pressures: Vec::new(),
             pressures: model.contacts.iter().map(|p| vec![0.0; slots(p)]).collect(),
-            active: model
-                .contacts
-                .iter()
-                .map(|p| vec![p.method.is_bilateral() && !p.method.is_off(); slots(p)])
-                .collect(),
+            active: model.contacts.iter().map(|p| vec![p.bilateral().is_some(); slots(p)]).collect(),
             reactions: vec![0.0; if has_supports { components } else { 0 }],
             contact_force: vec![0.0; contact_components],
             moved: BTreeMap::new(),
@@ -281,9 +278,10 @@ impl Simulation {
         }
         let strain = simulation.strain_energy(&simulation.state.q)?;
         simulation.balance = simulation.measure_balance(strain, 0.0);
-        for (pair, stored) in simulation.model.contacts.iter().zip(&mut simulation.stored) {
-            stored[0] = pair.method.energy_at_start(&simulation.state.q).map_err(StepError::from)?;
-            simulation.balance.contact += stored[0];
+        for (c, pair) in simulation.model.couplings() {
+            let energy = pair.term.energy(&simulation.state.q).map_err(StepError::from)?;
+            simulation.stored[c][0] = energy;
+            simulation.balance.contact += energy;
         }
         Ok(simulation)
     }
@@ -293,22 +291,22 @@ impl Simulation {
         let (embedding, numbering, dt) = (&self.model.embedding, &self.system.numbering, self.clock.dt());
         let begins = ContactStep { end: self.state.time + dt, support: &self.support, ..at_rest(&self.state, dt) };
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
-            if !pair.method.is_bilateral() || pair.method.is_off() {
+            if pair.bilateral().is_none() {
                 continue;
             }
             active.fill(true);
             // Which slots a tie has depends on what is prescribed.
-            pair.method.begin(&begins)?;
+            pair.term.begin(&begins)?;
             // A constraint may hand out its nodes one by one.
             let mut can_move = vec![false; active.len()];
             let mut in_part = false;
-            pair.method.stencils(active, &mut |nodes, slots| {
+            pair.term.stencils(active, &mut |nodes, slots| {
                 let moves = nodes.iter().any(|&node| numbering.moves(embedding, node));
                 slots.iter().for_each(|&slot| can_move[slot as usize] |= moves);
                 in_part |= nodes.iter().any(|&node| numbering.is_held_in_part(node));
             });
-            in_part &= pair.method.joint(&self.state.q, &vec![0.0; active.len()]).is_some();
-            if in_part && let Some(depends) = depends_on_free(&mut pair.method, numbering, &begins) {
+            in_part &= pair.bilateral().is_some_and(|of| of.joint(&self.state.q, &vec![0.0; active.len()]).is_some());
+            if in_part && let Some(depends) = depends_on_free(&mut *pair.term, numbering, &begins) {
                 can_move.iter_mut().zip(depends).for_each(|(can, depends)| *can &= depends);
             }
             active.copy_from_slice(&can_move);
@@ -322,10 +320,13 @@ impl Simulation {
         let (q, dt, is_static) = (&self.state.q, self.clock.dt(), self.scheme.is_none());
         let (embedding, numbering) = (&self.model.embedding, &self.system.numbering);
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
-            let Some(method) = pair.method.as_contact_mut() else { continue };
-            let near = TOUCHING * method.length_scale();
-            method.begin(&ContactStep { reach: near, support: &self.support, ..at_rest(&self.state, dt) })?;
+            if pair.unilateral().is_none() {
+                continue;
+            }
+            let near = TOUCHING * pair.term.length_scale();
+            pair.term.begin(&ContactStep { reach: near, support: &self.support, ..at_rest(&self.state, dt) })?;
             let mut gaps = vec![0.0; active.len()];
+            let Some(method) = pair.unilateral_mut() else { continue };
             method.complementarity_gaps(q, active, &mut gaps)?;
             for (active, gap) in active.iter_mut().zip(gaps) {
                 *active = gap <= near && (is_static || gap >= -near);
@@ -333,12 +334,12 @@ impl Simulation {
             method.repair(q, active)?;
             // A constraint between nodes that cannot move determines nothing.
             let mut free = vec![false; active.len()];
-            method.stencils(active, &mut |nodes, slots| {
+            pair.term.stencils(active, &mut |nodes, slots| {
                 let moves = nodes.iter().any(|&node| numbering.moves(embedding, node));
                 slots.iter().for_each(|&slot| free[slot as usize] = moves);
             });
             active.iter_mut().zip(free).for_each(|(active, free)| *active &= free);
-            method.commit(q, &vec![0.0; active.len()], active);
+            pair.term.commit(&At::end(q, &vec![0.0; active.len()], active));
         }
         Ok(())
     }
@@ -395,6 +396,10 @@ impl Simulation {
     /// The model.
     pub fn model(&self) -> &Model {
         &self.model
+    }
+    /// The model, with its terms where the last completed step left them.
+    pub fn into_model(self) -> Model {
+        self.model
     }
     /// Positions, velocities, time of the last completed step.
     pub fn state(&self) -> &State {
@@ -523,7 +528,8 @@ impl Simulation {
     /// # Errors
     /// If the projection fails.
     pub fn contact_report(&self, pair: usize) -> Result<Vec<SlotReport>, StepError> {
-        Ok(self.model.contacts[pair].method.report(&self.state.q)?)
+        let pair = &self.model.contacts[pair];
+        Ok(if pair.acts { pair.term.report(&self.state.q)? } else { Vec::new() })
     }
 
     /// The record of the initial state (step 0).
@@ -590,7 +596,7 @@ impl Simulation {
             return 0.0;
         }
         let lengths = model.parts.iter().map(|part| part.length_scale());
-        let length = lengths.chain(model.contacts.iter().map(|pair| pair.method.length_scale())).fold(0.0, f64::max);
+        let length = lengths.chain(model.contacts.iter().map(|pair| pair.term.length_scale())).fold(0.0, f64::max);
         let small = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION;
         let mut force = 0.0;
         let acting = model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);

@@ -1,10 +1,7 @@
 //! Sliding supports: nodes whose displacement is prescribed along a direction, while they slide freely in the plane normal to it. Also symmetry planes in any direction.
 
 use crate::Table;
-use stoss_contact::{
-    Constraint, ContactError, ContactWork, GradientRule, History, Hold, LocalContribution, Report, SlotKind,
-    SlotReport, Step, StepConfiguration, SupportedNode,
-};
+use stoss_term::{At, Bilateral, Fault, Hold, Local, Rule, SlotKind, Step, SupportedNode, Term, Undefined, Work};
 
 /// Tolerance, as a part of the length scale, of the constraint of a slot without a multiplier.
 const MISSED: f64 = 1.0e-6;
@@ -66,7 +63,7 @@ impl SlidingSupport {
     }
 }
 
-impl Report for SlidingSupport {
+impl Term for SlidingSupport {
     fn name(&self) -> &str {
         &self.name
     }
@@ -83,7 +80,105 @@ impl Report for SlidingSupport {
         false
     }
 
-    fn verify_inactive(&self, q_np1: &[f64], active: &[bool]) -> Result<(), ContactError> {
+    fn slot_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn slot_weight(&self, _slot: usize) -> f64 {
+        1.0
+    }
+
+    fn is_symmetric(&self, _rule: Rule) -> bool {
+        true
+    }
+
+    fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
+        self.nodes.iter().for_each(|&(node, _)| visit(node, Hold::Partly));
+    }
+
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+        (self.times, self.has_rates) = ([step.time, step.end], step.rates);
+        Ok(())
+    }
+
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for (slot, (node, _)) in self.nodes.iter().enumerate().filter(|&(slot, _)| active[slot]) {
+            visit(&[*node], &[slot as u32]);
+        }
+    }
+
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        if at.rule.constraint().is_none() {
+            return Ok(());
+        }
+        let At { multipliers, active, .. } = *at;
+        let moved = self.displacement.value(self.times[1], 0);
+        let mut local = Local::default();
+        for (slot, &(node, reference)) in self.nodes.iter().enumerate().filter(|&(slot, _)| active[slot]) {
+            local.nodes.clear();
+            local.nodes.push(node);
+            local.slots.clear();
+            local.slots.push(slot as u32);
+            local.reset(want_tangent);
+            let place: f64 = (0..3).map(|i| self.direction[i] * at.q_np1[3 * node as usize + i]).sum();
+            local.residual[3] = reference + moved - place;
+            for (i, d) in self.direction.into_iter().enumerate() {
+                local.residual[i] = -multipliers[slot] * d;
+                if want_tangent {
+                    local.tangent[4 * i + 3] = -d;
+                    local.tangent[12 + i] = -d;
+                }
+            }
+            visit(&local);
+        }
+        Ok(())
+    }
+
+    fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
+        let At { multipliers, active, .. } = *at;
+        let [from, to] = self.times.map(|time| self.displacement.value(time, 0));
+        // Forces of statics are those of the end of a step: their work is that of the trapezium rule.
+        let force = |(slot, last): (usize, &f64)| match (active[slot], self.has_rates) {
+            (false, _) => 0.0,
+            (true, true) => multipliers[slot],
+            (true, false) => 0.5 * (multipliers[slot] + last),
+        };
+        let force: f64 = self.forces.iter().enumerate().map(force).sum();
+        Ok(Work { driven: force * (to - from), ..Work::default() })
+    }
+
+    fn commit(&mut self, at: &At<'_>) {
+        let At { multipliers, active, .. } = *at;
+        for ((force, multiplier), active) in self.forces.iter_mut().zip(multipliers).zip(active) {
+            *force = if *active { *multiplier } else { 0.0 };
+        }
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        self.forces.iter().flat_map(|force| force.to_le_bytes()).collect()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        let (numbers, rest) = bytes.as_chunks::<8>();
+        if numbers.len() != self.forces.len() || !rest.is_empty() {
+            let reason = format!("its history has {} bytes for {} nodes", bytes.len(), self.nodes.len());
+            return Err(Fault::other(Undefined { term: self.name.clone(), reason }));
+        }
+        self.forces = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        Ok(())
+    }
+
+    fn bilateral(&self) -> Option<&dyn Bilateral> {
+        Some(self)
+    }
+}
+
+impl Bilateral for SlidingSupport {
+    fn slot_kind(&self, _slot: usize) -> SlotKind {
+        if self.moves() { SlotKind::Driven } else { SlotKind::Equation }
+    }
+
+    fn verify_inactive(&self, q_np1: &[f64], active: &[bool]) -> Result<(), Fault> {
         for (slot, _) in active.iter().enumerate().filter(|(_, active)| !**active) {
             let Some(held) = self.supported_node(slot, self.times[1]) else { continue };
             let missed = (held.place - along(&held, q_np1)).abs();
@@ -92,7 +187,7 @@ impl Report for SlidingSupport {
                     "node {} is {missed:.2e} away from its prescribed position along the normal, because other prescribed motions of the node contradict it; remove one of them, or let them agree",
                     held.node
                 );
-                return Err(ContactError::Joint { joint: self.name.clone(), reason });
+                return Err(Fault::other(Undefined { term: self.name.clone(), reason }));
             }
         }
         Ok(())
@@ -107,10 +202,6 @@ impl Report for SlidingSupport {
             rate: self.displacement.slope(time, 0),
         })
     }
-
-    fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        Ok(Vec::new())
-    }
 }
 
 /// `d . x`.
@@ -118,106 +209,10 @@ pub(crate) fn along(held: &SupportedNode, x: &[f64]) -> f64 {
     (0..3).map(|i| held.direction[i] * x[3 * held.node as usize + i]).sum()
 }
 
-impl Constraint for SlidingSupport {
-    fn slot_count(&self) -> usize {
-        self.nodes.len()
-    }
-
-    fn slot_weight(&self, _slot: usize) -> f64 {
-        1.0
-    }
-
-    fn slot_kind(&self, _slot: usize) -> SlotKind {
-        if self.moves() { SlotKind::Driven } else { SlotKind::Equation }
-    }
-
-    fn is_symmetric(&self, _rule: GradientRule) -> bool {
-        true
-    }
-
-    fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
-        self.nodes.iter().for_each(|&(node, _)| visit(node, Hold::Partly));
-    }
-
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
-        (self.times, self.has_rates) = ([step.time, step.end], step.rates);
-        Ok(())
-    }
-
-    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
-        for (slot, (node, _)) in self.nodes.iter().enumerate().filter(|&(slot, _)| active[slot]) {
-            visit(&[*node], &[slot as u32]);
-        }
-    }
-
-    fn assemble(
-        &self,
-        step: StepConfiguration<'_>,
-        multipliers: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        let moved = self.displacement.value(self.times[1], 0);
-        let mut local = LocalContribution::default();
-        for (slot, &(node, reference)) in self.nodes.iter().enumerate().filter(|&(slot, _)| active[slot]) {
-            local.nodes.clear();
-            local.nodes.push(node);
-            local.slots.clear();
-            local.slots.push(slot as u32);
-            local.reset(want_tangent);
-            let place: f64 = (0..3).map(|i| self.direction[i] * step.q_np1[3 * node as usize + i]).sum();
-            local.residual[3] = reference + moved - place;
-            for (i, d) in self.direction.into_iter().enumerate() {
-                local.residual[i] = -multipliers[slot] * d;
-                if want_tangent {
-                    local.tangent[4 * i + 3] = -d;
-                    local.tangent[12 + i] = -d;
-                }
-            }
-            visit(&local);
-        }
-        Ok(())
-    }
-}
-
-impl History for SlidingSupport {
-    fn work(&self, _q_np1: &[f64], multipliers: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
-        let [from, to] = self.times.map(|time| self.displacement.value(time, 0));
-        // Forces of statics are those of the end of a step: their work is that of the trapezium rule.
-        let force = |(slot, last): (usize, &f64)| match (active[slot], self.has_rates) {
-            (false, _) => 0.0,
-            (true, true) => multipliers[slot],
-            (true, false) => 0.5 * (multipliers[slot] + last),
-        };
-        let force: f64 = self.forces.iter().enumerate().map(force).sum();
-        Ok(ContactWork { driven: force * (to - from), ..ContactWork::default() })
-    }
-
-    fn commit(&mut self, _q_np1: &[f64], multipliers: &[f64], active: &[bool]) {
-        for ((force, multiplier), active) in self.forces.iter_mut().zip(multipliers).zip(active) {
-            *force = if *active { *multiplier } else { 0.0 };
-        }
-    }
-
-    fn save_history(&self) -> Vec<u8> {
-        self.forces.iter().flat_map(|force| force.to_le_bytes()).collect()
-    }
-
-    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        let (numbers, rest) = bytes.as_chunks::<8>();
-        if numbers.len() != self.forces.len() || !rest.is_empty() {
-            let reason = format!("{}: {} bytes for {} nodes", self.name, bytes.len(), self.nodes.len());
-            return Err(ContactError::History { reason });
-        }
-        self.forces = numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use stoss_term::{GradientRule, StepConfiguration};
 
     const REFERENCE: [f64; 6] = [0.1, 0.2, 0.3, 1.0, -2.0, 0.5];
 
@@ -230,10 +225,10 @@ mod tests {
         Step::new(&REFERENCE, GradientRule::DiscreteGradient, dt)
     }
 
-    fn contributions(support: &SlidingSupport, q: &[f64], multipliers: &[f64]) -> Vec<LocalContribution> {
+    fn contributions(support: &SlidingSupport, q: &[f64], multipliers: &[f64]) -> Vec<Local> {
         let mut list = Vec::new();
         let step = StepConfiguration { q_n: &REFERENCE, q_np1: q, rule: GradientRule::DiscreteGradient };
-        support.assemble(step, multipliers, &[true; 2], true, &mut |local| list.push(local.clone())).unwrap();
+        support.assemble(&step.at(multipliers, &[true; 2]), true, &mut |local| list.push(local.clone())).unwrap();
         list
     }
 
@@ -276,17 +271,17 @@ mod tests {
             let first = 3 * local.nodes[0] as usize;
             work -= (0..3).map(|i| local.residual[i] * (q[first + i] - REFERENCE[first + i])).sum::<f64>();
         }
-        let told = support.work(&q, &p, &[true; 2]).unwrap().driven;
+        let told = support.work(&At::end(&q, &p, &[true; 2])).unwrap().driven;
         assert!((told - 2.0 * u).abs() < 1e-15 && (work - told).abs() < 1e-14, "{told} {work}");
         assert!(support.moves());
         // In statics by the mean of the forces.
         support.begin(&Step { rates: false, ..dynamics(1.0) }).unwrap();
-        support.commit(&q, &[1.0, 1.0], &[true, false]);
+        support.commit(&At::end(&q, &[1.0, 1.0], &[true, false]));
         let saved = support.save_history();
         let mut other = self::support();
         other.load_history(&saved).unwrap();
         other.begin(&Step { rates: false, ..dynamics(1.0) }).unwrap();
-        assert!((other.work(&q, &p, &[true; 2]).unwrap().driven - 0.5 * (4.0 - 1.0) * u).abs() < 1e-15);
+        assert!((other.work(&At::end(&q, &p, &[true; 2])).unwrap().driven - 0.5 * (4.0 - 1.0) * u).abs() < 1e-15);
         assert!(other.load_history(&saved[1..]).is_err());
     }
 

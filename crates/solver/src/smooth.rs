@@ -142,10 +142,10 @@ impl<'a> Path<'a> {
         timings: &'a mut Timings,
         trace: &'a mut AttemptLog,
     ) -> Self {
-        let of_contact = |c: &crate::ContactPair| c.method.as_contact().is_some();
-        let lengths = model.contacts.iter().filter(|c| of_contact(c)).map(|c| c.method.length_scale());
+        let of_contact = |c: &crate::Coupling| c.unilateral().is_some();
+        let lengths = model.contacts.iter().filter(|c| of_contact(c)).map(|c| c.term.length_scale());
         let edge = lengths.fold(f64::INFINITY, f64::min);
-        let moduli: Vec<f64> = model.contacts.iter().map(|c| c.complementarity * c.method.length_scale()).collect();
+        let moduli: Vec<f64> = model.contacts.iter().map(|c| c.complementarity * c.term.length_scale()).collect();
         let pairs = model.contacts.iter().zip(&moduli).zip(&iterate.pressures);
         let pressures =
             pairs.filter(|((c, _), _)| of_contact(c)).flat_map(|((_, m), p)| p.iter().map(move |p| p.abs() / m));
@@ -203,7 +203,7 @@ impl<'a> Path<'a> {
     fn smooth_rows(&mut self) {
         let smoothing: Vec<f64> = (0..self.model.contacts.len()).map(|c| self.smoothing(c)).collect();
         for (pair, &theta) in self.model.contacts.iter_mut().zip(&smoothing) {
-            if let Some(method) = pair.method.as_contact_mut() {
+            if let Some(method) = pair.unilateral_mut() {
                 method.smooth_friction(theta);
             }
         }
@@ -252,7 +252,7 @@ impl<'a> Path<'a> {
             return Err(self.spent());
         }
         for c in 0..self.model.contacts.len() {
-            if self.model.contacts[c].method.as_contact().is_none() {
+            if self.model.contacts[c].unilateral().is_none() {
                 continue;
             }
             let least = self.smoothing(c);
@@ -424,7 +424,7 @@ impl<'a> Path<'a> {
         for c in 0..self.model.contacts.len() {
             let theta = self.smoothing(c);
             let factor = self.model.contacts[c].complementarity;
-            let Some(method) = self.model.contacts[c].method.as_contact_mut() else { continue };
+            let Some(method) = self.model.contacts[c].unilateral_mut() else { continue };
             let (active, pressures) = (&mut self.iterate.active[c], &mut self.iterate.pressures[c]);
             let (gaps, q, reach) = (&mut self.gaps[c], &self.iterate.q, self.edge);
             self.trace.begin(active);
@@ -461,7 +461,7 @@ impl<'a> Path<'a> {
     /// What is pressed is closed.
     fn close(mut self) -> Result<Iterate, StepError> {
         for (c, pair) in self.model.contacts.iter_mut().enumerate() {
-            let Some(method) = pair.method.as_contact_mut() else { continue };
+            let Some(method) = pair.unilateral_mut() else { continue };
             method.smooth_friction(0.0);
             let (active, gaps) = (&mut self.iterate.active[c], &mut self.gaps[c]);
             method.complementarity_gaps(&self.iterate.q, active, gaps)?;

@@ -4,11 +4,12 @@ use crate::assembly::{Iterate, System};
 use crate::diagnosis::{largest_residual, slot_name, slot_place};
 use crate::failure::AttemptLog;
 use crate::problem::{StepProblem, start_auxiliaries};
-use crate::{ContactPair, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
+use crate::{Coupling, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
 use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
 use stoss_integrators::Step;
 use stoss_newton::{NewtonOptions, NewtonReport, ResidualNorms, StopReason, solve};
+use stoss_term::At;
 
 /// Largest number of solutions in a step, each with a fixed active set and fixed pairings: room for 20 changes of the
 /// set with as many changes of pairings alone in between (theory/constraints#eq-active-set).
@@ -78,9 +79,8 @@ struct SetUpdate {
 
 impl ActiveSets {
     fn new(model: &Model, iterate: &Iterate) -> Self {
-        let control = |pair: &ContactPair| {
-            ActiveSetControl::new(ActiveSetTolerance::for_length_scale(pair.method.length_scale()))
-        };
+        let control =
+            |pair: &Coupling| ActiveSetControl::new(ActiveSetTolerance::for_length_scale(pair.term.length_scale()));
         let gaps: Vec<Vec<f64>> = iterate.pressures.iter().map(|p| vec![0.0; p.len()]).collect();
         Self {
             controls: model.contacts.iter().map(control).collect(),
@@ -100,7 +100,7 @@ impl ActiveSets {
     ) -> Result<SetUpdate, StepError> {
         let mut update = SetUpdate::default();
         for c in 0..model.contacts.len() {
-            let Some(method) = model.contacts[c].method.as_contact_mut() else { continue };
+            let Some(method) = model.contacts[c].unilateral_mut() else { continue };
             let (active, pressures) = (&mut iterate.active[c], &mut iterate.pressures[c]);
             method.complementarity_gaps(&iterate.q, active, &mut self.gaps[c])?;
             trace.begin(active);
@@ -136,7 +136,7 @@ impl ActiveSets {
     fn follow(&mut self, model: &Model, iterate: &mut Iterate, trace: &mut AttemptLog) -> Result<usize, StepError> {
         let mut changes = 0;
         for (c, pair) in model.contacts.iter().enumerate() {
-            let Some(method) = pair.method.as_contact() else { continue };
+            let Some(method) = pair.unilateral() else { continue };
             let (active, pressures) = (&mut iterate.active[c], &mut iterate.pressures[c]);
             method.complementarity_gaps(&iterate.q, active, &mut self.gaps[c])?;
             trace.begin(active);
@@ -168,8 +168,8 @@ impl ActiveSets {
 fn augment(model: &mut Model, iterate: &Iterate) -> Result<usize, StepError> {
     let mut unsettled = 0;
     for (c, pair) in model.contacts.iter_mut().enumerate() {
-        let Some(method) = pair.method.as_contact_mut() else { continue };
-        unsettled += method.augment(&iterate.q, &iterate.pressures[c], &iterate.active[c])?;
+        let Some(method) = pair.unilateral_mut() else { continue };
+        unsettled += method.augment(&At::end(&iterate.q, &iterate.pressures[c], &iterate.active[c]))?;
     }
     Ok(unsettled)
 }

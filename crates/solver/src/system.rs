@@ -7,12 +7,11 @@ use crate::moment::moment_forces;
 use crate::rows::SmoothedPair;
 use crate::{Load, LoadKind, Model, StepError};
 use std::ops::Range;
-use stoss_contact::{Auxiliary, StepConfiguration as ContactStep};
 use stoss_fe_solid::{SolidStep, TangentTarget, add_follower_pressure, follower_pressure};
 use stoss_integrators::{DampingTangent, ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::vector;
-use stoss_part::{PartError, PartStep};
 use stoss_reference_element::MAX_FACE_NODES;
+use stoss_term::{At, Auxiliary, Fault, Undefined};
 
 /// Evaluations with a tangent in a step in which the equations of constraints between rigid bodies are written for the multipliers themselves and not for their increments.
 const FROM_ZERO: u32 = 2;
@@ -40,7 +39,7 @@ impl FeSystem<'_> {
     /// Follower pressures, moments and centrifugal loads at the configuration of the rule, into `system.follower` and, with their tangent, the solids' values.
     ///
     /// # Errors
-    /// [`StepError::Part`] if the directors that a moment acts on are on a line in this configuration, which they are not where they are orthogonal.
+    /// [`StepError::Term`] if the directors that a moment acts on are on a line in this configuration, which they are not where they are orthogonal.
     pub fn evaluate_follower(
         &mut self,
         step: StepConfiguration<'_>,
@@ -159,7 +158,7 @@ fn moment(
     moment_forces(&directors.map(|vector| between(step, theta, vector)), moment).ok_or_else(|| {
         let reason =
             "the directors of a loaded part turn by nearly half a turn in one step; use smaller steps".to_owned();
-        StepError::Part(PartError { part: load.name.clone(), reason })
+        Fault::from(Undefined { term: load.name.clone(), reason }).into()
     })
 }
 
@@ -297,20 +296,20 @@ impl FeSystem<'_> {
         let mut stencil = s.first_part_stencil;
         // A step of no length is the start of a run, where nothing has a rate.
         let has_rates = s.has_rates && step.dt > 0.0;
-        let step = PartStep { q_n: step.q_n, q_np1: step.q_np1, rule, dt: step.dt, has_rates };
+        let at = At { time: step.time, rates: has_rates, ..At::force([step.q_n, step.q_np1], rule, step.dt) };
         let System { solid_map, solid_values, weighted, acting, works, .. } = s;
         for ((part, &acts), work) in self.model.parts.iter().zip(&acting.parts).zip(&mut works.parts) {
             *work = 0.0;
             if !acts {
-                part.stencils(&mut |_| stencil += 1);
+                part.stencils(&[], &mut |_, _| stencil += 1);
                 continue;
             }
-            part.assemble(step, tangent.is_some(), &mut |local| {
-                for (&vector, r) in local.vectors.iter().zip(local.residual.chunks_exact(3)) {
+            part.assemble(&at, tangent.is_some(), &mut |local| {
+                for (&vector, r) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                     let first = 3 * vector as usize;
                     out[first..first + 3].iter_mut().zip(r).for_each(|(o, r)| *o += r);
                 }
-                *work += work_at(&local.vectors, &local.residual, step.q_n, step.q_np1);
+                *work += work_at(&local.nodes, &local.residual, step.q_n, step.q_np1);
                 if let Some(factor) = tangent {
                     weighted.clear();
                     weighted.extend(local.tangent.iter().map(|t| factor * t));
@@ -337,11 +336,11 @@ impl FeSystem<'_> {
             s.shifts_rows = false;
         }
         let from_zero = s.tangents <= FROM_ZERO;
+        let has_rates = s.has_rates && step.dt > 0.0;
         let mut k = 0;
-        for (c, pair) in model.contacts.iter().enumerate() {
-            let configuration = ContactStep { q_n: step.q_n, q_np1: step.q_np1, rule };
-            let method = &pair.method;
-            let length = method.length_scale();
+        for (c, pair) in model.couplings() {
+            let term = &pair.term;
+            let length = term.length_scale();
             let compliance = s.rigid_compliance(step.dt, length);
             let System {
                 rhs,
@@ -362,7 +361,7 @@ impl FeSystem<'_> {
             } = s;
             let work = &mut works.couplings[c];
             *work = 0.0;
-            let smoothed = match (method.as_contact(), rows.smoothing.get(c)) {
+            let smoothed = match (pair.unilateral(), rows.smoothing.get(c)) {
                 (Some(_), Some(&theta)) => {
                     Some(SmoothedPair { theta, factor: pair.complementarity, pressures: &self.pressures[c] })
                 }
@@ -370,7 +369,14 @@ impl FeSystem<'_> {
             };
             let equations = &slot_equation[c];
             let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
-            method.assemble_with(configuration, pressures, auxiliaries, active, tangent, &mut |local| {
+            let at = At {
+                time: step.time,
+                dt: step.dt,
+                rates: has_rates,
+                auxiliaries,
+                ..At::constraint([step.q_n, step.q_np1], rule, pressures, active)
+            };
+            term.assemble(&at, tangent, &mut |local| {
                 let coordinates = 3 * local.nodes.len();
                 *work += work_at(&local.nodes, &local.residual, step.q_n, step.q_np1);
                 for (i, &node) in local.nodes.iter().enumerate() {
@@ -391,17 +397,17 @@ impl FeSystem<'_> {
                 }
                 *shifts_rows |= local.shift.iter().skip(coordinates).take(local.slots.len()).any(|&shift| shift != 0.0);
                 for (k, (&slot, &row)) in local.slots.iter().zip(&local.residual[coordinates..]).enumerate() {
-                    let weight = method.slot_weight(slot as usize);
+                    let weight = term.slot_weight(slot as usize);
                     let row = smoothed.map_or(row, |smoothed| smoothed.row(slot, row, weight));
                     rhs[equations[slot as usize] as usize] -= row + local.shift.get(coordinates + k).unwrap_or(&0.0);
                     *gap_measure = gap_measure.max(row.abs() / (weight * length));
                 }
                 *gap_measure = gap_measure.max(local.violation);
                 if local.auxiliaries > 0 {
-                    let kinds = || method.auxiliaries().iter().filter(|&&kind| kind != Auxiliary::Condensed);
+                    let kinds = || term.auxiliaries().iter().filter(|&&kind| kind != Auxiliary::Condensed);
                     let rows = local.residual[coordinates + local.slots.len()..].chunks_exact(local.auxiliaries);
                     for (s, (&slot, rows)) in local.slots.iter().zip(rows).enumerate() {
-                        let (first, size) = (equations[slot as usize] as usize, method.slot_weight(slot as usize));
+                        let (first, size) = (equations[slot as usize] as usize, term.slot_weight(slot as usize));
                         for (k, (row, kind)) in rows.iter().zip(kinds()).enumerate() {
                             let at = coordinates + local.slots.len() + local.auxiliaries * s + k;
                             rhs[first + 1 + k] -= row + local.shift.get(at).unwrap_or(&0.0);
@@ -420,7 +426,7 @@ impl FeSystem<'_> {
                         if model.are_rigid(&local.nodes) {
                             let dim = 3 * expanded.len() + rest;
                             for (k, &slot) in local.slots.iter().enumerate() {
-                                let area = method.slot_weight(slot as usize);
+                                let area = term.slot_weight(slot as usize);
                                 let (at, entry) = (3 * expanded.len() + k, compliance * area * area);
                                 transform.matrix[at * dim + at] -= entry;
                                 if from_zero {
@@ -444,7 +450,7 @@ impl FeSystem<'_> {
                             *entry *= weight;
                         }
                         if let Some(smoothed) = smoothed {
-                            let of_slot = |slot: u32| method.slot_weight(slot as usize);
+                            let of_slot = |slot: u32| term.slot_weight(slot as usize);
                             smoothed.change_tangent(local, weighted, coordinates, of_slot);
                         }
                         contact_map.add(k, weighted, values);

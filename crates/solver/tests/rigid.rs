@@ -4,7 +4,7 @@ use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_multibody::{RigidBody, RigidMass};
 use stoss_newton::NewtonOptions;
-use stoss_solver::{ContactPair, Coupling, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_solver::{Coupling, InsideOutRule, Model, Settings, Simulation, StepControl};
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -12,9 +12,10 @@ fn add(name: &str, model: &mut Model, mass: RigidMass, velocity: [f64; 3], spin:
     let body = RigidBody::new(name, model.node_count() as u32, mass);
     model.reference.extend(body.reference().iter().flatten());
     model.velocity.extend(body.velocity(velocity, spin).iter().flatten());
-    model.contacts.push(ContactPair {
+    model.contacts.push(Coupling {
         name: format!("{name} rigidity"),
-        method: Coupling::bilateral(body.constraints()),
+        acts: true,
+        term: Box::new(body.constraints()),
         complementarity: 1.0,
         restitution: None,
     });

@@ -41,12 +41,12 @@ pub use stoss_mesh_io as mesh_io;
 #[cfg(feature = "multibody")]
 pub use stoss_multibody as multibody;
 pub use stoss_newton as newton;
-pub use stoss_part as part;
 pub use stoss_reference_element as reference_element;
 #[cfg(feature = "scene")]
 pub use stoss_scene as scene;
 pub use stoss_solver as solver;
 pub use stoss_tensor as tensor;
+pub use stoss_term as term;
 #[cfg(feature = "output")]
 pub use stoss_watch as watch;
 

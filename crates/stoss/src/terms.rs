@@ -56,7 +56,7 @@ impl Terms {
         }
         for (p, part) in model.parts.iter().enumerate() {
             let mut has_forces = false;
-            part.stencils(&mut |_| has_forces = true);
+            part.stencils(&[], &mut |_, _| has_forces = true);
             if has_forces {
                 groups.push((Of::Part(p), part.name().to_owned(), vec![STORED, DISSIPATED, REMAINDER]));
             }

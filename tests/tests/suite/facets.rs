@@ -15,9 +15,9 @@ use stoss::mesh::Mesh as Solid;
 use stoss::mesh::generate::Block;
 use stoss::newton::NewtonOptions;
 use stoss::solver::{
-    Body, ContactPair, Coupling, InsideOutRule, Model, Prescription, Settings, Simulation, StepControl, StepRecord,
-    Table,
+    Body, Coupling, InsideOutRule, Model, Prescription, Settings, Simulation, StepControl, StepRecord, Table,
 };
+use stoss::term::Term;
 use stoss_reference_cases::patch::unevenness;
 use stoss_testkit::meshes::Mesh;
 
@@ -83,9 +83,15 @@ impl Blocks {
         });
     }
 
-    fn simulation(mut self, method: Coupling, step: f64, end: f64) -> Simulation {
-        let complementarity = YOUNG / method.length_scale();
-        self.model.contacts.push(ContactPair { name: "contact".into(), method, complementarity, restitution: None });
+    fn simulation(mut self, term: Box<dyn Term>, step: f64, end: f64) -> Simulation {
+        let complementarity = YOUNG / term.length_scale();
+        self.model.contacts.push(Coupling {
+            name: "contact".into(),
+            term,
+            acts: true,
+            complementarity,
+            restitution: None,
+        });
         let is_dynamic = self.model.bodies[0].density.is_some();
         let settings = Settings {
             control: StepControl { step, end, max_cuts: 0, grow_after: 1, automatic: None },
@@ -137,7 +143,7 @@ fn patches_on_all_facets_are_uniform() {
             let meshes = if upper_is_slave { [Mesh::Quads, mesh] } else { [mesh, Mesh::Quads] };
             let q = blocks.model.reference.clone();
             let method = mortar(&blocks.surfaces(upper_is_slave), meshes, &q, options);
-            let (simulation, _) = run(blocks.simulation(Coupling::contact(method), 0.5, 1.0));
+            let (simulation, _) = run(blocks.simulation(Box::new(method), 0.5, 1.0));
             let uneven = uneven(&simulation);
             println!("{meshes:?} {space:?}: uneven by {uneven:.1e}");
             assert!(uneven < 1e-10, "{meshes:?} {space:?}: {uneven:e}");
@@ -157,7 +163,7 @@ fn ties_of_all_facets_keep_the_ledger() {
         let (q, options) = (blocks.model.reference.clone(), TieOptions { space, ..TieOptions::default() });
         let tie = MeshTie::new("tie", &meshes[0].of(&slave), &meshes[1].of(&master), &q, |_| false, options).unwrap();
         assert!((tie.tied_share() - 1.0).abs() < 1e-12);
-        let (_, records) = run(blocks.simulation(Coupling::bilateral(tie), 5e-3, 0.2));
+        let (_, records) = run(blocks.simulation(Box::new(tie), 5e-3, 0.2));
         check_ledger(&format!("tie {meshes:?} {space:?}"), &records);
     }
 }
@@ -195,7 +201,7 @@ fn mortar_impacts_of_all_facets_keep_the_ledger() {
         };
         let options = MortarOptions { space, ..MortarOptions::default() };
         let method = mortar(&blocks.surfaces(k < 3), meshes, &blocks.model.reference, options);
-        let (_, records) = run(blocks.simulation(Coupling::contact(method), 2e-3, 0.1));
+        let (_, records) = run(blocks.simulation(Box::new(method), 2e-3, 0.1));
         check_ledger(&format!("mortar {meshes:?} {space:?}"), &records);
     }
 }
@@ -208,7 +214,7 @@ fn node_to_surface_impacts_of_all_facets_keep_the_ledger() {
         let options = NodeToSurfaceOptions { search: SearchOptions::default(), ..NodeToSurfaceOptions::default() };
         let q = &blocks.model.reference;
         let method = NodeToSurface::new("contact", &meshes[0].of(&slave), &meshes[1].of(&master), q, options).unwrap();
-        let (_, records) = run(blocks.simulation(Coupling::contact(method), 2e-3, 0.1));
+        let (_, records) = run(blocks.simulation(Box::new(method), 2e-3, 0.1));
         check_ledger(&format!("nts {meshes:?}"), &records);
     }
 }

@@ -655,7 +655,7 @@ fn forces_of_a_step_with_an_impact_give_its_change_of_momentum() {
         let record = door.advance().unwrap();
         let change = minus(record.balance.linear_momentum, before.linear_momentum);
         let joints = door.model().contacts.iter().zip(door.mean_pressures());
-        let report = joints.filter_map(|(pair, p)| pair.method.joint(&door.state().q, p)).next().unwrap();
+        let report = joints.filter_map(|(pair, p)| pair.joint(&door.state().q, p)).next().unwrap();
         let impulse = report.force.map(|f| record.dt * f);
         assert!(apart(impulse, change) < 1e-12, "door: step {}: {impulse:?} {change:?}", record.step);
         before = record.balance;

@@ -58,6 +58,7 @@ mod statics;
 mod support;
 mod switched;
 mod switched_springs;
+mod terms;
 mod tie;
 mod units;
 mod verdicts;

@@ -11,9 +11,8 @@ use stoss::materials::NeoHooke;
 use stoss::mesh::generate::Block;
 use stoss::multibody::{RigidBody, RigidMass};
 use stoss::newton::NewtonOptions;
-use stoss::solver::{
-    Balance, Body, ContactPair, Coupling, InsideOutRule, Model, Settings, Simulation, StepControl, StepRecord,
-};
+use stoss::solver::{Balance, Body, Coupling, InsideOutRule, Model, Settings, Simulation, StepControl, StepRecord};
+use stoss::term::Term;
 
 /// A solid block and a rigid one that falls on it, turning; the rigid one's surface is that of a mesh.
 struct Impact {
@@ -50,9 +49,7 @@ impl Impact {
         let tool = RigidBody::new("tool", model.node_count() as u32, mass);
         model.reference.extend(tool.reference().iter().flatten());
         model.velocity.extend(tool.velocity([0.2, 0.1, -2.0], [0.1, -0.2, 0.5]).iter().flatten());
-        let pair =
-            |name: &str, method| ContactPair { name: name.into(), method, complementarity: 1.0, restitution: None };
-        model.contacts.push(pair("rigidity", Coupling::bilateral(tool.constraints())));
+        model.contacts.push(Coupling::new("rigidity", tool.constraints(), 1.0));
         let shape = Block::new([0.6, 0.45, 1.1], [1.6, 1.45, 1.6], [3, 3, 1]).generate().unwrap();
         let first = model.node_count() as u32;
         for (k, x) in shape.nodes.iter().enumerate() {
@@ -70,9 +67,15 @@ impl Impact {
         Self { model, solid, rigid }
     }
 
-    fn run(mut self, method: Coupling) -> Vec<StepRecord> {
-        let complementarity = 1000.0 / method.length_scale();
-        self.model.contacts.push(ContactPair { name: "contact".into(), method, complementarity, restitution: None });
+    fn run(mut self, term: Box<dyn Term>) -> Vec<StepRecord> {
+        let complementarity = 1000.0 / term.length_scale();
+        self.model.contacts.push(Coupling {
+            name: "contact".into(),
+            term,
+            acts: true,
+            complementarity,
+            restitution: None,
+        });
         let settings = Settings {
             control: StepControl { step: 5e-3, end: 0.4, max_cuts: 0, grow_after: 1, automatic: None },
             scheme: Some(Box::new(EnergyMomentum)),
@@ -111,7 +114,7 @@ fn a_rigid_block_falls_on_a_solid_one() {
                 if rigid_is_slave { (&impact.rigid, &impact.solid) } else { (&impact.solid, &impact.rigid) };
             let options = NodeToSurfaceOptions { constraint: form, ..NodeToSurfaceOptions::default() };
             let method = NodeToSurface::new("contact", slave, master, &impact.model.reference, options).unwrap();
-            let records = impact.run(Coupling::contact(method));
+            let records = impact.run(Box::new(method));
             examine(&format!("nts {form:?}, rigid slave {rigid_is_slave}"), &records);
         }
         let impact = Impact::new();
@@ -119,7 +122,7 @@ fn a_rigid_block_falls_on_a_solid_one() {
             if rigid_is_slave { (&impact.rigid, &impact.solid) } else { (&impact.solid, &impact.rigid) };
         let method =
             MortarContact::new("contact", slave, master, &impact.model.reference, MortarOptions::default()).unwrap();
-        let records = impact.run(Coupling::contact(method));
+        let records = impact.run(Box::new(method));
         examine(&format!("mortar, rigid slave {rigid_is_slave}"), &records);
     }
 }

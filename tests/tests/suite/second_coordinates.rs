@@ -41,8 +41,8 @@ fn run(text: &str) -> (Simulation, Vec<[f64; 2]>, f64) {
         let balance = simulation.advance().unwrap().balance;
         drift = drift.max((balance.total() - start).abs());
         let place = joints[0].place;
-        let method = &simulation.model().contacts[place].method;
-        let report = method.joint(&simulation.state().q, &simulation.pressures()[place]).unwrap();
+        let joint = &simulation.model().contacts[place];
+        let report = joint.joint(&simulation.state().q, &simulation.pressures()[place]).unwrap();
         assert_eq!(report.coordinates.len(), 2);
         found.push([report.coordinates[0].value, report.coordinates[1].value]);
     }

@@ -10,8 +10,8 @@ use crate::slip::SlipLine;
 use crate::{Friction, FrictionForce, Layer, PairStart, PairTerm, StepForce, Stick, Tangent};
 use nalgebra::Vector3;
 use std::ops::Range;
-use stoss_contact::GradientRule;
 use stoss_geometry::{ClosestPair, PairKind, closest};
+use stoss_term::GradientRule;
 
 /// Shear stiffness of the layer of a contact that sticks, in moduli over thicknesses: that of an isotropic skin, 1/(2 (1 + nu)).
 const SHEAR: f64 = 0.4;

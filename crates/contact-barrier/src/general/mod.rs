@@ -25,9 +25,9 @@ use joint::Joint;
 use nalgebra::Vector3;
 use pieces::PieceList;
 use scatter::Scatter;
-use stoss_contact::{
-    BodyPair, ContactError, ContactWork, GradientRule, LocalContribution, Potential, Step, StepConfiguration,
-    SurfaceForce, SurfaceNode,
+use stoss_contact::ContactError;
+use stoss_term::{
+    At, BodyPair, Fault, GradientRule, Local, Potential, Rule, Step, SurfaceForce, SurfaceNode, Term, Work,
 };
 
 /// Iterations of a step with inertia in which motions are shortened because they pass very many facets; then the step is given up.
@@ -164,7 +164,7 @@ impl GeneralContact {
     }
 }
 
-impl Potential for GeneralContact {
+impl Term for GeneralContact {
     fn name(&self) -> &str {
         &self.name
     }
@@ -173,35 +173,15 @@ impl Potential for GeneralContact {
         self.options.thickness
     }
 
-    fn is_symmetric(&self, rule: GradientRule) -> bool {
-        rule == GradientRule::EndPoint && !self.rules.has_friction()
+    fn is_symmetric(&self, rule: Rule) -> bool {
+        rule == Rule::Constraint(GradientRule::EndPoint) && !self.rules.has_friction()
     }
 
-    fn has_energy(&self, rule: GradientRule) -> bool {
-        rule == GradientRule::EndPoint
-    }
-
-    fn set_line(&mut self, increment: &[f64]) {
-        self.line.clear();
-        if !self.rules.has_friction() {
-            return;
-        }
-        let mut d = std::mem::take(&mut self.increment);
-        self.skin.place(increment, &mut d);
-        let mut joint = Joint::default();
-        let line = (&self.acts).into_iter().filter_map(|act| self.slip_along(act, &d, &mut joint)).collect();
-        (self.line, self.increment) = (line, d);
-    }
-
-    fn friction_along(&self, part: f64) -> f64 {
-        self.line.iter().map(|line| line.energy(part)).sum()
-    }
-
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
         let Step { q_n, v_n, .. } = *step;
         (self.rule, self.step_size, self.has_rates) = (step.rule, step.dt, step.rates);
         if !matches!(self.rule, GradientRule::DiscreteGradient | GradientRule::EndPoint) {
-            return Err(ContactError::RuleUnavailable { method: "general", rule: format!("{:?}", self.rule) });
+            return Err(ContactError::RuleUnavailable { method: "general", rule: format!("{:?}", self.rule) }.into());
         }
         if let Some(history) = self.next_history.take() {
             self.history = history;
@@ -222,21 +202,137 @@ impl Potential for GeneralContact {
         Ok(())
     }
 
-    fn renew(&mut self, q_np1: &[f64]) -> Result<bool, ContactError> {
+    fn renew(&mut self, at: &At<'_>, _want_tangent: bool) -> Result<bool, Fault> {
         if self.has_rates && self.shortened >= MAX_SHORTENED {
-            return Err(ContactError::TooFar { contact: self.name.clone(), iterations: self.shortened });
+            return Err(ContactError::TooFar { contact: self.name.clone(), iterations: self.shortened }.into());
         }
         let Self { skin, rules, proximity, x, .. } = self;
-        skin.place(q_np1, x);
+        skin.place(at.q_np1, x);
         if let Some(point) = x.iter().position(|x| !x.iter().all(|c| c.is_finite())) {
             // A point has a node at least.
             let node = skin.terms(point as u32).first().map_or(u32::MAX, |term| term.0);
-            return Err(ContactError::NotFinite { node });
+            return Err(ContactError::NotFinite { node }.into());
         }
         if proximity.hold(skin, rules, x, None).1 {
             self.regroup();
         }
         Ok(self.activate())
+    }
+
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        let mut nodes = Vec::new();
+        for facets in &self.groups {
+            self.nodes_of(facets, &mut nodes);
+            visit(&nodes, &[]);
+        }
+    }
+
+    fn candidates(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        let mut nodes = Vec::new();
+        let mut last = None;
+        for candidate in &self.proximity.candidates {
+            if last != Some(candidate.facets) && self.proximity.expects(candidate) {
+                last = Some(candidate.facets);
+                self.nodes_of(&candidate.facets, &mut nodes);
+                visit(&nodes, &[]);
+            }
+        }
+    }
+
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        if at.rule.constraint().is_none() {
+            return Ok(());
+        }
+        let (mut local, mut joint, mut scatter) = (Local::default(), Joint::default(), Scatter::default());
+        let mut next = 0;
+        for facets in &self.groups {
+            self.nodes_of(facets, &mut local.nodes);
+            local.reset(want_tangent);
+            scatter.begin(&self.skin, facets, want_tangent);
+            while let Some(act) = self.acts.get(next).filter(|act| self.acts.facets(act) == &**facets) {
+                next += 1;
+                self.force(act, &mut joint, want_tangent);
+                scatter.add(&self.skin, &joint);
+            }
+            scatter.finish(&self.skin, &mut local);
+            visit(&local);
+        }
+        Ok(())
+    }
+
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
+        let mut x = Vec::new();
+        self.skin.place(q, &mut x);
+        Ok(self.energy_at(&x))
+    }
+
+    fn work(&self, _at: &At<'_>) -> Result<Work, Fault> {
+        let (mut work, mut joint) = (Work::default(), Joint::default());
+        for act in &self.acts {
+            let ActForce { energy, dissipated, work: by_friction, stored, .. } = self.force(act, &mut joint, false);
+            work.stored += energy + stored;
+            work.friction_stored += stored;
+            work.friction_work += by_friction;
+            work.damped += dissipated;
+        }
+        // Springs whose contacts have gone lose their energy.
+        let before: f64 = self.history.springs.iter().map(|spring| spring.stored).sum();
+        work.dissipated = work.damped + (work.friction_work + before - work.friction_stored).max(0.0);
+        Ok(work)
+    }
+
+    fn has_friction(&self) -> bool {
+        self.rules.has_friction()
+    }
+
+    fn commit(&mut self, _at: &At<'_>) {
+        // What the step did is asked for afterwards, so its start is left as it is until the next one begins.
+        if self.next_history.is_none() {
+            self.next_history = Some(self.history_at_end());
+        }
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        self.next_history.as_ref().unwrap_or(&self.history).save()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        self.history = History::load(bytes, self.skin.point_count())?;
+        self.next_history = None;
+        // What the last step knew has no meaning any more.
+        self.contacts = Contacts::default();
+        self.acts = Acts::default();
+        Ok(())
+    }
+
+    fn potential(&self) -> Option<&dyn Potential> {
+        Some(self)
+    }
+
+    fn potential_mut(&mut self) -> Option<&mut dyn Potential> {
+        Some(self)
+    }
+}
+
+impl Potential for GeneralContact {
+    fn has_energy(&self, rule: GradientRule) -> bool {
+        rule == GradientRule::EndPoint
+    }
+
+    fn set_line(&mut self, increment: &[f64]) {
+        self.line.clear();
+        if !self.rules.has_friction() {
+            return;
+        }
+        let mut d = std::mem::take(&mut self.increment);
+        self.skin.place(increment, &mut d);
+        let mut joint = Joint::default();
+        let line = (&self.acts).into_iter().filter_map(|act| self.slip_along(act, &d, &mut joint)).collect();
+        (self.line, self.increment) = (line, d);
+    }
+
+    fn friction_along(&self, part: f64) -> f64 {
+        self.line.iter().map(|line| line.energy(part)).sum()
     }
 
     fn longest_step(&mut self, q: &[f64], increment: &[f64]) -> f64 {
@@ -265,70 +361,6 @@ impl Potential for GeneralContact {
         true
     }
 
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        let mut nodes = Vec::new();
-        for facets in &self.groups {
-            self.nodes_of(facets, &mut nodes);
-            visit(&nodes);
-        }
-    }
-
-    fn candidates(&self, visit: &mut dyn FnMut(&[u32])) {
-        let mut nodes = Vec::new();
-        let mut last = None;
-        for candidate in &self.proximity.candidates {
-            if last != Some(candidate.facets) && self.proximity.expects(candidate) {
-                last = Some(candidate.facets);
-                self.nodes_of(&candidate.facets, &mut nodes);
-                visit(&nodes);
-            }
-        }
-    }
-
-    fn assemble(
-        &self,
-        _step: StepConfiguration<'_>,
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        let (mut local, mut joint, mut scatter) = (LocalContribution::default(), Joint::default(), Scatter::default());
-        let mut next = 0;
-        for facets in &self.groups {
-            self.nodes_of(facets, &mut local.nodes);
-            local.reset(want_tangent);
-            scatter.begin(&self.skin, facets, want_tangent);
-            while let Some(act) = self.acts.get(next).filter(|act| self.acts.facets(act) == &**facets) {
-                next += 1;
-                self.force(act, &mut joint, want_tangent);
-                scatter.add(&self.skin, &joint);
-            }
-            scatter.finish(&self.skin, &mut local);
-            visit(&local);
-        }
-        Ok(())
-    }
-
-    fn energy(&self, q: &[f64]) -> Result<f64, ContactError> {
-        let mut x = Vec::new();
-        self.skin.place(q, &mut x);
-        Ok(self.energy_at(&x))
-    }
-
-    fn work(&self, _q_np1: &[f64]) -> Result<ContactWork, ContactError> {
-        let (mut work, mut joint) = (ContactWork::default(), Joint::default());
-        for act in &self.acts {
-            let ActForce { energy, dissipated, work: by_friction, stored, .. } = self.force(act, &mut joint, false);
-            work.stored += energy + stored;
-            work.friction_stored += stored;
-            work.friction_work += by_friction;
-            work.damped += dissipated;
-        }
-        // Springs whose contacts have gone lose their energy.
-        let before: f64 = self.history.springs.iter().map(|spring| spring.stored).sum();
-        work.dissipated = work.damped + (work.friction_work + before - work.friction_stored).max(0.0);
-        Ok(work)
-    }
-
     fn body_pairs(&self) -> Vec<BodyPair> {
         self.pairs_of_bodies()
     }
@@ -339,29 +371,5 @@ impl Potential for GeneralContact {
 
     fn surface_nodes(&self, q_np1: &[f64]) -> Vec<SurfaceNode> {
         self.tractions_at_surface_nodes(q_np1)
-    }
-
-    fn has_friction(&self) -> bool {
-        self.rules.has_friction()
-    }
-
-    fn commit(&mut self, _q_np1: &[f64]) {
-        // What the step did is asked for afterwards, so its start is left as it is until the next one begins.
-        if self.next_history.is_none() {
-            self.next_history = Some(self.history_at_end());
-        }
-    }
-
-    fn save_history(&self) -> Vec<u8> {
-        self.next_history.as_ref().unwrap_or(&self.history).save()
-    }
-
-    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        self.history = History::load(bytes, self.skin.point_count())?;
-        self.next_history = None;
-        // What the last step knew has no meaning any more.
-        self.contacts = Contacts::default();
-        self.acts = Acts::default();
-        Ok(())
     }
 }

@@ -8,8 +8,8 @@ use super::pressure::Pressures;
 use crate::inset::OPPOSITE;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
-use stoss_contact::{BodyPair, SurfaceForce, SurfaceNode};
 use stoss_geometry::{PairKind, closest};
+use stoss_term::{BodyPair, SurfaceForce, SurfaceNode};
 
 /// Forces at the places of [`Skin::surface_nodes`], and where surfaces meet.
 struct Surface {

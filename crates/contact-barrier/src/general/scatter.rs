@@ -2,7 +2,7 @@
 
 use super::joint::Joint;
 use crate::Skin;
-use stoss_contact::LocalContribution;
+use stoss_term::Local;
 
 /// Residual and tangent at the vertices of some facets.
 #[derive(Debug, Default)]
@@ -74,13 +74,13 @@ impl Scatter {
     }
 
     /// Adds all of it to the nodes of a contribution, which are those of the facets.
-    pub fn finish(&mut self, skin: &Skin, local: &mut LocalContribution) {
+    pub fn finish(&mut self, skin: &Skin, local: &mut Local) {
         if self.is_empty {
             return;
         }
         let Self { vertices, residual, tangent, half, .. } = self;
         let (m, n) = (3 * vertices.len(), local.dim());
-        let LocalContribution { nodes, residual: to, tangent: to_tangent, .. } = local;
+        let Local { nodes, residual: to, tangent: to_tangent, .. } = local;
         // cannot fail: vertices are made of nodes of their facets.
         let place = |node: u32| 3 * nodes.binary_search(&node).unwrap_or_default();
         for (a, &vertex) in vertices.iter().enumerate() {

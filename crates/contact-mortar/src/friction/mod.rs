@@ -9,8 +9,8 @@ pub(crate) use frames::MaterialFrames;
 pub(crate) use node::{FrictionState, NodeFriction, Scratch};
 pub use slip::SlipMeasure;
 
-use stoss_contact::SlotFriction;
 use stoss_contact::friction::{Friction, PointIteration};
+use stoss_term::SlotFriction;
 
 /// A node of which less than this part is covered at the start of a step of the end point.
 pub(crate) const SLIVER: f64 = 0.05;

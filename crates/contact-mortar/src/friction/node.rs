@@ -10,7 +10,8 @@ use crate::surfaces::diagonals;
 use nalgebra::Vector3;
 use stoss_contact::dual::{Dual, Scalar, V3, dot};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep};
-use stoss_contact::{GradientRule, LocalContribution, StepConfiguration, position};
+use stoss_contact::position;
+use stoss_term::{GradientRule, Local, StepConfiguration};
 
 /// Arguments of a facet, in components.
 const FACET: usize = 12;
@@ -217,7 +218,7 @@ impl NodeFriction<'_> {
         step: StepConfiguration<'_>,
         want_tangent: bool,
         work: &mut Scratch,
-        out: &mut LocalContribution,
+        out: &mut Local,
     ) -> bool {
         let Some(state) = self.state(slot, step, work) else { return false };
         for (group, x) in slot.facets().iter().zip(&work.arguments) {
@@ -305,7 +306,7 @@ impl NodeFriction<'_> {
         step: StepConfiguration<'_>,
         state: &FrictionState,
         work: &mut Scratch,
-        out: &mut LocalContribution,
+        out: &mut Local,
     ) {
         let at_end = step.rule == GradientRule::EndPoint;
         let n = 3 * slot.nodes.len();

@@ -3,7 +3,8 @@
 use super::{CARRIED, MortarContact, NO_PENETRATION};
 use crate::slot::Want;
 use crate::state::{Need, StepState};
-use stoss_contact::{ContactError, ContactMethod, ReferenceGap};
+use stoss_contact::ContactError;
+use stoss_term::{At, Fault, ReferenceGap, Unilateral};
 
 impl MortarContact {
     /// The distance below which an open row closes.
@@ -13,11 +14,7 @@ impl MortarContact {
     }
 }
 
-impl ContactMethod for MortarContact {
-    fn has_friction(&self) -> bool {
-        self.friction.is_some()
-    }
-
+impl Unilateral for MortarContact {
     fn reference_gap(&self) -> Option<&ReferenceGap> {
         Some(&self.reference_gap)
     }
@@ -30,7 +27,7 @@ impl ContactMethod for MortarContact {
         self.friction.iter_mut().for_each(|surface| surface.friction.smooth(pressure));
     }
 
-    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
+    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), Fault> {
         let rows = self.surfaces.rows.iter().zip(&self.end.slots).enumerate();
         for ((k, (row, slot)), out) in rows.zip(out) {
             let there = self.step.carried[k] && slot.support > 0.0;
@@ -51,7 +48,7 @@ impl ContactMethod for MortarContact {
     }
 
     /// Rows that have come opposite the master since the start of the step carry multipliers from now on, if they are inside.
-    fn repair(&mut self, q_np1: &[f64], _active: &[bool]) -> Result<usize, ContactError> {
+    fn repair(&mut self, q_np1: &[f64], _active: &[bool]) -> Result<usize, Fault> {
         let mut changes = 0;
         if self.is_frozen() {
             return Ok(0);
@@ -75,8 +72,8 @@ impl ContactMethod for MortarContact {
         Ok(changes)
     }
 
-    fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
-        self.augment_friction(q_np1, pressures, active)
+    fn augment(&mut self, at: &At<'_>) -> Result<usize, Fault> {
+        Ok(self.augment_friction(at.q_np1, at.multipliers, at.active)?)
     }
 
     fn surface_way(&self) -> [f64; 3] {
@@ -99,7 +96,7 @@ impl ContactMethod for MortarContact {
         q_np1: &[f64],
         active: &[bool],
         visit: &mut dyn FnMut(usize, &[u32], &[f64]),
-    ) -> Result<(), ContactError> {
+    ) -> Result<(), Fault> {
         let carrying: Vec<bool> = active.iter().zip(&self.step.carried).map(|(a, c)| *a && *c).collect();
         let StepState { candidates, without, .. } = &self.step;
         let needs = self.surfaces.needs(Need::Nothing, &carrying);

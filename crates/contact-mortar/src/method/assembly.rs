@@ -6,12 +6,26 @@ use crate::friction::Scratch;
 use crate::positions::Positions;
 use crate::secant::Secant;
 use crate::state::{Integrated, Need, StepState};
-use stoss_contact::{
-    Auxiliary, Constraint, ContactError, GradientRule, Hold, LocalContribution, Step, StepConfiguration, multipliers_of,
-};
+use stoss_contact::ContactError;
 use stoss_segmentation::GapRange;
+use stoss_term::{
+    At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, SlotReport, Step, StepConfiguration, Term, Unilateral,
+    Work, multipliers_of,
+};
 
-impl Constraint for MortarContact {
+impl Term for MortarContact {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.length()
+    }
+
+    fn has_friction(&self) -> bool {
+        self.friction.is_some()
+    }
+
     fn slot_count(&self) -> usize {
         self.surfaces.rows.len()
     }
@@ -32,7 +46,7 @@ impl Constraint for MortarContact {
         nodes.for_each(|&node| visit(node, Hold::Surface));
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
         self.take(step);
         self.secants.iter_mut().for_each(Secant::begin);
         let Step { q_n, v_n: velocity, reach, .. } = *step;
@@ -134,17 +148,11 @@ impl Constraint for MortarContact {
             without,
         };
         self.step.note(q_n, &mut self.end.at);
-        self.begin_friction()
+        Ok(self.begin_friction()?)
     }
 
-    fn renew(
-        &mut self,
-        q_np1: &[f64],
-        pressures: &[f64],
-        auxiliaries: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-    ) -> Result<bool, ContactError> {
+    fn renew(&mut self, at: &At<'_>, want_tangent: bool) -> Result<bool, Fault> {
+        let At { q_np1, multipliers: pressures, auxiliaries, active, .. } = *at;
         self.keep_multipliers(auxiliaries);
         let carrying: Vec<bool> = active.iter().zip(&self.step.carried).map(|(a, c)| *a && *c).collect();
         // Rows without a part of the master have stencils too, so that all active ones count.
@@ -173,34 +181,17 @@ impl Constraint for MortarContact {
         }
     }
 
-    fn assemble(
-        &self,
-        step: StepConfiguration<'_>,
-        pressures: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        self.assemble_with(step, pressures, &[], active, want_tangent, visit)
-    }
-
     /// Two multipliers of the friction, if stick is enforced by them: components in the frame of the node of what they add to the traction
     /// at the start.
     fn auxiliaries(&self) -> &[Auxiliary] {
         if self.has_stick_multipliers() { &[Auxiliary::Constraint; 2] } else { &[] }
     }
 
-    fn assemble_with(
-        &self,
-        step: StepConfiguration<'_>,
-        pressures: &[f64],
-        auxiliaries: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
+        let At { multipliers: pressures, auxiliaries, active, .. } = *at;
         let further = self.auxiliaries().len();
-        let mut out = LocalContribution { auxiliaries: further, ..LocalContribution::default() };
+        let mut out = Local { auxiliaries: further, ..Local::default() };
         let mut scratch = Scratch::default();
         for (k, slot) in self.end.slots.iter().enumerate().filter(|(k, _)| active[*k]) {
             out.slots.clear();
@@ -216,7 +207,7 @@ impl Constraint for MortarContact {
             }
             let slides = carries && of_friction.is_some();
             if slides && !self.add_friction(k, step, pressures[k], multiplier, want_tangent, &mut scratch, &mut out) {
-                return Err(ContactError::NoNormal { node: slot.nodes[0] });
+                return Err(ContactError::NoNormal { node: slot.nodes[0] }.into());
             }
             // The row `-A p = 0` keeps the system regular until the slot opens.
             let (n, weight) = (3 * slot.nodes.len(), self.slot_weight(k));
@@ -232,5 +223,37 @@ impl Constraint for MortarContact {
             visit(&out);
         }
         Ok(())
+    }
+
+    fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
+        Ok(self.step_work(at.q_np1, at.multipliers, at.active))
+    }
+
+    fn verify(&self, q_np1: &[f64]) -> Result<Coverage, Fault> {
+        Ok(self.check_coverage(q_np1)?)
+    }
+
+    fn commit(&mut self, at: &At<'_>) {
+        self.end_step(at.q_np1, at.multipliers, at.active);
+    }
+
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, Fault> {
+        Ok(self.slot_reports(q)?)
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        self.history()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        Ok(self.set_history(bytes)?)
+    }
+
+    fn unilateral(&self) -> Option<&dyn Unilateral> {
+        Some(self)
+    }
+
+    fn unilateral_mut(&mut self) -> Option<&mut dyn Unilateral> {
+        Some(self)
     }
 }

@@ -7,9 +7,8 @@ use crate::friction::{
 use crate::slot::Slot;
 use crate::state::Surfaces;
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliance};
-use stoss_contact::{
-    ContactError, ContactWork, GradientRule, LocalContribution, SlotFriction, Step, StepConfiguration, position,
-};
+use stoss_contact::{ContactError, position};
+use stoss_term::{GradientRule, Local, SlotFriction, Step, StepConfiguration, Work};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
 const HISTORY: usize = 32;
@@ -50,7 +49,7 @@ impl MortarContact {
     }
 
     /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] everywhere, and not only where supports or other contacts may determine the motion
-    /// of a node ([`stoss_contact::Support::may_hold`]) or the node has several rows; to be called after [`Self::with_friction`].
+    /// of a node ([`stoss_term::Support::may_hold`]) or the node has several rows; to be called after [`Self::with_friction`].
     #[must_use]
     pub fn with_compliant_stick(mut self) -> Self {
         if let Some(surface) = &mut self.friction {
@@ -171,7 +170,7 @@ impl MortarContact {
         multiplier: [f64; 2],
         want_tangent: bool,
         work: &mut Scratch,
-        out: &mut LocalContribution,
+        out: &mut Local,
     ) -> bool {
         let node = self.node_friction(slot, pressure, multiplier);
         node.is_none_or(|node| node.contribute(&self.friction_slots()[slot], step, want_tangent, work, out))
@@ -241,8 +240,8 @@ impl MortarContact {
         round.finish()
     }
 
-    pub(crate) fn friction_work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> ContactWork {
-        let mut total = ContactWork::default();
+    pub(crate) fn friction_work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Work {
+        let mut total = Work::default();
         let Some(surface) = &self.friction else { return total };
         let mut work = Scratch::default();
         for (slot, point) in surface.points.iter().enumerate() {
@@ -262,7 +261,7 @@ impl MortarContact {
                 // Nothing is kept for the next step.
                 let friction_work = support * step.work;
                 let dissipated = before + friction_work;
-                total += ContactWork { dissipated, friction_work, driven, ..ContactWork::default() };
+                total += Work { dissipated, friction_work, driven, ..Work::default() };
                 continue;
             }
             // What springs held at the start, on the area of then and on that of the slip: the difference is that of an area that was uncovered.
@@ -270,13 +269,13 @@ impl MortarContact {
             // Of the compliance of multipliers, whose spring is loaded by backward Euler.
             let yielding = surface.friction.stored_by(compliance, point.multiplier);
             let stored = support * energy(step.end);
-            total += ContactWork {
+            total += Work {
                 stored,
                 dissipated: support * (step.dissipated + yielding) + uncovered,
                 friction_stored: stored,
                 friction_work: support * step.work,
                 driven,
-                ..ContactWork::default()
+                ..Work::default()
             };
         }
         total

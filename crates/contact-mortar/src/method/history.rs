@@ -2,10 +2,11 @@
 
 use super::MortarContact;
 use crate::secant::Secant;
-use stoss_contact::{Constraint, ContactError, ContactWork, History};
+use stoss_contact::ContactError;
+use stoss_term::{Term as _, Work};
 
-impl History for MortarContact {
-    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+impl MortarContact {
+    pub(super) fn step_work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Work {
         let mut work = self.friction_work(q_np1, pressures, active);
         if let Some(stiffness) = self.options.overclosure {
             let closed = self.end.slots.iter().zip(pressures).zip(active).filter(|(_, active)| **active);
@@ -19,10 +20,10 @@ impl History for MortarContact {
             };
             carrying.filter_map(|k| Some(pressures[k] * (self.step.start_beyond(k) - end(k)?))).sum()
         });
-        Ok(work)
+        work
     }
 
-    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+    pub(super) fn end_step(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
         self.reference_gap.commit();
         for (steps, active) in self.closed_steps.iter_mut().zip(active) {
@@ -32,7 +33,7 @@ impl History for MortarContact {
         opened.for_each(|(secant, _)| *secant = Secant::default());
     }
 
-    fn save_history(&self) -> Vec<u8> {
+    pub(super) fn history(&self) -> Vec<u8> {
         let mut out: Vec<u8> = self.closed_steps.iter().flat_map(|steps| steps.to_le_bytes()).collect();
         out.extend(self.save_friction());
         self.reference_gap.save(&mut out);
@@ -45,12 +46,12 @@ impl History for MortarContact {
         out
     }
 
-    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+    pub(super) fn set_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
         let error = ContactError::History { reason: format!("{} bytes for {} slots", bytes.len(), self.slot_count()) };
         let Some((steps, rest)) = bytes.split_at_checked(4 * self.closed_steps.len()) else { return Err(error) };
         let Some((friction, rest)) = rest.split_at_checked(self.friction_history()) else { return Err(error) };
         let mut reference_gap = self.reference_gap.clone();
-        let rest = reference_gap.load(rest, self.slot_count())?;
+        let Some(rest) = reference_gap.load(rest, self.slot_count()) else { return Err(error) };
         let Some(secants) = load_secants(rest, self.slot_count()) else { return Err(error) };
         let (numbers, _) = steps.as_chunks::<4>();
         self.closed_steps.iter_mut().zip(numbers).for_each(|(steps, bytes)| *steps = u32::from_le_bytes(*bytes));

@@ -5,7 +5,8 @@ use crate::candidates::{Candidates, SearchRange};
 use crate::positions::Positions;
 use crate::slot::Want;
 use crate::state::{Integrated, Need, Surfaces, segmentation_error};
-use stoss_contact::{ContactError, GradientRule, SurfaceTree};
+use stoss_contact::{ContactError, SurfaceTree};
+use stoss_term::GradientRule;
 
 /// How much farther than the step's reach facets are looked for along the slave's normal, in lengths of facets.
 pub(super) const MARGIN: f64 = 3.0;

@@ -24,9 +24,10 @@ use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickne
 use crate::weights::Integration;
 use crate::{Faces, MortarError};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactSurface, GradientRule, ReferenceGap, Step, Support, SurfaceTree};
+use stoss_contact::{ContactError, ContactSurface, SurfaceTree};
 use stoss_reference_element::FacePiece;
 use stoss_segmentation::FacetSegmentation;
+use stoss_term::{GradientRule, ReferenceGap, Step, Support};
 
 /// Penetration at which points take no part any more, in lengths of slave facets, where a surface has sharp edges or both sides of its body: beyond that other sides
 /// are.
@@ -57,7 +58,7 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 /// * under [`GradientRule::EndPoint`] the force of dynamics is the gradient of the weighted gap, which does no work on a closed row. Statics has the gradient at fixed weights: where facets are large against
 ///   the depth the other one has limit points, at which nodes slide out of the overlap instead of carrying;
 /// * [`MortarOptions::nearness`], where it is not given;
-/// * crosspoints: slave nodes whose motion along their normal is given by something else that acts at present ([`stoss_contact::Support::given`]), on facets that have other nodes too, have no multiplier. Their functions go to
+/// * crosspoints: slave nodes whose motion along their normal is given by something else that acts at present ([`stoss_term::Support::given`]), on facets that have other nodes too, have no multiplier. Their functions go to
 ///   the other nodes of the facet: beside a finer master they would be harmless, beside a coarser one there would be more pressures than motions. A surface that is given as a whole (a rigid tool)
 ///   keeps its multipliers.
 #[derive(Clone, Debug)]

@@ -5,7 +5,8 @@ use crate::discrete::RelativeMotion;
 use crate::positions::Positions;
 use crate::slot::{Evaluation, Slot, Want};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, GradientRule, LocalContribution, StepConfiguration, position};
+use stoss_contact::{ContactError, position};
+use stoss_term::{GradientRule, Local, StepConfiguration};
 
 /// Part of [`CARRIED`] below which the row of a multiplier gets a compliance, so that it cannot vanish.
 const VANISHING: f64 = 0.1;
@@ -50,7 +51,7 @@ impl MortarContact {
         step: StepConfiguration<'_>,
         p: f64,
         want_tangent: bool,
-        out: &mut LocalContribution,
+        out: &mut Local,
     ) -> Result<(), ContactError> {
         let slot = &self.end.slots[k];
         let nodes = slot.nodes.len();

@@ -3,18 +3,11 @@
 use super::{COVERED, MortarContact};
 use crate::means::means;
 use crate::state::{Need, segmentation_error};
-use stoss_contact::{ContactError, Coverage, Report, SlotReport};
+use stoss_contact::ContactError;
+use stoss_term::{Coverage, SlotReport};
 
-impl Report for MortarContact {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.length()
-    }
-
-    fn verify(&self, q_np1: &[f64]) -> Result<Coverage, ContactError> {
+impl MortarContact {
+    pub(super) fn check_coverage(&self, q_np1: &[f64]) -> Result<Coverage, ContactError> {
         if self.is_frozen() {
             return Ok(Coverage::default());
         }
@@ -34,7 +27,7 @@ impl Report for MortarContact {
         }
     }
 
-    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+    pub(super) fn slot_reports(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
         let fresh;
         let integrated = if self.step.is_at(q, &self.end.at) && !self.is_frozen() {
             &self.end

@@ -5,7 +5,8 @@
 
 use super::rows::ConstraintRow;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
-use stoss_contact::{ContactSurface, GradientRule, position};
+use stoss_contact::{ContactSurface, position};
+use stoss_term::GradientRule;
 
 type Vector9 = SVector<f64, 9>;
 type Matrix9 = SMatrix<f64, 9, 9>;

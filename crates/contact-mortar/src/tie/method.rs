@@ -3,9 +3,8 @@
 use super::frame::{Stage, response};
 use super::{MeshTie, Slot, TiedNode};
 use nalgebra::Vector3;
-use stoss_contact::{
-    Constraint, ContactError, GradientRule, Hold, LocalContribution, Report, SlotReport, Step, StepConfiguration,
-};
+use stoss_contact::ContactError;
+use stoss_term::{At, Bilateral, Fault, GradientRule, Hold, Local, Rule, SlotReport, Step, StepConfiguration, Term};
 
 impl TiedNode {
     pub(super) fn traction(&self, q: &[f64], multipliers: &[f64]) -> [f64; 3] {
@@ -32,8 +31,8 @@ impl TiedNode {
         q_np1: &[f64],
         multipliers: &[f64],
         want_tangent: bool,
-        local: &mut LocalContribution,
-        visit: &mut dyn FnMut(&LocalContribution),
+        local: &mut Local,
+        visit: &mut dyn FnMut(&Local),
     ) {
         let lambda = self.multipliers(multipliers);
         local.slots.clone_from(&self.slots);
@@ -85,13 +84,19 @@ impl MeshTie {
     }
 }
 
-impl Report for MeshTie {
+impl Bilateral for MeshTie {
+    fn holds_surfaces_together(&self) -> bool {
+        true
+    }
+}
+
+impl Term for MeshTie {
     fn name(&self) -> &str {
         &self.name
     }
 
-    fn holds_surfaces_together(&self) -> bool {
-        true
+    fn length_scale(&self) -> f64 {
+        self.length_scale
     }
 
     /// Constraints along spatial axes do not turn with the bodies.
@@ -99,33 +104,6 @@ impl Report for MeshTie {
         self.nodes.iter().all(|node| node.frame.is_some())
     }
 
-    fn report(&self, _: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        let report = |&Slot { node, component, weight }: &Slot| {
-            let normal = Vector3::ith(usize::from(component), 1.0).into();
-            SlotReport {
-                node,
-                weight,
-                means: Vec::new(),
-                per_current_area: 1.0,
-                area: weight,
-                gap: None,
-                normal,
-                feature: "tied",
-                reference_gap: 0.0,
-                friction: None,
-            }
-        };
-        Ok(self.slots.iter().map(report).collect())
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.length_scale
-    }
-}
-
-impl stoss_contact::History for MeshTie {}
-
-impl Constraint for MeshTie {
     fn slot_count(&self) -> usize {
         self.slots.len()
     }
@@ -135,12 +113,12 @@ impl Constraint for MeshTie {
     }
 
     /// With spatial axes constraints are linear, whatever the rule.
-    fn is_symmetric(&self, rule: GradientRule) -> bool {
-        rule == GradientRule::EndPoint || self.nodes.iter().all(|node| node.frame.is_none())
+    fn is_symmetric(&self, rule: Rule) -> bool {
+        rule == Rule::Constraint(GradientRule::EndPoint) || self.nodes.iter().all(|node| node.frame.is_none())
     }
 
     /// Where the rows are others, slots that have none do not act: stencils leave them out.
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
         self.follow_support(step.support);
         Ok(())
     }
@@ -154,15 +132,10 @@ impl Constraint for MeshTie {
         self.for_each_stencil(active, visit);
     }
 
-    fn assemble(
-        &self,
-        step: StepConfiguration<'_>,
-        pressures: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        let mut local = LocalContribution::default();
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
+        let At { multipliers: pressures, active, .. } = *at;
+        let mut local = Local::default();
         for node in self.holding(active) {
             let Some(frame) = &node.frame else {
                 node.assemble_constant(step.q_np1, pressures, want_tangent, &mut local, visit);
@@ -171,7 +144,7 @@ impl Constraint for MeshTie {
             let lambda = node.multipliers(pressures);
             let (z0, z1) = (frame.stage(step.q_n), frame.stage(step.q_np1));
             let Some(r) = response(&z0, &z1, &lambda, step.rule, want_tangent) else {
-                return Err(ContactError::Frame { node: node.row.node });
+                return Err(ContactError::Frame { node: node.row.node }.into());
             };
             local.nodes.clear();
             local.nodes.extend(frame.entries.iter().map(|e| e.0));
@@ -208,5 +181,28 @@ impl Constraint for MeshTie {
             visit(&local);
         }
         Ok(())
+    }
+
+    fn report(&self, _: &[f64]) -> Result<Vec<SlotReport>, Fault> {
+        let report = |&Slot { node, component, weight }: &Slot| {
+            let normal = Vector3::ith(usize::from(component), 1.0).into();
+            SlotReport {
+                node,
+                weight,
+                means: Vec::new(),
+                per_current_area: 1.0,
+                area: weight,
+                gap: None,
+                normal,
+                feature: "tied",
+                reference_gap: 0.0,
+                friction: None,
+            }
+        };
+        Ok(self.slots.iter().map(report).collect())
+    }
+
+    fn bilateral(&self) -> Option<&dyn Bilateral> {
+        Some(self)
     }
 }

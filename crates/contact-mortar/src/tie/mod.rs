@@ -6,7 +6,7 @@
 //! `g_A = sum_J D_AJ q_J - sum_K M_AK q_K` (a volume)
 //!
 //! and a vector of multipliers, the traction that the master exerts on the slave. They are slots that are always
-//! active ([`stoss_contact::Constraint`]), up to three a node.
+//! active ([`stoss_term::Term`]), up to three a node.
 //!
 //! # Forms
 //! * [`TieForm::Constant`] (thesis (4.97)): `g_A = c_A` in Cartesian components. The gradient is constant: under
@@ -157,7 +157,7 @@ impl MeshTie {
     }
 
     /// As [`Self::new`] where a component may be prescribed in some stages of a run and free in others: `is_fixed` tells whether it is given at the start, and `is_always_fixed`
-    /// whether it is by something that is no prescription, or by one that never ends. Every step says what is prescribed in it ([`stoss_contact::Step::support`]), and slots of
+    /// whether it is by something that is no prescription, or by one that never ends. Every step says what is prescribed in it ([`stoss_term::Step::support`]), and slots of
     /// components that are prescribed do not act.
     ///
     /// # Errors

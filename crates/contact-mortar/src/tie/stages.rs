@@ -3,7 +3,8 @@
 use super::MeshTie;
 use super::rows::constraint_rows;
 use crate::MortarMatrices;
-use stoss_contact::{ContactSurface, Support};
+use stoss_contact::ContactSurface;
+use stoss_term::Support;
 
 /// What rows are made from, and what they were made for last.
 #[derive(Clone, Debug)]

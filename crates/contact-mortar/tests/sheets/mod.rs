@@ -3,10 +3,10 @@
 
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
-use stoss_contact::{Constraint, GradientRule, LocalContribution, Step, StepConfiguration};
 use stoss_contact_mortar::segmentation::Provenance;
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
 use stoss_reference_element::{FaceKind, FaceNodes, FacePiece};
+use stoss_term::{At, GradientRule, Local, Step, StepConfiguration, Term};
 use stoss_testkit::meshes::Mesh;
 
 pub const SLAVE: usize = 9;
@@ -132,7 +132,7 @@ pub fn assemble_with(
     let n = ALL + auxiliaries.len();
     let mut out = Global { residual: vec![0.0; n], tangent: vec![0.0; n * n] };
     method
-        .assemble_with(step, p, auxiliaries, active, true, &mut |local: &LocalContribution| {
+        .assemble(&step.at(p, active).with_auxiliaries(auxiliaries), true, &mut |local: &Local| {
             let mut index: Vec<usize> =
                 local.nodes.iter().flat_map(|&n| (0..3).map(move |i| 3 * n as usize + i)).collect();
             index.extend(local.slots.iter().map(|&s| 3 * NODES + s as usize));
@@ -169,7 +169,7 @@ pub fn tangent_errors(
     let rates = rule != GradientRule::EndPoint;
     method.begin(&Step { reach: 0.1, rates, ..Step::new(q_n, rule, 0.1) }).unwrap();
     let mut at = |x: &[f64], p: &[f64]| {
-        method.renew(x, &[], &[], &active, true).unwrap();
+        method.renew(&At::end(x, &[], &active), true).unwrap();
         (assemble(method, StepConfiguration { q_n, q_np1: x, rule }, p, &active), kinds(method))
     };
     let (exact, kind) = at(q, p);

@@ -27,9 +27,10 @@ use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
 use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
-use stoss_contact::{
-    Auxiliary, Constraint, ContactError, ContactMethod, ContactWork, GradientRule, History, Hold, LocalContribution,
-    ReferenceGap, Report, SlotReport, Step, StepConfiguration, position,
+use stoss_contact::{ContactError, position};
+use stoss_term::{
+    At, Auxiliary, Fault, GradientRule, Hold, Local, ReferenceGap, SlotReport, Step, StepConfiguration, Term,
+    Unilateral, Work,
 };
 
 /// Coordinates at `n` on the extension of the facet of `n+1` are cut off here: any value conserves momenta, but far out the extension is
@@ -209,7 +210,7 @@ impl CoordinateAugmented {
     }
 }
 
-impl Report for CoordinateAugmented {
+impl Term for CoordinateAugmented {
     fn name(&self) -> &str {
         self.inner.name()
     }
@@ -218,12 +219,10 @@ impl Report for CoordinateAugmented {
         self.inner.length_scale()
     }
 
-    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        self.inner.report(q)
+    fn has_friction(&self) -> bool {
+        self.inner.has_friction()
     }
-}
 
-impl Constraint for CoordinateAugmented {
     fn slot_count(&self) -> usize {
         self.inner.slot_count()
     }
@@ -240,22 +239,15 @@ impl Constraint for CoordinateAugmented {
         self.inner.holds(visit);
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
         let rule = if step.rule == GradientRule::DiscreteGradient { GradientRule::Midpoint } else { step.rule };
         self.inner.begin(&Step { rule, ..*step })
     }
 
-    fn renew(
-        &mut self,
-        q_np1: &[f64],
-        pressures: &[f64],
-        auxiliaries: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-    ) -> Result<bool, ContactError> {
-        self.inner.keep_multipliers(auxiliaries, self.auxiliaries().len());
+    fn renew(&mut self, at: &At<'_>, want_tangent: bool) -> Result<bool, Fault> {
+        self.inner.keep_multipliers(at.auxiliaries, self.auxiliaries().len());
         if want_tangent {
-            self.inner.follow_friction(q_np1, pressures, active)?;
+            self.inner.follow_friction(at.q_np1, at.multipliers, at.active)?;
         }
         Ok(false)
     }
@@ -267,19 +259,6 @@ impl Constraint for CoordinateAugmented {
                 None => visit(&[self.inner.node(slot)], &[slot as u32]),
             }
         }
-    }
-
-    fn assemble(
-        &self,
-        step: StepConfiguration<'_>,
-        pressures: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        let mut auxiliaries = vec![0.0; self.slot_count() * self.auxiliaries().len()];
-        self.start_auxiliaries(step, pressures, active, &mut auxiliaries)?;
-        self.assemble_with(step, pressures, &auxiliaries, active, want_tangent, visit)
     }
 
     /// Multipliers of the friction, if stick is enforced by them; coordinates and multipliers times a master edge `L`, so that the former are lengths and the latter tractions; their rows are divided
@@ -297,13 +276,9 @@ impl Constraint for CoordinateAugmented {
         &all[2 - self.frictional()..]
     }
 
-    fn start_auxiliaries(
-        &self,
-        step: StepConfiguration<'_>,
-        pressures: &[f64],
-        active: &[bool],
-        out: &mut [f64],
-    ) -> Result<(), ContactError> {
+    fn start_auxiliaries(&self, at: &At<'_>, out: &mut [f64]) -> Result<(), Fault> {
+        let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
+        let At { multipliers: pressures, active, .. } = *at;
         let length = self.inner.length;
         for (slot, values) in out.chunks_exact_mut(self.auxiliaries().len()).enumerate() {
             let Some(pairing) = self.inner.slots[slot].pairing.filter(|_| active[slot]) else {
@@ -325,19 +300,19 @@ impl Constraint for CoordinateAugmented {
         Ok(())
     }
 
-    fn assemble_with(
-        &self,
-        step: StepConfiguration<'_>,
-        pressures: &[f64],
-        auxiliaries: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
+        let At { multipliers: pressures, active, .. } = *at;
+        let mut started = Vec::new();
+        if at.auxiliaries.is_empty() {
+            started.resize(self.slot_count() * self.auxiliaries().len(), 0.0);
+            self.start_auxiliaries(at, &mut started)?;
+        }
+        let auxiliaries = if at.auxiliaries.is_empty() { &started } else { at.auxiliaries };
         let at_end = Self::rule(step.rule)?;
         let further = Auxiliary::equations(self.auxiliaries());
         let length = self.inner.length;
-        let mut contribution = LocalContribution { auxiliaries: further, ..LocalContribution::default() };
+        let mut contribution = Local { auxiliaries: further, ..Local::default() };
         let mut dense = Dense::new();
         for slot in (0..self.slot_count()).filter(|&s| active[s]) {
             contribution.slots.clear();
@@ -392,26 +367,19 @@ impl Constraint for CoordinateAugmented {
         Ok(())
     }
 
-    fn recover(
-        &self,
-        step: StepConfiguration<'_>,
-        auxiliaries: &[f64],
-        active: &[bool],
-        increment: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), ContactError> {
+    fn recover(&self, at: &At<'_>, increment: &[f64], out: &mut [f64]) -> Result<(), Fault> {
         if self.options.reduction != Reduction::Second {
             return Ok(());
         }
-        let length = self.inner.length;
+        let (length, active) = (self.inner.length, at.active);
         for (slot, out) in out.chunks_exact_mut(self.auxiliaries().len()).enumerate() {
             out.fill(0.0);
             let Some(pairing) = self.inner.slots[slot].pairing.filter(|_| active[slot]) else { continue };
             let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
             let element = self.element(slot, pairing);
-            let (_, values) = self.split(self.values(slot, auxiliaries));
+            let (_, values) = self.split(self.values(slot, at.auxiliaries));
             let f = [values[0] / length, values[1] / length];
-            let end = Constraints::new(&element.local(step.q_np1), element.end.kind(), f).ok_or_else(failed)?;
+            let end = Constraints::new(&element.local(at.q_np1), element.end.kind(), f).ok_or_else(failed)?;
             let du = element.local(increment);
             // theory/coordinate-augmentation#eq-second: df = -A_f^-1 (Phi_A + A_q dq).
             let rhs = [0, 1].map(|al| {
@@ -423,31 +391,37 @@ impl Constraint for CoordinateAugmented {
         }
         Ok(())
     }
-}
 
-impl History for CoordinateAugmented {
-    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
-        self.inner.work(q_np1, pressures, active)
+    fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
+        self.inner.work(at)
     }
 
-    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
-        self.inner.commit(q_np1, pressures, active);
+    fn commit(&mut self, at: &At<'_>) {
+        self.inner.commit(at);
+    }
+
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, Fault> {
+        self.inner.report(q)
     }
 
     fn save_history(&self) -> Vec<u8> {
         self.inner.save_history()
     }
 
-    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         self.inner.load_history(bytes)
+    }
+
+    fn unilateral(&self) -> Option<&dyn Unilateral> {
+        Some(self)
+    }
+
+    fn unilateral_mut(&mut self) -> Option<&mut dyn Unilateral> {
+        Some(self)
     }
 }
 
-impl ContactMethod for CoordinateAugmented {
-    fn has_friction(&self) -> bool {
-        self.inner.has_friction()
-    }
-
+impl Unilateral for CoordinateAugmented {
     fn reference_gap(&self) -> Option<&ReferenceGap> {
         self.inner.reference_gap()
     }
@@ -460,11 +434,11 @@ impl ContactMethod for CoordinateAugmented {
         self.inner.smooth_friction(pressure);
     }
 
-    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
+    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), Fault> {
         self.inner.complementarity_gaps(q_np1, active, out)
     }
 
-    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, Fault> {
         self.inner.repair(q_np1, active)
     }
 
@@ -473,7 +447,7 @@ impl ContactMethod for CoordinateAugmented {
         q_np1: &[f64],
         active: &[bool],
         visit: &mut dyn FnMut(usize, &[u32], &[f64]),
-    ) -> Result<(), ContactError> {
+    ) -> Result<(), Fault> {
         self.inner.constraint_gradients(q_np1, active, visit)
     }
 
@@ -485,7 +459,7 @@ impl ContactMethod for CoordinateAugmented {
         self.inner.settling(slot)
     }
 
-    fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
-        self.inner.augment(q_np1, pressures, active)
+    fn augment(&mut self, at: &At<'_>) -> Result<usize, Fault> {
+        self.inner.augment(at)
     }
 }

@@ -3,7 +3,8 @@
 use crate::kinematics::LOCAL;
 use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
-use stoss_contact::{Constraint as _, ContactError, ContactMethod, Enforcement, MasterPoint, ReferenceGap};
+use stoss_contact::{Enforcement, MasterPoint};
+use stoss_term::{At, Fault, ReferenceGap, Term as _, Unilateral};
 
 impl NodeToSurface {
     /// What the gap of a node that is not active may fall to before it counts as closed: a node that was released while it kept a negative gap
@@ -40,11 +41,7 @@ impl NodeToSurface {
     }
 }
 
-impl ContactMethod for NodeToSurface {
-    fn has_friction(&self) -> bool {
-        self.friction.is_some()
-    }
-
+impl Unilateral for NodeToSurface {
     fn reference_gap(&self) -> Option<&ReferenceGap> {
         Some(&self.reference_gap)
     }
@@ -57,16 +54,7 @@ impl ContactMethod for NodeToSurface {
         self.friction.iter_mut().for_each(|surface| surface.friction.smooth(pressure));
     }
 
-    fn candidates(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
-        for slot in (0..self.slots.len()).filter(|&s| !active[s]) {
-            if let Some(facet) = self.slots[slot].origin {
-                let element = ElementNodes::new(self.node(slot), self.search.surface(), Pairing::single(facet));
-                visit(element.list(), &[slot as u32]);
-            }
-        }
-    }
-
-    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), ContactError> {
+    fn complementarity_gaps(&self, q_np1: &[f64], active: &[bool], out: &mut [f64]) -> Result<(), Fault> {
         let view = self.search.at(q_np1);
         let mut in_front = Vec::new();
         for slot in 0..self.slots.len() {
@@ -99,7 +87,7 @@ impl ContactMethod for NodeToSurface {
         Ok(())
     }
 
-    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+    fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, Fault> {
         let mut changes = 0;
         for (slot, facet) in self.wanted(q_np1, active)? {
             // A node that closes (again) always gets its facet.
@@ -125,7 +113,7 @@ impl ContactMethod for NodeToSurface {
         q_np1: &[f64],
         active: &[bool],
         visit: &mut dyn FnMut(usize, &[u32], &[f64]),
-    ) -> Result<(), ContactError> {
+    ) -> Result<(), Fault> {
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(Pairing { end, .. }) = self.slots[slot].pairing else { continue };
             let element = ElementNodes::new(self.node(slot), self.search.surface(), Pairing::single(end));
@@ -153,7 +141,8 @@ impl ContactMethod for NodeToSurface {
         if state.relaxing { 0.0 } else { -state.settling * self.slot_weight(slot) }
     }
 
-    fn augment(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<usize, ContactError> {
+    fn augment(&mut self, at: &At<'_>) -> Result<usize, Fault> {
+        let At { q_np1, multipliers: pressures, active, .. } = *at;
         Ok(self.augment_normal(q_np1, pressures, active)? + self.augment_friction(q_np1, pressures, active)?)
     }
 }

@@ -4,10 +4,11 @@ use crate::crossing::{component, spread};
 use crate::gap_gradient::GapGradient;
 use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
-use crate::slot::{ElementNodes, PairedSlot, Slot};
-use stoss_contact::{
-    Auxiliary, Constraint, ContactError, Enforcement, GradientRule, Hold, LocalContribution, Step, StepConfiguration,
-    multipliers_of, position,
+use crate::slot::{ElementNodes, PairedSlot, Pairing, Slot};
+use stoss_contact::{Enforcement, position};
+use stoss_term::{
+    At, Auxiliary, Fault, GradientRule, Hold, Local, Rule, SlotReport, Step, StepConfiguration, Term, Unilateral, Work,
+    multipliers_of,
 };
 
 impl NodeToSurface {
@@ -19,7 +20,7 @@ impl NodeToSurface {
         pressure: f64,
         auxiliaries: &[f64],
         want_tangent: bool,
-        contribution: &mut LocalContribution,
+        contribution: &mut Local,
     ) {
         contribution.nodes.push(self.node(slot));
         contribution.reset(want_tangent);
@@ -34,7 +35,19 @@ impl NodeToSurface {
     }
 }
 
-impl Constraint for NodeToSurface {
+impl Term for NodeToSurface {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.slave.length_scale()
+    }
+
+    fn has_friction(&self) -> bool {
+        self.friction.is_some()
+    }
+
     fn slot_count(&self) -> usize {
         self.slots.len()
     }
@@ -44,9 +57,9 @@ impl Constraint for NodeToSurface {
     }
 
     /// At the end point, without friction: the Hessian of the gap, and one gradient for force and constraint. The row of a spring has the other sign.
-    fn is_symmetric(&self, rule: GradientRule) -> bool {
+    fn is_symmetric(&self, rule: Rule) -> bool {
         let is_spring = matches!(self.normal.enforcement, Enforcement::Penalty(_));
-        rule == GradientRule::EndPoint && self.friction.is_none() && !is_spring
+        rule == Rule::Constraint(GradientRule::EndPoint) && self.friction.is_none() && !is_spring
     }
 
     fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
@@ -58,7 +71,7 @@ impl Constraint for NodeToSurface {
         nodes.for_each(|&node| visit(node, Hold::Surface));
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
         let Step { q_n, reach, rule, .. } = *step;
         self.holds = self.hold.is_some() && step.impacts;
         self.leaves = step.rates;
@@ -132,17 +145,10 @@ impl Constraint for NodeToSurface {
         Ok(())
     }
 
-    fn renew(
-        &mut self,
-        q_np1: &[f64],
-        pressures: &[f64],
-        auxiliaries: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-    ) -> Result<bool, ContactError> {
-        self.keep_multipliers(auxiliaries, 2);
+    fn renew(&mut self, at: &At<'_>, want_tangent: bool) -> Result<bool, Fault> {
+        self.keep_multipliers(at.auxiliaries, 2);
         if want_tangent {
-            self.follow_friction(q_np1, pressures, active)?;
+            self.follow_friction(at.q_np1, at.multipliers, at.active)?;
         }
         Ok(false)
     }
@@ -159,15 +165,13 @@ impl Constraint for NodeToSurface {
         }
     }
 
-    fn assemble(
-        &self,
-        step: StepConfiguration<'_>,
-        pressures: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        self.assemble_with(step, pressures, &[], active, want_tangent, visit)
+    fn candidates(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        for slot in (0..self.slots.len()).filter(|&s| !active[s]) {
+            if let Some(facet) = self.slots[slot].origin {
+                let element = ElementNodes::new(self.node(slot), self.search.surface(), Pairing::single(facet));
+                visit(element.list(), &[slot as u32]);
+            }
+        }
     }
 
     /// Two multipliers of the friction, if stick is enforced by them: components in the frame of the old foot of what they add to the
@@ -176,17 +180,11 @@ impl Constraint for NodeToSurface {
         if self.has_stick_multipliers() { &[Auxiliary::Constraint; 2] } else { &[] }
     }
 
-    fn assemble_with(
-        &self,
-        step: StepConfiguration<'_>,
-        pressures: &[f64],
-        auxiliaries: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
+        let At { multipliers: pressures, auxiliaries, active, .. } = *at;
         let further = self.auxiliaries().len();
-        let mut contribution = LocalContribution { auxiliaries: further, ..LocalContribution::default() };
+        let mut contribution = Local { auxiliaries: further, ..Local::default() };
         let mut gradient = GapGradient::new();
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             contribution.slots.clear();
@@ -231,5 +229,33 @@ impl Constraint for NodeToSurface {
             visit(&contribution);
         }
         Ok(())
+    }
+
+    fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
+        Ok(self.step_work(at.q_np1, at.multipliers, at.active)?)
+    }
+
+    fn commit(&mut self, at: &At<'_>) {
+        self.end_step(at.q_np1, at.multipliers, at.active);
+    }
+
+    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, Fault> {
+        Ok(self.slot_reports(q))
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        self.history()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        Ok(self.set_history(bytes)?)
+    }
+
+    fn unilateral(&self) -> Option<&dyn Unilateral> {
+        Some(self)
+    }
+
+    fn unilateral_mut(&mut self) -> Option<&mut dyn Unilateral> {
+        Some(self)
     }
 }

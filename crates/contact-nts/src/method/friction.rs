@@ -7,9 +7,8 @@ use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot};
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick};
-use stoss_contact::{
-    ContactError, ContactWork, GradientRule, LocalContribution, SlotFriction, StepConfiguration, position,
-};
+use stoss_contact::{ContactError, position};
+use stoss_term::{GradientRule, Local, SlotFriction, StepConfiguration, Work};
 
 /// Bytes of history of a slot: two components of the traction, path slid.
 const HISTORY: usize = 24;
@@ -41,7 +40,7 @@ impl NodeToSurface {
     }
 
     /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] everywhere, and not only where supports or other contacts may
-    /// determine the motion of a node ([`stoss_contact::Support::may_hold`]); to be called after [`Self::with_friction`].
+    /// determine the motion of a node ([`stoss_term::Support::may_hold`]); to be called after [`Self::with_friction`].
     #[must_use]
     pub fn with_compliant_stick(mut self) -> Self {
         if let Some(surface) = &mut self.friction {
@@ -134,7 +133,7 @@ impl NodeToSurface {
         pressure: f64,
         multiplier: [f64; 2],
         want_tangent: bool,
-        contribution: &mut LocalContribution,
+        contribution: &mut Local,
     ) -> Result<(), ContactError> {
         let weight = self.slave.weights()[of.slot];
         self.with_element(of, pressure, multiplier, |friction| {
@@ -280,8 +279,8 @@ impl NodeToSurface {
         q_np1: &[f64],
         pressures: &[f64],
         active: &[bool],
-    ) -> Result<ContactWork, ContactError> {
-        let mut total = ContactWork::default();
+    ) -> Result<Work, ContactError> {
+        let mut total = Work::default();
         let Some(surface) = &self.friction else { return Ok(total) };
         for (slot, point) in surface.points.iter().enumerate() {
             let weight = self.slave.weights()[slot];
@@ -300,13 +299,13 @@ impl NodeToSurface {
             let dropped = (before - energy(point.start)).max(0.0);
             // Of the compliance of multipliers, whose spring is loaded by backward Euler.
             let yielding = surface.friction.stored_by(compliance, point.multiplier);
-            total += ContactWork {
+            total += Work {
                 stored: weight * stored,
                 dissipated: weight * (state.step.dissipated + yielding + dropped),
                 friction_stored: weight * stored,
                 friction_work: weight * state.step.work,
                 driven: -weight * (0..2).map(|i| state.step.force[i] * state.way[i]).sum::<f64>(),
-                ..ContactWork::default()
+                ..Work::default()
             };
         }
         Ok(total)

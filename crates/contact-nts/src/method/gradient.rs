@@ -24,7 +24,8 @@ use crate::invariants;
 use crate::kinematics::{Gap, Local, points};
 use crate::method::NodeToSurface;
 use crate::slot::PairedSlot;
-use stoss_contact::{ContactError, GradientRule};
+use stoss_contact::ContactError;
+use stoss_term::GradientRule;
 
 impl NodeToSurface {
     /// Gap gradient of the rule and, if asked for, its derivative with respect to `q_np1`, over the element's nodes.

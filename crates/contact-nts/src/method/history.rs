@@ -1,19 +1,20 @@
 //! What a slot carries from one accepted step to the next.
 
 use crate::method::NodeToSurface;
-use stoss_contact::{ContactError, ContactWork, History};
+use stoss_contact::ContactError;
+use stoss_term::Work;
 
 /// Bytes of history of a slot: facet, gap kept, strayed or not, the part of the gap that is held, steps closed.
 const HISTORY: usize = 25;
 
-impl History for NodeToSurface {
-    fn work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
+impl NodeToSurface {
+    pub(super) fn step_work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Result<Work, ContactError> {
         let mut total = self.friction_work(q_np1, pressures, active)?;
         total.stored += self.normal_stored(q_np1, active)?;
-        Ok(ContactWork { closing: None, ..total })
+        Ok(Work { closing: None, ..total })
     }
 
-    fn commit(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
+    pub(super) fn end_step(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
         self.reference_gap.commit();
         self.normal.commit(pressures, active);
@@ -46,7 +47,7 @@ impl History for NodeToSurface {
         }
     }
 
-    fn save_history(&self) -> Vec<u8> {
+    pub(super) fn history(&self) -> Vec<u8> {
         let mut out = Vec::with_capacity(HISTORY * self.slots.len());
         for slot in &self.slots {
             out.extend_from_slice(&slot.committed.unwrap_or(u32::MAX).to_le_bytes());
@@ -61,7 +62,7 @@ impl History for NodeToSurface {
         out
     }
 
-    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+    pub(super) fn set_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
         let size = HISTORY + self.normal.bytes() + self.friction_bytes();
         let count = self.slots.len();
         let error = || ContactError::History {
@@ -71,7 +72,7 @@ impl History for NodeToSurface {
         let (bytes, rest) = of_slots.split_at(HISTORY * count);
         let (normal, friction) = rest.split_at(self.normal.bytes() * count);
         let mut reference_gap = self.reference_gap.clone();
-        if !reference_gap.load(of_contact, count)?.is_empty() {
+        if !reference_gap.load(of_contact, count).ok_or_else(error)?.is_empty() {
             return Err(error());
         }
         let facets = self.search.surface().facets().len() as u32;

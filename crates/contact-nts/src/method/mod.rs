@@ -17,11 +17,9 @@ use crate::normal::NormalEnforcement;
 use crate::options::{ConstraintForm, NodeToSurfaceOptions};
 use crate::slave::Slave;
 use crate::slot::Slot;
-use stoss_contact::{
-    Constraint, ContactError, ContactLine, ContactSurface, FacetNodes, MasterSearch, ReferenceGap, Report, SlotReport,
-    position,
-};
+use stoss_contact::{ContactError, ContactLine, ContactSurface, FacetNodes, MasterSearch, position};
 use stoss_geometry::Patch;
+use stoss_term::{ReferenceGap, SlotReport, Term};
 
 /// Slave nodes against master facets, with or without friction, one pressure a slave node: traction on the node's reference area or, of a line, force per reference
 /// length.
@@ -142,19 +140,11 @@ impl NodeToSurface {
     }
 }
 
-impl Report for NodeToSurface {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn length_scale(&self) -> f64 {
-        self.slave.length_scale()
-    }
-
-    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
+impl NodeToSurface {
+    pub(super) fn slot_reports(&self, q: &[f64]) -> Vec<SlotReport> {
         let view = self.search.at(q);
         let current = self.slave.weights_at(q);
-        Ok((0..self.slots.len())
+        (0..self.slots.len())
             .map(|slot| {
                 let point = self.closest(&view, slot, q);
                 let reference_gap = self.reference_gap.of(slot);
@@ -171,6 +161,6 @@ impl Report for NodeToSurface {
                     friction: self.last_friction(slot),
                 }
             })
-            .collect())
+            .collect()
     }
 }

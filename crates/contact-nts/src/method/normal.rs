@@ -2,7 +2,8 @@
 
 use crate::method::NodeToSurface;
 use stoss_contact::friction::MAX_AUGMENTATIONS;
-use stoss_contact::{ContactError, Enforcement, GradientRule, NormalRow, position};
+use stoss_contact::{ContactError, Enforcement, NormalRow, position};
+use stoss_term::GradientRule;
 
 /// A closed node has this gap at most, in multiples of a master edge, once its multiplier has settled, or what round-off of the positions is.
 const CLOSED: f64 = 1.0e-13;

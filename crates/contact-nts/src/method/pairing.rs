@@ -1,4 +1,4 @@
-//! Which facets a node is paired with, decided in [`stoss_contact::ContactMethod::repair`] and then fixed for the iterations.
+//! Which facets a node is paired with, decided in [`stoss_term::Unilateral::repair`] and then fixed for the iterations.
 
 use crate::gap_gradient::GapGradient;
 use crate::kinematics::Gap;
@@ -6,8 +6,9 @@ use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot, Pairing};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, GradientRule, MasterPoint, SearchView, StepConfiguration, position};
+use stoss_contact::{ContactError, MasterPoint, SearchView, position};
 use stoss_geometry::Patch;
+use stoss_term::{GradientRule, StepConfiguration};
 
 /// How far the foot at `n` may lie on the extension of the facet that a node closes on, in halves of an edge: up to one
 /// facet beyond the edge the extension is still the same surface; farther off the crossing element is used.

@@ -2,11 +2,9 @@
 //! `cargo xtask verify friction`.
 #![allow(dead_code, reason = "each test binary uses a part")]
 
-use stoss_contact::{
-    Auxiliary, Constraint, ContactMethod, Enforcement, FacetNodes, GradientRule, History, SearchOptions, Step,
-    StepConfiguration,
-};
+use stoss_contact::{Enforcement, FacetNodes, SearchOptions};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
+use stoss_term::{At, Auxiliary, GradientRule, Step, StepConfiguration, Term, Unilateral};
 
 pub const ACTIVE: [bool; 4] = [true, false, false, false];
 pub const OPEN: [bool; 4] = [false; 4];
@@ -77,7 +75,7 @@ pub fn standard_on(divide: Divide<'_>, facets: u32) -> NodeToSurface {
 pub fn in_contact(m: &mut NodeToSurface, on: &[f64]) {
     m.begin(&Step { reach: 20.0, ..Step::new(on, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(on, &ACTIVE).unwrap();
-    m.commit(on, &[1.0, 0.0, 0.0, 0.0], &ACTIVE);
+    m.commit(&At::end(on, &[1.0, 0.0, 0.0, 0.0], &ACTIVE));
     m.begin(&Step { reach: 20.0, ..Step::new(on, GradientRule::EndPoint, 0.0) }).unwrap();
 }
 
@@ -98,7 +96,7 @@ pub fn assembled(
 ) -> (Vec<f64>, Vec<f64>) {
     let n = q_1.len() + 1;
     let (mut residual, mut tangent) = (vec![0.0; n], vec![0.0; if want { n * n } else { 0 }]);
-    m.assemble(StepConfiguration { q_n, q_np1: q_1, rule }, &[p, 0.0, 0.0, 0.0], &ACTIVE, want, &mut |local| {
+    m.assemble(&StepConfiguration { q_n, q_np1: q_1, rule }.at(&[p, 0.0, 0.0, 0.0], &ACTIVE), want, &mut |local| {
         let mut map: Vec<usize> = local.nodes.iter().flat_map(|&k| (0..3).map(move |i| 3 * k as usize + i)).collect();
         map.push(n - 1);
         for (i, &row) in map.iter().enumerate() {
@@ -132,10 +130,10 @@ pub fn path(facets: u32, noise: [&[f64]; 3], at: [f64; 3], first: [f64; 2], seco
 }
 
 /// Does the first step of a [`path`], with a pressure at its end, and pairs the second one.
-pub fn second_step<M: ContactMethod>(mut m: M, q: &[Vec<f64>; 3], rule: GradientRule, dt: f64, pressure: f64) -> M {
+pub fn second_step<M: Term + Unilateral>(mut m: M, q: &[Vec<f64>; 3], rule: GradientRule, dt: f64, pressure: f64) -> M {
     m.begin(&Step { reach: 20.0, ..Step::new(&q[0], rule, dt) }).unwrap();
     m.repair(&q[1], &ACTIVE).unwrap();
-    m.commit(&q[1], &[pressure, 0.0, 0.0, 0.0], &ACTIVE);
+    m.commit(&At::end(&q[1], &[pressure, 0.0, 0.0, 0.0], &ACTIVE));
     m.begin(&Step { reach: 20.0, ..Step::new(&q[1], rule, dt) }).unwrap();
     m.repair(&q[2], &ACTIVE).unwrap();
     m
@@ -161,7 +159,7 @@ pub fn resultants(forces: &[f64], q_n: &[f64], q_1: &[f64], rule: GradientRule) 
 
 /// Residual and tangent of a method with auxiliaries over positions, the pressure and the auxiliaries of the first slot, all of which `x` holds.
 pub fn assembled_with(
-    m: &impl ContactMethod,
+    m: &(impl Term + Unilateral),
     q_n: &[f64],
     rule: GradientRule,
     x: &[f64],
@@ -174,7 +172,7 @@ pub fn assembled_with(
     values[..global].copy_from_slice(&x[m_q + 1..n]);
     let (mut residual, mut tangent) = (vec![0.0; n], vec![0.0; if want { n * n } else { 0 }]);
     let step = StepConfiguration { q_n, q_np1: &x[..m_q], rule };
-    m.assemble_with(step, &[x[m_q], 0.0, 0.0, 0.0], &values, &ACTIVE, want, &mut |local| {
+    m.assemble(&step.at(&[x[m_q], 0.0, 0.0, 0.0], &ACTIVE).with_auxiliaries(&values), want, &mut |local| {
         let mut map: Vec<usize> = local.nodes.iter().flat_map(|&k| (0..3).map(move |i| 3 * k as usize + i)).collect();
         map.extend(m_q..n);
         assert_eq!(map.len(), local.dim());

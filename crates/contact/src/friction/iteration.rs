@@ -232,8 +232,8 @@ impl AugmentationRound {
 mod tests {
     use super::*;
     use crate::friction::{Coulomb, FrictionPoint, MidpointFriction};
-    use crate::{GradientRule, Step};
     use std::sync::Arc;
+    use stoss_term::{GradientRule, Step};
 
     fn friction(mu: f64) -> Friction {
         Friction::new(Arc::new(Coulomb::new(mu).unwrap()), 10.0, Stick::Multiplier, MidpointFriction::C).unwrap()

@@ -4,8 +4,9 @@ use super::belt::SurfaceVelocity;
 use super::check;
 use super::law::{FrictionInput, FrictionLaw, FrictionOutput, Plane};
 use super::smooth::smoothed_return;
-use crate::{ContactError, SlotFriction, Step};
+use crate::ContactError;
 use std::sync::Arc;
+use stoss_term::{SlotFriction, Step};
 
 /// Which traction of the step is in the equations of a midpoint scheme (theory/friction#midpoint). Backward Euler and statics take the one at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

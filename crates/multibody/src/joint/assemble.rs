@@ -8,9 +8,9 @@ use super::coordinate_forces::{Coordinate, CoordinateStep, Torque};
 use super::{CoordinateKind, Joint, StepState};
 use crate::constraint::{Rows, gradient_fraction};
 use crate::quadratic::Evaluation;
-use stoss_contact::{
-    Constraint, ContactError, GradientRule, JointCoordinate, JointReport, LocalContribution, Report, SlotKind,
-    SlotReport, Step, StepConfiguration,
+use stoss_term::{
+    At, Bilateral, Fault, GradientRule, JointCoordinate, JointReport, Local, Rule, SlotKind, Step, StepConfiguration,
+    Term, Undefined, Work,
 };
 
 /// Functions at the three configurations of a step.
@@ -71,8 +71,8 @@ impl Joint {
         multipliers: &[f64],
         e: &Evaluations,
         want: bool,
-        local: &mut LocalContribution,
-    ) -> Result<(), ContactError> {
+        local: &mut Local,
+    ) -> Result<(), Undefined> {
         let Some(c) = coordinate.in_step(&self.name, step.rule, e.values())? else { return Ok(()) };
         let theta = gradient_fraction(step.rule);
         let (n, dim, scale) = (3 * local.nodes.len(), local.dim(), coordinate.scale());
@@ -87,7 +87,7 @@ impl Joint {
             }
         }
         let mut torque = coordinate.torque(&self.step, theta, &c);
-        let place = |local: &LocalContribution, slot: usize| local.slots.iter().position(|&s| s as usize == slot);
+        let place = |local: &Local, slot: usize| local.slots.iter().position(|&s| s as usize == slot);
         for (slot, sign) in coordinate.signs() {
             if place(local, slot).is_some() {
                 torque.value += sign * scale * multipliers[slot];
@@ -151,7 +151,7 @@ impl Joint {
         torque: &Torque,
         gradient: &[f64],
         slope: &[f64],
-        local: &mut LocalContribution,
+        local: &mut Local,
     ) {
         let (n, dim) = (3 * local.nodes.len(), local.dim());
         let (first, count) = (coordinate.first, coordinate.count);
@@ -179,7 +179,7 @@ impl Joint {
     }
 }
 
-impl Report for Joint {
+impl Term for Joint {
     fn name(&self) -> &str {
         &self.name
     }
@@ -196,11 +196,109 @@ impl Report for Joint {
         !self.grounded
     }
 
+    fn slot_count(&self) -> usize {
+        self.slots
+    }
+
+    fn slot_weight(&self, _slot: usize) -> f64 {
+        1.0
+    }
+
+    fn is_symmetric(&self, rule: Rule) -> bool {
+        let one_sided = |c: &Coordinate| {
+            let given = c.slots.pretension.is_some() && c.state.locked.is_none();
+            c.slots.friction.is_some() || c.slots.limit.is_some() || given
+        };
+        rule == Rule::Constraint(GradientRule::EndPoint) && !self.coordinates.iter().any(one_sided)
+    }
+
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+        let Step { q_n, time, end, dt, rates, .. } = *step;
+        // Where time stands still nothing is viscous.
+        self.step = StepState { dt, time_n: time, time_np1: end, has_rates: rates && end > time };
+        self.begin_at(q_n);
+        Ok(())
+    }
+
+    fn renew(&mut self, _at: &At<'_>, want_tangent: bool) -> Result<bool, Fault> {
+        self.compliance.renew(want_tangent);
+        Ok(false)
+    }
+
+    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        let slots: Vec<u32> = (0..self.slots as u32).filter(|&slot| active[slot as usize]).collect();
+        if !slots.is_empty() {
+            visit(self.functions.vectors(), &slots);
+        }
+    }
+
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
+        let At { multipliers, active, .. } = *at;
+        let mut local = Local::default();
+        local.slots.extend((0..self.slots as u32).filter(|&slot| active[slot as usize]));
+        if local.slots.is_empty() {
+            return Ok(());
+        }
+        local.nodes.extend_from_slice(self.functions.vectors());
+        local.reset(want_tangent);
+        let e = self.evaluations(step, want_tangent);
+        let theta = gradient_fraction(step.rule);
+        let rows = Rows { functions: &self.functions, first: 0, count: self.kind.equations(), theta };
+        rows.add([&e.between, &e.end], multipliers, &self.compliance, want_tangent, &mut local);
+        for coordinate in &self.coordinates {
+            self.add_coordinate(coordinate, step, multipliers, &e, want_tangent, &mut local)?;
+        }
+        visit(&local);
+        Ok(())
+    }
+
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
+        Ok(self.spring_energy(q))
+    }
+
+    fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
+        Ok(self.step_work(at.q_np1, at.multipliers, at.active))
+    }
+
+    fn commit(&mut self, at: &At<'_>) {
+        self.end_step(at.q_np1, at.multipliers, at.active);
+    }
+
+    fn save_history(&self) -> Vec<u8> {
+        self.history()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        self.set_history(bytes)
+    }
+
+    fn bilateral(&self) -> Option<&dyn Bilateral> {
+        Some(self)
+    }
+}
+
+impl Bilateral for Joint {
+    fn slot_kind(&self, slot: usize) -> SlotKind {
+        let is = |of: Option<usize>| of == Some(slot);
+        let of = |c: &Coordinate| {
+            let s = c.slots;
+            match () {
+                () if is(s.limit) => Some(SlotKind::Limit),
+                () if is(s.motor) => Some(SlotKind::Driven),
+                () if is(s.pretension) && c.state.locked.is_some() => Some(SlotKind::Equation),
+                () if is(s.friction) || is(s.pretension) => Some(SlotKind::Force),
+                () => None,
+            }
+        };
+        self.coordinates.iter().find_map(of).unwrap_or(SlotKind::Equation)
+    }
+
     fn has_limits(&self) -> bool {
         self.coordinates.iter().any(|c| c.slots.limit.is_some())
     }
 
-    fn verify_inactive(&self, q_np1: &[f64], active: &[bool]) -> Result<(), ContactError> {
+    fn verify_inactive(&self, q_np1: &[f64], active: &[bool]) -> Result<(), Fault> {
         if active.iter().all(|&active| active) {
             return Ok(());
         }
@@ -217,7 +315,7 @@ impl Report for Joint {
         let reason = format!(
             "the prescribed motion contradicts the joint, which is {missed:.2e} from its admissible position; remove one of them, or prescribe a motion that the joint allows"
         );
-        Err(ContactError::Joint { joint: self.name.clone(), reason })
+        Err(Fault::other(Undefined { term: format!("joint {}", self.name), reason }))
     }
 
     fn joint(&self, q: &[f64], multipliers: &[f64]) -> Option<JointReport> {
@@ -232,95 +330,5 @@ impl Report for Joint {
         let (force, moment) = self.force_with(q, q, GradientRule::EndPoint, multipliers, &viscous);
         let arm = self.forms[super::kinds::ARM].at(q);
         Some(JointReport { force, moment, arm, coordinates })
-    }
-
-    fn report(&self, _q: &[f64]) -> Result<Vec<SlotReport>, ContactError> {
-        Ok(Vec::new())
-    }
-}
-
-impl Constraint for Joint {
-    fn slot_count(&self) -> usize {
-        self.slots
-    }
-
-    fn slot_weight(&self, _slot: usize) -> f64 {
-        1.0
-    }
-
-    fn slot_kind(&self, slot: usize) -> SlotKind {
-        let is = |of: Option<usize>| of == Some(slot);
-        let of = |c: &Coordinate| {
-            let s = c.slots;
-            match () {
-                () if is(s.limit) => Some(SlotKind::Limit),
-                () if is(s.motor) => Some(SlotKind::Driven),
-                () if is(s.pretension) && c.state.locked.is_some() => Some(SlotKind::Equation),
-                () if is(s.friction) || is(s.pretension) => Some(SlotKind::Force),
-                () => None,
-            }
-        };
-        self.coordinates.iter().find_map(of).unwrap_or(SlotKind::Equation)
-    }
-
-    fn is_symmetric(&self, rule: GradientRule) -> bool {
-        let one_sided = |c: &Coordinate| {
-            let given = c.slots.pretension.is_some() && c.state.locked.is_none();
-            c.slots.friction.is_some() || c.slots.limit.is_some() || given
-        };
-        rule == GradientRule::EndPoint && !self.coordinates.iter().any(one_sided)
-    }
-
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), ContactError> {
-        let Step { q_n, time, end, dt, rates, .. } = *step;
-        // Where time stands still nothing is viscous.
-        self.step = StepState { dt, time_n: time, time_np1: end, has_rates: rates && end > time };
-        self.begin_at(q_n);
-        Ok(())
-    }
-
-    fn renew(
-        &mut self,
-        _q_np1: &[f64],
-        _pressures: &[f64],
-        _auxiliaries: &[f64],
-        _active: &[bool],
-        want_tangent: bool,
-    ) -> Result<bool, ContactError> {
-        self.compliance.renew(want_tangent);
-        Ok(false)
-    }
-
-    fn stencils(&self, active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
-        let slots: Vec<u32> = (0..self.slots as u32).filter(|&slot| active[slot as usize]).collect();
-        if !slots.is_empty() {
-            visit(self.functions.vectors(), &slots);
-        }
-    }
-
-    fn assemble(
-        &self,
-        step: StepConfiguration<'_>,
-        multipliers: &[f64],
-        active: &[bool],
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        let mut local = LocalContribution::default();
-        local.slots.extend((0..self.slots as u32).filter(|&slot| active[slot as usize]));
-        if local.slots.is_empty() {
-            return Ok(());
-        }
-        local.nodes.extend_from_slice(self.functions.vectors());
-        local.reset(want_tangent);
-        let e = self.evaluations(step, want_tangent);
-        let theta = gradient_fraction(step.rule);
-        let rows = Rows { functions: &self.functions, first: 0, count: self.kind.equations(), theta };
-        rows.add([&e.between, &e.end], multipliers, &self.compliance, want_tangent, &mut local);
-        for coordinate in &self.coordinates {
-            self.add_coordinate(coordinate, step, multipliers, &e, want_tangent, &mut local)?;
-        }
-        visit(&local);
-        Ok(())
     }
 }

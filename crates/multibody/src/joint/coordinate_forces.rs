@@ -3,7 +3,7 @@
 use super::StepState;
 use super::coordinate::{CoordinateKind, LARGEST_TURN};
 use super::options::CoordinateOptions;
-use stoss_contact::{ContactError, GradientRule, JointTorques};
+use stoss_term::{GradientRule, JointTorques, Undefined};
 
 /// A slip below this part of the length of the joint, where a limit stops the motion, counts as zero.
 pub(super) const SMALLEST_SLIP: f64 = 1e-9;
@@ -154,7 +154,7 @@ impl Coordinate {
         joint: &str,
         rule: GradientRule,
         values: [&[f64]; 3],
-    ) -> Result<Option<CoordinateStep>, ContactError> {
+    ) -> Result<Option<CoordinateStep>, Undefined> {
         if !self.options.any() {
             return Ok(None);
         }
@@ -162,8 +162,8 @@ impl Coordinate {
         let [start, between, end] = values.map(|values| self.invariants(values));
         let change = kind.change(start, end);
         if kind == CoordinateKind::Angle && change.abs() > LARGEST_TURN {
-            return Err(ContactError::Joint {
-                joint: joint.to_owned(),
+            return Err(Undefined {
+                term: format!("joint {joint}"),
                 reason: format!("it turns by {change:.2} rad, nearly half a turn, in one step; use smaller steps"),
             });
         }

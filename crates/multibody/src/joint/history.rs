@@ -2,7 +2,7 @@
 
 use super::Joint;
 use super::coordinate_forces::{CoordinateHistory, SMALLEST_SLIP};
-use stoss_contact::{ContactError, ContactWork, History};
+use stoss_term::{Fault, Undefined, Work};
 
 /// Bytes of the history of a coordinate.
 const SIZE: usize = 8 * 7 + 1;
@@ -45,17 +45,17 @@ impl Joint {
     }
 }
 
-impl History for Joint {
-    fn work(&self, q_np1: &[f64], multipliers: &[f64], active: &[bool]) -> Result<ContactWork, ContactError> {
-        let mut work = ContactWork::default();
+impl Joint {
+    pub(super) fn step_work(&self, q_np1: &[f64], multipliers: &[f64], active: &[bool]) -> Work {
+        let mut work = Work::default();
         if !active.contains(&true) {
             // What a spring had is lost with a joint that is released.
             work.dissipated = self.coordinates.iter().map(|c| c.history.stored).sum();
             work.friction_work = work.dissipated;
-            return Ok(work);
+            return work;
         }
         if self.coordinates.is_empty() {
-            return Ok(work);
+            return work;
         }
         let values = self.evaluate(q_np1).values;
         let mut closing = 0.0;
@@ -84,10 +84,10 @@ impl History for Joint {
         }
         work.friction_work = work.dissipated;
         work.closing = Some(closing);
-        Ok(work)
+        work
     }
 
-    fn stored_at_start(&self, q: &[f64]) -> f64 {
+    pub(super) fn spring_energy(&self, q: &[f64]) -> f64 {
         if self.coordinates.is_empty() {
             return 0.0;
         }
@@ -95,7 +95,7 @@ impl History for Joint {
         self.coordinates.iter().map(|c| c.spring_energy(c.value(&values))).sum()
     }
 
-    fn commit(&mut self, q_np1: &[f64], multipliers: &[f64], active: &[bool]) {
+    pub(super) fn end_step(&mut self, q_np1: &[f64], multipliers: &[f64], active: &[bool]) {
         let held = active.contains(&true);
         self.last_reaction = if held { self.reaction(multipliers) } else { 0.0 };
         if self.coordinates.is_empty() {
@@ -116,7 +116,7 @@ impl History for Joint {
         }
     }
 
-    fn save_history(&self) -> Vec<u8> {
+    pub(super) fn history(&self) -> Vec<u8> {
         let mut bytes = self.last_reaction.to_le_bytes().to_vec();
         for c in &self.coordinates {
             let h = &c.history;
@@ -130,13 +130,13 @@ impl History for Joint {
         bytes
     }
 
-    fn load_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
+    pub(super) fn set_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let size = 8 + SIZE * self.coordinates.len();
         let (reaction, rest) = match bytes.split_first_chunk::<8>() {
             Some(parts) if bytes.len() == size => parts,
             _ => {
-                let reason = format!("joint {} has {size} bytes of history, not {}", self.name, bytes.len());
-                return Err(ContactError::History { reason });
+                let reason = format!("it has {size} bytes of history, not {}", bytes.len());
+                return Err(Fault::other(Undefined { term: format!("joint {}", self.name), reason }));
             }
         };
         self.last_reaction = f64::from_le_bytes(*reaction);

@@ -21,7 +21,7 @@ use crate::constraint::gradient_fraction;
 use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
 use coordinate_forces::{Coordinate, CoordinateHistory, CoordinateState, Slots};
 use kinds::Function;
-use stoss_contact::{GradientRule, JointTorques};
+use stoss_term::{GradientRule, JointTorques};
 
 /// The largest error of the frames in the reference configuration, relative to the length of the joint.
 const TOLERANCE: f64 = 1e-8;

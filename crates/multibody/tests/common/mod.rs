@@ -1,14 +1,12 @@
 //! Models of rigid bodies and joints for whole runs.
 #![allow(dead_code, reason = "each test file uses its part")]
 
-use stoss_contact::Bilateral;
 use stoss_integrators::{EnergyMomentum, Scheme};
 use stoss_linalg::AutoSolver;
 use stoss_multibody::{RigidBody, RigidMass};
 use stoss_newton::{LineSearch, NewtonOptions};
-use stoss_solver::{
-    ContactPair, Coupling, InsideOutRule, Load, LoadKind, Model, Settings, Simulation, StepControl, Table,
-};
+use stoss_solver::{Coupling, InsideOutRule, Load, LoadKind, Model, Settings, Simulation, StepControl, Table};
+use stoss_term::Term;
 
 pub const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// Frames whose first axis is z.
@@ -24,10 +22,11 @@ pub fn add_body(model: &mut Model, name: &str, mass: RigidMass, velocity: [f64; 
     body
 }
 
-pub fn add_constraint(model: &mut Model, name: &str, constraint: impl Bilateral + 'static) -> usize {
-    model.contacts.push(ContactPair {
+pub fn add_constraint(model: &mut Model, name: &str, constraint: impl Term + 'static) -> usize {
+    model.contacts.push(Coupling {
         name: name.to_owned(),
-        method: Coupling::bilateral(constraint),
+        acts: true,
+        term: Box::new(constraint),
         complementarity: 1.0,
         restitution: None,
     });

@@ -6,8 +6,7 @@ use stoss_linalg::AutoSolver;
 use stoss_multibody::{Beam, ConstraintSet, Embedded, Equation, QuadraticsBuilder};
 use stoss_newton::NewtonOptions;
 use stoss_solver::{
-    ContactPair, Coupling, InsideOutRule, Load, LoadKind, Model, Prescription, Settings, Simulation, StepControl,
-    StepRecord, Table,
+    Coupling, InsideOutRule, Load, LoadKind, Model, Prescription, Settings, Simulation, StepControl, StepRecord, Table,
 };
 
 pub fn simulation(model: Model, dynamic: bool, step: f64, end: f64) -> Simulation {
@@ -22,9 +21,10 @@ pub fn simulation(model: Model, dynamic: bool, step: f64, end: f64) -> Simulatio
 }
 
 pub fn constrain(model: &mut Model, name: &str, set: ConstraintSet) {
-    model.contacts.push(ContactPair {
+    model.contacts.push(Coupling {
         name: name.to_owned(),
-        method: Coupling::bilateral(set),
+        acts: true,
+        term: Box::new(set),
         complementarity: 1.0,
         restitution: None,
     });

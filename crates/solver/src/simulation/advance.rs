@@ -11,15 +11,14 @@ use crate::smooth::attempt_smoothed;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::FeSystem;
 use crate::{
-    Automatic, Balance, ContactPair, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepChange,
+    Automatic, Balance, ContactSummary, Coupling, DecisionKind, Phase, PhaseTime, SimulationError, StepChange,
     StepError, StepRecord,
 };
 use std::ops::Range;
-use stoss_contact::{ContactWork, Coverage, Step as ContactStep};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
 use stoss_linalg::vector;
-use stoss_part::PartStep;
+use stoss_term::{At, Coverage, Step as ContactStep, Work};
 
 /// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
 /// fraction of their motion.
@@ -60,7 +59,7 @@ pub(super) struct Completed {
     rule: StepRule,
     draft: Draft,
     contact: Option<ContactSummary>,
-    work: ContactWork,
+    work: Work,
     /// For each contact pair.
     stored: Vec<[f64; 2]>,
     /// What closing gaps cost in the step, for each constraint; empty in statics.
@@ -154,7 +153,7 @@ impl Simulation {
     /// surfaces slide from one facet to the next; a shorter step costs more than another start.
     fn may_start_elsewhere(&self, start: Start, cause: &StepError) -> bool {
         match cause {
-            StepError::Solid(_) | StepError::Part(_) => true,
+            StepError::Term(fault) => fault.is_undefined(),
             StepError::Singular { .. } => start == Start::Linear,
             StepError::NotConverged { .. } | StepError::Cycling { .. } | StepError::ActiveSet { .. } => {
                 self.scheme.is_none() && start == Start::Extrapolation
@@ -187,9 +186,9 @@ impl Simulation {
                 reach,
                 support,
             };
-            for pair in &mut model.contacts {
-                let reach = reach + 0.5 * pair.method.length_scale();
-                pair.method.begin(&ContactStep { reach, ..step })?;
+            for (_, pair) in model.couplings_mut() {
+                let reach = reach + 0.5 * pair.term.length_scale();
+                pair.term.begin(&ContactStep { reach, ..step })?;
             }
             Ok(())
         })
@@ -303,17 +302,17 @@ impl Simulation {
             return Err(error);
         }
         let mut coverage = Coverage::default();
-        for pair in &self.model.contacts {
-            coverage.defect = coverage.defect.max(pair.method.verify(&attempt.iterate.q)?.defect);
+        for (_, pair) in self.model.couplings() {
+            coverage.defect = coverage.defect.max(pair.term.verify(&attempt.iterate.q)?.defect);
         }
         for (pair, active) in self.model.contacts.iter().zip(&attempt.iterate.active) {
-            if pair.method.is_bilateral() && !pair.method.is_off() {
-                pair.method.verify_inactive(&attempt.iterate.q, active)?;
+            if let Some(of) = pair.bilateral() {
+                of.verify_inactive(&attempt.iterate.q, active)?;
             }
         }
-        let (work, of_pairs) = self.contact_work(&attempt.iterate)?;
+        let (work, of_pairs) = self.contact_work(&attempt.iterate, rule, dt)?;
         let draft = self.draft(&attempt.iterate, &of_pairs, &rule, dt)?;
-        let (contact, slaves) = self.contact_summary(&attempt, rule, &of_pairs)?.unzip();
+        let (contact, slaves) = self.contact_summary(&attempt, rule, dt, &of_pairs)?.unzip();
         let mut contact = contact.map(|c| ContactSummary { coverage, ..c });
         let stored = of_pairs.iter().map(|work| [work.stored, work.friction_stored]).collect();
         let mut closing: Vec<f64> = match rule.has_inertia() {
@@ -424,22 +423,14 @@ impl Simulation {
             work += varying[c] * (next.q[c] - self.state.q[c]);
         }
         // Nothing is judged by it in statics.
-        let closes = |pair: &ContactPair| !pair.method.is_bilateral() && !pair.method.is_off();
+        let closes = |pair: &Coupling| !pair.bilateral().is_some();
         let has_contact = contact.is_some() && self.model.contacts.iter().any(closes);
         let work_of_contact = (!quasi_static && has_contact).then(|| -> f64 {
             let System { support, buffers, .. } = &self.system;
             let components = support.iter().flat_map(Range::clone);
             components.map(|c| buffers.constraint[c] * (next.q[c] - self.state.q[c])).sum()
         });
-        let step = PartStep {
-            q_n: &self.state.q,
-            q_np1: &next.q,
-            rule: rule.force.rule,
-            dt: self.clock.dt(),
-            has_rates: !quasi_static,
-        };
-        let acting = self.model.parts.iter().zip(&self.system.acting.parts).filter(|(_, acts)| **acts);
-        let damped: f64 = acting.map(|(part, _)| part.dissipated(step)).sum();
+        let damped = draft.dissipated_by_parts();
         let (stabilised, stabilising) = if self.system.stabilisation.is_some() {
             let increment: Vec<f64> = next.q.iter().zip(&self.state.q).map(|(next, q)| next - q).collect();
             let force = self.system.stabilising(&increment, dt);
@@ -449,8 +440,9 @@ impl Simulation {
             (0.0, None)
         };
         let damped_bodies = self.system.damped(dt);
-        for (c, pair) in self.model.contacts.iter_mut().enumerate() {
-            pair.method.commit(&next.q, &iterate.pressures[c], &iterate.active[c]);
+        let step = Step { state_n: &self.state, dt, rule };
+        for (c, pair) in self.model.couplings_mut() {
+            pair.term.commit(&At { q_np1: &next.q, ..iterate.at(c, &step) });
         }
         self.state = next;
         // Velocities from momenta lack the next impulse of the constraints, and get it in the next step.

@@ -7,9 +7,9 @@ use crate::books::{Books, Posting, is_measured, work_of};
 use crate::system::FeSystem;
 use crate::{Balance, StepError};
 use std::ops::Range;
-use stoss_contact::ContactWork;
 use stoss_integrators::{StepConfiguration, StepRule};
 use stoss_linalg::vector;
+use stoss_term::{At, Work};
 
 /// Books before the velocities of the end are known.
 #[derive(Debug)]
@@ -22,6 +22,11 @@ pub(super) struct Draft {
 }
 
 impl Draft {
+    /// What the dampers of parts took.
+    pub fn dissipated_by_parts(&self) -> f64 {
+        self.books.parts.iter().map(|part| part.dissipated).sum()
+    }
+
     /// Strain energy of bodies and parts.
     pub fn strain(&self) -> f64 {
         self.energies.iter().fold(0.0, |sum, energy| sum + energy)
@@ -31,12 +36,18 @@ impl Draft {
 impl Simulation {
     /// Stored energies of all bodies, then of all parts; zero for parts that are off.
     pub(super) fn energies(&self, q: &[f64]) -> Result<Vec<f64>, StepError> {
+        let mut energies = self.energies_of_bodies(q)?;
+        for (part, &acts) in self.model.parts.iter().zip(&self.system.acting.parts) {
+            energies.push(if acts { part.energy(q)? } else { 0.0 });
+        }
+        Ok(energies)
+    }
+
+    /// The bodies' alone, with room for the parts'.
+    fn energies_of_bodies(&self, q: &[f64]) -> Result<Vec<f64>, StepError> {
         let mut energies = Vec::with_capacity(self.model.bodies.len() + self.model.parts.len());
         for body in &self.model.bodies {
             energies.push(body.solid.strain_energy(q)?);
-        }
-        for (part, &acts) in self.model.parts.iter().zip(&self.system.acting.parts) {
-            energies.push(if acts { part.energy(q)? } else { 0.0 });
         }
         Ok(energies)
     }
@@ -53,11 +64,11 @@ impl Simulation {
     pub(super) fn draft(
         &mut self,
         iterate: &Iterate,
-        of_pairs: &[ContactWork],
+        of_pairs: &[Work],
         rule: &StepRule,
         dt: f64,
     ) -> Result<Draft, StepError> {
-        let energies = self.energies(&iterate.q)?;
+        let mut energies = self.energies_of_bodies(&iterate.q)?;
         if self.energies.is_empty() {
             self.energies = self.energies(&self.state.q)?;
         }
@@ -75,18 +86,12 @@ impl Simulation {
             let rest = remainder(work - (energies[b] - self.energies[b]));
             books.bodies.push(Posting { stored: energies[b], remainder: rest, ..Posting::default() });
         }
-        let step = stoss_part::PartStep {
-            q_n: &self.state.q,
-            q_np1: &iterate.q,
-            rule: rule.force.rule,
-            dt,
-            has_rates: !is_static,
-        };
+        let at = At { rates: !is_static, ..At::force([&self.state.q, &iterate.q], rule.force.rule, dt) };
         let first = self.model.bodies.len();
         for (p, (part, &acts)) in self.model.parts.iter().zip(&self.system.acting.parts).enumerate() {
-            let dissipated = if acts { part.dissipated(step) } else { 0.0 };
-            let (stored, before) = (energies[first + p], self.energies[first + p]);
-            let rest = remainder(works.parts[p] - (stored - before) - dissipated);
+            let Work { stored, dissipated, .. } = if acts { part.work(&at)? } else { Work::default() };
+            let rest = remainder(works.parts[p] - (stored - self.energies[first + p]) - dissipated);
+            energies.push(stored);
             books.parts.push(Posting { stored, dissipated, supplied: 0.0, remainder: rest });
         }
         for (c, work) in of_pairs.iter().enumerate() {

@@ -14,7 +14,7 @@ impl Simulation {
         let (time, dt) = (self.state.time, self.clock.dt());
         let contacts = 0..self.model.contacts.len();
         let may = |c: &usize| {
-            let method = self.model.contacts[*c].method.as_contact_mut();
+            let method = self.model.contacts[*c].unilateral_mut();
             method.and_then(|method| method.reference_gap_mut()).is_some_and(|gap| gap.ramp(time))
         };
         let ramped: Vec<usize> = contacts.filter(may).collect();
@@ -26,7 +26,7 @@ impl Simulation {
         let mut found = Vec::new();
         for c in ramped {
             let pair = &mut self.model.contacts[c];
-            let Some(gap) = pair.method.as_contact_mut().and_then(|method| method.reference_gap_mut()) else {
+            let Some(gap) = pair.unilateral_mut().and_then(|method| method.reference_gap_mut()) else {
                 continue;
             };
             match gap.overlaps() {

@@ -7,8 +7,8 @@ use crate::rotation::cross;
 use crate::step::Attempt;
 use crate::{ContactSummary, Model, PairSummary, Phase, StepError};
 use std::collections::BTreeMap;
-use stoss_contact::{ContactWork, SlotReport, StepConfiguration, SurfaceForce};
-use stoss_integrators::StepRule;
+use stoss_integrators::{Step, StepRule};
+use stoss_term::{SlotReport, SurfaceForce, Work};
 
 /// Of each contact what its slots report.
 type Slaves = Vec<Vec<SlotReport>>;
@@ -30,12 +30,21 @@ fn share(model: &Model, node: u32, mut add: impl FnMut(u32, f64)) {
 
 impl Simulation {
     /// What the contacts store and dissipate in the step, all and each.
-    pub(super) fn contact_work(&mut self, iterate: &Iterate) -> Result<(ContactWork, Vec<ContactWork>), StepError> {
-        let mut total = ContactWork::default();
+    pub(super) fn contact_work(
+        &mut self,
+        iterate: &Iterate,
+        rule: StepRule,
+        dt: f64,
+    ) -> Result<(Work, Vec<Work>), StepError> {
+        let step = Step { state_n: &self.state, dt, rule };
+        let mut total = Work::default();
         let mut of_pairs = Vec::with_capacity(self.model.contacts.len());
         for (c, pair) in self.model.contacts.iter().enumerate() {
-            let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
-            let work = self.timings.measure(Phase::Contact, || pair.method.work(&iterate.q, pressures, active))?;
+            let at = iterate.at(c, &step);
+            let work = match pair.acts {
+                true => self.timings.measure(Phase::Contact, || pair.term.work(&at))?,
+                false => Work::default(),
+            };
             total += work;
             of_pairs.push(work);
         }
@@ -47,23 +56,26 @@ impl Simulation {
         &mut self,
         attempt: &Attempt,
         rule: StepRule,
-        of_pairs: &[ContactWork],
+        dt: f64,
+        of_pairs: &[Work],
     ) -> Result<Option<(ContactSummary, Slaves)>, StepError> {
         if !self.model.has_contact_pairs() {
             return Ok(None);
         }
         let Attempt { iterate, repaired, .. } = attempt;
-        let Iterate { q, pressures, auxiliaries, active, .. } = iterate;
+        let Iterate { q, pressures, active, .. } = iterate;
+        let step = Step { state_n: &self.state, dt, rule };
         let mut summary = ContactSummary { repaired: *repaired, min_gap: f64::INFINITY, ..ContactSummary::default() };
         let mut is_slave = vec![false; self.model.node_count()];
         let mut slaves: Slaves = vec![Vec::new(); self.model.contacts.len()];
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let mut of_pair = PairSummary { friction_work: of_pairs[c].friction_work, ..PairSummary::default() };
-            if pair.method.is_bilateral() || pair.method.is_off() {
+            if pair.always_holds() || !pair.acts {
                 summary.pairs.push(of_pair);
                 continue;
             }
-            let bodies = self.timings.measure(Phase::Contact, || pair.method.body_pairs());
+            let of = pair.potential();
+            let bodies = self.timings.measure(Phase::Contact, || of.map(|of| of.body_pairs()).unwrap_or_default());
             for body in &bodies {
                 of_pair.active += body.active;
                 of_pair.min_gap = of_pair.min_gap.min(body.distance);
@@ -71,15 +83,17 @@ impl Simulation {
                 of_pair.area += body.area;
             }
             summary.bodies.extend(bodies);
-            summary.surface.extend(self.timings.measure(Phase::Contact, || pair.method.surface_nodes(q)));
-            let on_surface = self.timings.measure(Phase::Contact, || pair.method.surface_forces());
+            let on_surface = self.timings.measure(Phase::Contact, || {
+                summary.surface.extend(of.map(|of| of.surface_nodes(q)).unwrap_or_default());
+                of.map(|of| of.surface_forces()).unwrap_or_default()
+            });
             for of in &on_surface {
                 share(&self.model, of.node, |node, weight| {
                     let [force, moment] = [of.force, of.moment].map(|v| v.map(|x| weight * x));
                     add_force(&mut summary.moved, SurfaceForce { node, force, moment });
                 });
             }
-            let reports = self.timings.measure(Phase::Search, || pair.method.report(q))?;
+            let reports = self.timings.measure(Phase::Search, || pair.term.report(q))?;
             for (slot, report) in reports.iter().enumerate() {
                 is_slave[report.node as usize] = true;
                 let (now, then) = (active[c][slot], self.active[c][slot]);
@@ -92,10 +106,9 @@ impl Simulation {
                 }
                 of_pair.max_pressure = of_pair.max_pressure.max(report.shown(slot, |slot| pressures[c][slot]));
             }
-            let configuration = StepConfiguration { q_n: &self.state.q, q_np1: q, rule: rule.constraint.rule };
+            let at = iterate.at(c, &step);
             self.timings.measure(Phase::Contact, || {
-                let (values, multipliers) = (&pressures[c], &auxiliaries[c]);
-                pair.method.assemble_with(configuration, values, multipliers, &active[c], false, &mut |local| {
+                pair.term.assemble(&at, false, &mut |local| {
                     for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                         if !on_surface.is_empty() {
                             // Minus the force of the nodes that carry it.
@@ -140,7 +153,7 @@ impl Simulation {
         q: &[f64],
         summary: &mut ContactSummary,
     ) {
-        let is_contact = |c: usize| self.model.contacts[c].method.as_contact().is_some();
+        let is_contact = |c: usize| self.model.contacts[c].unilateral().is_some();
         for c in (0..slaves.len()).filter(|&c| is_contact(c) && !mean.forces[c].is_empty()) {
             let of_pair = &mut summary.pairs[c];
             let mut nodes: Vec<u32> = slaves[c].iter().map(|slave| slave.node).collect();

@@ -39,7 +39,7 @@ impl Simulation {
 
     /// What each coupling carries from step to step.
     pub(super) fn histories(&self) -> Vec<Vec<u8>> {
-        self.model.contacts.iter().map(|pair| pair.method.save_history()).collect()
+        self.model.contacts.iter().map(|pair| pair.term.save_history()).collect()
     }
 
     /// Continues from a checkpoint of the same scene in the present stage (of a new simulation: the first one), to the end of this simulation.
@@ -104,7 +104,7 @@ impl Simulation {
         }
         let prescribed = self.model.prescribed_components(&acting)?;
         for (pair, &acts) in self.model.contacts.iter_mut().zip(&acting.contacts) {
-            pair.method.set_acting(acts);
+            pair.acts = acts;
         }
         self.support = support(&self.model, &acting);
         let stabilise = stage.as_ref().map(|stage| stage.stabilise);
@@ -153,7 +153,7 @@ impl Simulation {
 
     pub(super) fn load_histories(&mut self, histories: &[Vec<u8>]) -> Result<(), StepError> {
         for (pair, bytes) in self.model.contacts.iter_mut().zip(histories) {
-            pair.method.load_history(bytes)?;
+            pair.term.load_history(bytes)?;
         }
         Ok(())
     }

@@ -4,8 +4,8 @@ use super::Simulation;
 use crate::sliding_support::along;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use stoss_contact::SupportedNode;
 use stoss_linalg::NONE;
+use stoss_term::SupportedNode;
 
 /// Sine of the angle below which a direction follows from others of the same node.
 const DEPENDENT: f64 = 1.0e-6;
@@ -54,8 +54,8 @@ impl Simulation {
     /// Active sliding supports at a time: contact pair, slot, and the constrained direction.
     fn supported_nodes(&self, time: f64) -> impl Iterator<Item = (usize, usize, SupportedNode)> {
         self.model.contacts.iter().enumerate().flat_map(move |(c, pair)| {
-            let count = if pair.method.supported_node(0, time).is_some() { pair.method.slot_count() } else { 0 };
-            (0..count).filter_map(move |slot| Some((c, slot, pair.method.supported_node(slot, time)?)))
+            let count = if pair.supported_node(0, time).is_some() { pair.term.slot_count() } else { 0 };
+            (0..count).filter_map(move |slot| Some((c, slot, pair.supported_node(slot, time)?)))
         })
     }
 

@@ -22,7 +22,7 @@ impl Simulation {
         if !self.may_smooth(&cause) {
             return Err(cause);
         }
-        let has_friction = self.model.contacts.iter().any(|c| c.method.as_contact().is_some_and(|m| m.has_friction()));
+        let has_friction = self.model.contacts.iter().any(|c| c.unilateral().is_some() && c.term.has_friction());
         // Layers that keep surfaces apart have no rows.
         let has_rows = self.model.has_unilateral_contact() && !self.model.keeps_apart();
         let with_care =
@@ -62,8 +62,7 @@ impl Simulation {
                 | StepError::Cycling { .. }
                 | StepError::ActiveSet { .. }
                 | StepError::Singular { .. }
-                | StepError::Solid(_)
-                | StepError::Contact(_)
+                | StepError::Term(_)
         );
         let of_step = self.decisions.iter().rev().take_while(|decision| decision.step == self.step + 1);
         let trials = of_step.filter(|decision| decision.kind == DecisionKind::Smoothed).count();

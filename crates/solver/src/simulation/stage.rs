@@ -8,14 +8,13 @@ use crate::stabilise::Stabilisation;
 use crate::step::decision;
 use crate::switches::Acting;
 use crate::{
-    Automatic, Balance, Clock, Coupling, Decision, DecisionKind, Model, Release, SimulationError, Stabilise,
-    StepControl, StepError, Switches,
+    Automatic, Balance, Clock, Decision, DecisionKind, Model, Release, SimulationError, Stabilise, StepControl,
+    StepError, Switches,
 };
-use stoss_contact::{GradientRule, Step as ContactStep, StepConfiguration, Support};
 use stoss_integrators::{Scheme, State};
 use stoss_linalg::AutoSolver;
 use stoss_newton::NewtonOptions;
-use stoss_part::Part;
+use stoss_term::{At, Step as ContactStep, Support, Term};
 
 /// A part of a run with one scheme, one step size and one set of things that act. It begins at the time and with the positions at which the one before ended.
 #[derive(Debug)]
@@ -56,7 +55,7 @@ pub(super) fn check_scheme(scheme: &dyn Scheme, model: &Model) -> Result<(), Str
     Ok(())
 }
 
-fn has_massless_vector(part: &dyn Part) -> bool {
+fn has_massless_vector(part: &dyn Term) -> bool {
     let own = part.own_vectors();
     let mut massless = vec![true; own.len()];
     part.mass(&mut |i, j, m| {
@@ -144,7 +143,7 @@ impl Simulation {
     pub fn release(&mut self, what: Release, event: Option<&str>) -> Result<(), SimulationError> {
         let words = match what {
             Release::Constraint(c) => match self.model.contacts.get(c) {
-                Some(pair) if pair.method.is_bilateral() => format!("constraint {}", pair.name),
+                Some(pair) if pair.always_holds() => format!("constraint {}", pair.name),
                 Some(pair) => {
                     let reason = format!("{} is not a bilateral constraint, and cannot be released", pair.name);
                     return Err(SimulationError::Release(reason));
@@ -250,7 +249,7 @@ impl Simulation {
             self.system = system;
         }
         for (pair, &acts) in self.model.contacts.iter_mut().zip(&saved.acting.contacts) {
-            pair.method.set_acting(acts);
+            pair.acts = acts;
         }
         self.system.acting = saved.acting;
         self.set_has_rates(saved.has_rates);
@@ -276,16 +275,15 @@ impl Simulation {
         self.sudden = self.sudden_loads(&acting, Some(&self.system.acting));
         self.departures = self.departures_of(&acting, Some(&self.system.acting));
         self.check_jump(&prescribed)?;
-        let changed: Vec<usize> = (0..acting.contacts.len())
-            .filter(|&c| acting.contacts[c] == self.model.contacts[c].method.is_off())
-            .collect();
-        changed.iter().for_each(|&c| self.model.contacts[c].method.set_acting(acting.contacts[c]));
+        let changed: Vec<usize> =
+            (0..acting.contacts.len()).filter(|&c| acting.contacts[c] != self.model.contacts[c].acts).collect();
+        changed.iter().for_each(|&c| self.model.contacts[c].acts = acting.contacts[c]);
         self.support = support(&self.model, &acting);
         for c in changed {
-            let (acts, method) = (acting.contacts[c], &self.model.contacts[c].method);
+            let acts = acting.contacts[c];
             self.pressures[c].fill(0.0);
             self.mean_pressures.get_mut(c).into_iter().for_each(|pressures| pressures.fill(0.0));
-            self.active[c].fill(acts && method.is_bilateral());
+            self.active[c].fill(acts && self.model.contacts[c].always_holds());
             self.stored[c] = [0.0; 2];
             if acts {
                 self.begin_coupling(c)?;
@@ -300,45 +298,40 @@ impl Simulation {
     fn begin_coupling(&mut self, c: usize) -> Result<(), SimulationError> {
         let pair = &mut self.model.contacts[c];
         let q = &self.state.q;
-        let length = pair.method.length_scale();
+        let length = pair.term.length_scale();
         let rates = self.scheme.is_some();
         let begins =
             ContactStep { rates, reach: length, support: &self.support, ..at_rest(&self.state, self.clock.dt()) };
-        match &mut pair.method {
-            Coupling::Contact(method) => {
-                // What slid before has no meaning where the surfaces are now.
-                method.begin(&begins).map_err(StepError::from)?;
-                method.commit(q, &self.pressures[c], &self.active[c]);
-            }
-            Coupling::Bilateral(method) => {
-                method.begin(&begins).map_err(StepError::from)?;
-                let mut farthest = (0.0, None);
-                let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
-                let weights: Vec<f64> = (0..method.slot_count()).map(|slot| method.slot_weight(slot)).collect();
-                method
-                    .assemble(step, &self.pressures[c], &self.active[c], false, &mut |local| {
-                        let rows = &local.residual[3 * local.nodes.len()..];
-                        for (&slot, row) in local.slots.iter().zip(rows) {
-                            let distance = (row / weights[slot as usize]).abs();
-                            if distance > farthest.0 {
-                                farthest = (distance, local.nodes.first().copied());
-                            }
-                        }
-                    })
-                    .map_err(StepError::from)?;
-                if let (distance, Some(node)) = farthest
-                    && distance > length
-                {
-                    let (what, place) = (format!("constraint {}", pair.name), node_name(&self.model, node, q));
-                    return Err(SimulationError::Jump { what, place, distance, length });
+        let term = &mut pair.term;
+        if term.unilateral().is_some() {
+            // What slid before has no meaning where the surfaces are now.
+            term.begin(&begins).map_err(StepError::from)?;
+            term.commit(&At::end(q, &self.pressures[c], &self.active[c]));
+        }
+        if term.bilateral().is_some() {
+            term.begin(&begins).map_err(StepError::from)?;
+            let mut farthest = (0.0, None);
+            let weights: Vec<f64> = (0..term.slot_count()).map(|slot| term.slot_weight(slot)).collect();
+            term.assemble(&At::end(q, &self.pressures[c], &self.active[c]), false, &mut |local| {
+                let rows = &local.residual[3 * local.nodes.len()..];
+                for (&slot, row) in local.slots.iter().zip(rows) {
+                    let distance = (row / weights[slot as usize]).abs();
+                    if distance > farthest.0 {
+                        farthest = (distance, local.nodes.first().copied());
+                    }
                 }
+            })
+            .map_err(StepError::from)?;
+            if let (distance, Some(node)) = farthest
+                && distance > length
+            {
+                let (what, place) = (format!("constraint {}", pair.name), node_name(&self.model, node, q));
+                return Err(SimulationError::Jump { what, place, distance, length });
             }
-            Coupling::Potential(of) => {
-                // Springs that were stretched before have no meaning where the surfaces are now.
-                of.0.load_history(&[]).map_err(StepError::from)?;
-                self.stored[c][0] = of.0.energy(q).map_err(StepError::from)?;
-            }
-            Coupling::Off(_) => {}
+        } else if term.potential().is_some() {
+            // Springs that were stretched before have no meaning where the surfaces are now.
+            term.load_history(&[]).map_err(StepError::from)?;
+            self.stored[c][0] = term.energy(q).map_err(StepError::from)?;
         }
         Ok(())
     }

@@ -3,10 +3,10 @@
 use super::Simulation;
 use crate::assembly::no_auxiliaries;
 use crate::system::FeSystem;
-use crate::{ContactPair, StepError};
-use stoss_contact::{Step as ContactStep, StepConfiguration as ContactConfiguration};
+use crate::{Coupling, StepError};
 use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, State, StepConfiguration, StepRule, start};
 use stoss_linalg::{MatrixKind, vector};
+use stoss_term::{At, Step as ContactStep, StepConfiguration as ContactConfiguration};
 
 /// Largest motion of a vector along the velocities, in multiples of a length of the model, over which constraint functions are differenced twice. For quadratic
 /// and cubic functions the difference is exact.
@@ -46,7 +46,7 @@ impl Simulation {
         let mut fe = FeSystem { model, system, pressures, auxiliaries: &auxiliaries, active };
         fe.add_force(at, ForceRule::END_POINT, None, &mut force)?;
         let mut constraint = vec![0.0; n];
-        let others = |pair: &ContactPair| !acts_always(pair);
+        let others = |pair: &Coupling| !acts_always(pair);
         self.add_coupling_force(others, &mut constraint)?;
         let mut rhs: Vec<f64> = constraint.iter().zip(&force).map(|(c, f)| c - f).collect();
         if self.system.has_damping {
@@ -86,21 +86,21 @@ impl Simulation {
         let auxiliaries = no_auxiliaries(&self.model);
         let dt = self.clock.dt();
         let Self { model, state, pressures, active, support, .. } = self;
-        for (c, pair) in model.contacts.iter_mut().enumerate() {
+        for (c, pair) in model.couplings_mut() {
             let step = ContactStep { rates: rule.has_inertia(), support, ..at_rest(state, dt) };
-            let reach = 0.5 * pair.method.length_scale();
-            pair.method.begin(&ContactStep { reach, ..step })?;
-            pair.method.renew(&state.q, &pressures[c], &auxiliaries[c], &active[c], false)?;
+            let reach = 0.5 * pair.term.length_scale();
+            pair.term.begin(&ContactStep { reach, ..step })?;
+            pair.term.renew(&At::end(&state.q, &pressures[c], &active[c]).with_auxiliaries(&auxiliaries[c]), false)?;
         }
         Ok(())
     }
 
     /// Adds `G^T p` of some couplings at the present state.
-    fn add_coupling_force(&self, which: impl Fn(&ContactPair) -> bool, out: &mut [f64]) -> Result<(), StepError> {
+    fn add_coupling_force(&self, which: impl Fn(&Coupling) -> bool, out: &mut [f64]) -> Result<(), StepError> {
         let q = &self.state.q;
         let step = ContactConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
-        for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| which(pair)) {
-            pair.method.assemble(step, &self.pressures[c], &self.active[c], false, &mut |local| {
+        for (c, pair) in self.model.couplings().filter(|(_, pair)| which(pair)) {
+            pair.term.assemble(&step.at(&self.pressures[c], &self.active[c]), false, &mut |local| {
                 for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                     let first = 3 * node as usize;
                     out[first..first + 3].iter_mut().zip(residual).for_each(|(out, r)| *out -= r);
@@ -115,13 +115,13 @@ impl Simulation {
     fn solve_with_constraints(&mut self, rhs: &mut [f64], a: &mut [f64]) -> Result<(), StepError> {
         let others: Vec<usize> =
             (0..self.model.contacts.len()).filter(|&c| !acts_always(&self.model.contacts[c])).collect();
-        let on: Vec<bool> = self.model.contacts.iter().map(|pair| !pair.method.is_off()).collect();
+        let on: Vec<bool> = self.model.contacts.iter().map(|pair| pair.acts).collect();
         for &c in &others {
-            self.model.contacts[c].method.set_acting(false);
+            self.model.contacts[c].acts = false;
         }
         let result = self.solve_saddle_point(rhs, a);
         for &c in &others {
-            self.model.contacts[c].method.set_acting(on[c]);
+            self.model.contacts[c].acts = on[c];
         }
         result
     }
@@ -139,7 +139,7 @@ impl Simulation {
         let auxiliaries = no_auxiliaries(model);
         system.begin_pattern(model, &active)?;
         let speed = state.v.chunks_exact(3).map(|v| v[0].hypot(v[1]).hypot(v[2])).fold(0.0, f64::max);
-        let lengths = model.contacts.iter().filter(|pair| acts_always(pair)).map(|pair| pair.method.length_scale());
+        let lengths = model.contacts.iter().filter(|pair| acts_always(pair)).map(|pair| pair.term.length_scale());
         let small = MOTION * lengths.fold(f64::INFINITY, f64::min);
         // What the constraints exert at zero multipliers: springs, friction and motors of joints.
         let mut at_zero = vec![0.0; forces.len()];
@@ -148,8 +148,8 @@ impl Simulation {
             let mut q = state.q.clone();
             vector::axpy(distance, &state.v, &mut q);
             model.embedding.follow(&mut q);
-            for (c, pair) in model.contacts.iter_mut().enumerate() {
-                pair.method.renew(&q, &zeros[c], &auxiliaries[c], &active[c], tangent)?;
+            for (c, pair) in model.couplings_mut() {
+                pair.term.renew(&At::end(&q, &zeros[c], &active[c]).with_auxiliaries(&auxiliaries[c]), tangent)?;
             }
             let at = StepConfiguration { time: state.time, dt: 0.0, q_n: &state.q, q_np1: &q };
             let mut fe = FeSystem { model, system, pressures: &zeros, auxiliaries: &auxiliaries, active: &active };
@@ -200,6 +200,6 @@ pub(super) fn at_rest(state: &State, dt: f64) -> ContactStep<'_> {
 }
 
 /// A bilateral constraint that is not switched off.
-fn acts_always(pair: &ContactPair) -> bool {
-    pair.method.is_bilateral() && !pair.method.is_off()
+fn acts_always(pair: &Coupling) -> bool {
+    pair.bilateral().is_some()
 }

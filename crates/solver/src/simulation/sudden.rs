@@ -23,14 +23,15 @@ impl Simulation {
 
     /// What to do about loads that are applied in full at the start if a step failed at every size, as the end of a sentence.
     pub(super) fn undivided(&self, cause: &StepError) -> String {
-        let deforms = matches!(
-            cause,
-            StepError::Solid(_)
-                | StepError::NotConverged { .. }
-                | StepError::InsideOut { .. }
-                | StepError::ActiveSet { .. }
-                | StepError::Cycling { .. }
-        );
+        let is_undefined = matches!(cause, StepError::Term(fault) if fault.is_undefined());
+        let deforms = is_undefined
+            || matches!(
+                cause,
+                StepError::NotConverged { .. }
+                    | StepError::InsideOut { .. }
+                    | StepError::ActiveSet { .. }
+                    | StepError::Cycling { .. }
+            );
         let names: Vec<&str> = self.loads_at_once().iter().map(|&l| self.model.loads[l].name.as_str()).collect();
         if !deforms || names.is_empty() {
             return String::new();

@@ -109,7 +109,7 @@ impl Simulation {
         let now = &self.balance;
         let gain = work + now.contact - before.contact;
         let energy = now.largest_energy;
-        let length = self.model.contacts.iter().map(|pair| pair.method.length_scale()).fold(0.0, f64::max);
+        let length = self.model.contacts.iter().map(|pair| pair.term.length_scale()).fold(0.0, f64::max);
         // Energy of motions that are not resolved.
         let nothing = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION * self.system.stiffness_force * length;
         let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(CONTACT_ADDED);

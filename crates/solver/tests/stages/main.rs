@@ -4,7 +4,6 @@ mod ramps;
 mod unstable;
 
 use std::sync::Arc;
-use stoss_contact::{ContactError, GradientRule, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_nts::{NodeToSurface, NodeToSurfaceOptions};
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_integrators::{EnergyMomentum, GeneralisedAlpha, Midpoint, Scheme, Trapezoidal};
@@ -15,9 +14,10 @@ use stoss_mesh::generate::Block;
 use stoss_multibody::{ConstraintSet, Embedded, Equation, QuadraticsBuilder, RigidBody, RigidMass};
 use stoss_newton::NewtonOptions;
 use stoss_solver::{
-    Body, ContactPair, Coupling, DecisionKind, FirstStage, InsideOutRule, Load, LoadKind, Model, Prescription, Release,
-    Settings, Simulation, SimulationError, Stage, StepControl, Switches, Table,
+    Body, Coupling, DecisionKind, FirstStage, InsideOutRule, Load, LoadKind, Model, Prescription, Release, Settings,
+    Simulation, SimulationError, Stage, StepControl, Switches, Table,
 };
+use stoss_term::{At, Fault, GradientRule, Local, Potential, Term};
 
 const GRAVITY: f64 = 10.0;
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -158,9 +158,10 @@ fn contact_carries_over_from_statics() {
         let (slave, master) = (facets(&upper, "bottom", count), facets(&lower, "top", 0));
         let method =
             NodeToSurface::new("floor", &slave, &master, &model.reference, NodeToSurfaceOptions::default()).unwrap();
-        let pair = ContactPair {
+        let pair = Coupling {
             name: "floor".into(),
-            method: Coupling::contact(method),
+            acts: true,
+            term: Box::new(method),
             complementarity: 2000.0,
             restitution: None,
         };
@@ -316,8 +317,7 @@ fn pendulum(mass: RigidMass, spin: [f64; 3]) -> (Model, RigidBody) {
     let pin = ConstraintSet::new("pin", 1.0, vec![Equation::each(pin.build())]);
     let couplings = [("rigidity", body.constraints()), ("pin", pin)];
     for (name, constraints) in couplings {
-        let method = Coupling::bilateral(constraints);
-        model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restitution: None });
+        model.contacts.push(Coupling::new(name, constraints, 1.0));
     }
     let kind = LoadKind::Dead { patterns: vec![vec![(2, body.mass().mass)]] };
     model.loads.push(Load { name: "gravity".into(), kind, magnitude: Table::constant(&[-GRAVITY]) });
@@ -537,27 +537,20 @@ struct Spring {
     stiffness: f64,
 }
 
-impl Potential for Spring {
+impl Term for Spring {
     fn name(&self) -> &str {
         "spring"
     }
     fn length_scale(&self) -> f64 {
         1.0
     }
-    fn begin(&mut self, _step: &Step<'_>) -> Result<(), ContactError> {
-        Ok(())
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        visit(&[self.node], &[]);
     }
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        visit(&[self.node]);
-    }
-    fn assemble(
-        &self,
-        step: StepConfiguration<'_>,
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalContribution),
-    ) -> Result<(), ContactError> {
-        let theta = if step.rule == GradientRule::EndPoint { 1.0 } else { 0.5 };
-        let mut local = LocalContribution { nodes: vec![self.node], ..LocalContribution::default() };
+    fn assemble(&self, step: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = step.rule.constraint() else { return Ok(()) };
+        let theta = if rule == GradientRule::EndPoint { 1.0 } else { 0.5 };
+        let mut local = Local { nodes: vec![self.node], ..Local::default() };
         local.reset(want_tangent);
         for i in 0..3 {
             let at = 3 * self.node as usize + i;
@@ -570,12 +563,20 @@ impl Potential for Spring {
         visit(&local);
         Ok(())
     }
-    fn energy(&self, q: &[f64]) -> Result<f64, ContactError> {
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
         let first = 3 * self.node as usize;
         let square: f64 = (0..3).map(|i| (q[first + i] - self.anchor[i]).powi(2)).sum();
         Ok(0.5 * self.stiffness * square)
     }
+    fn potential(&self) -> Option<&dyn Potential> {
+        Some(self)
+    }
+    fn potential_mut(&mut self) -> Option<&mut dyn Potential> {
+        Some(self)
+    }
 }
+
+impl Potential for Spring {}
 
 /// The centre of a rigid body on a spring: it hangs, swings as `cos(omega t)`, and flies on when the spring is switched off.
 #[test]
@@ -586,10 +587,8 @@ fn potentials_are_switched_with_their_energy() {
     model.velocity.extend([0.0; 12]);
     let stiffness = 50.0;
     let spring = Spring { node: 0, anchor: [0.3, 0.0, 0.0], stiffness };
-    let couplings = [("rigidity", Coupling::bilateral(body.constraints())), ("spring", Coupling::potential(spring))];
-    for (name, method) in couplings {
-        model.contacts.push(ContactPair { name: name.into(), method, complementarity: 1.0, restitution: None });
-    }
+    model.contacts.push(Coupling::new("rigidity", body.constraints(), 1.0));
+    model.contacts.push(Coupling::new("spring", spring, 1.0));
     model.parts.push(Box::new(body));
     let off = || Switches { contacts: vec![1], ..Switches::default() };
     let dynamics = || -> Option<Box<dyn Scheme>> { Some(Box::new(EnergyMomentum)) };
@@ -633,8 +632,7 @@ fn contact_comes_back() {
     let (slave, master) = (facets(&upper, "bottom", count), facets(&lower, "top", 0));
     let method =
         NodeToSurface::new("floor", &slave, &master, &model.reference, NodeToSurfaceOptions::default()).unwrap();
-    let method = Coupling::contact(method);
-    model.contacts.push(ContactPair { name: "floor".into(), method, complementarity: 2000.0, restitution: None });
+    model.contacts.push(Coupling::new("floor", method, 2000.0));
     let scheme = || -> Option<Box<dyn Scheme>> { Some(Box::new(EnergyMomentum)) };
     let off = Switches { contacts: vec![0], ..Switches::default() };
     let mut simulation = Simulation::staged(model, settings(scheme(), 0.01, 0.05), later(off)).unwrap();

@@ -10,8 +10,8 @@ use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
 use crate::scene::{Closing, ContactMethod, Enforcement, Scene, split_set};
 use crate::solver::Model;
-use stoss_contact::Support;
 use stoss_reference_element::{FacePiece, FacetNodes};
+use stoss_term::Support;
 
 /// One side of a contact.
 #[derive(Clone, Default, PartialEq)]

@@ -8,7 +8,7 @@ use super::joined::held_of;
 use super::tie::Ties;
 use super::{ContactPlan, FrictionPlan, Joined, Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split_set};
-use crate::solver::{ContactPair, Coupling, Model};
+use crate::solver::{Coupling, Model};
 use std::collections::BTreeSet;
 use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interactions};
 use stoss_mesh::BOUNDARY;
@@ -108,10 +108,7 @@ fn contact(
     warnings.extend(without_effect(scene, table, placed, has_rates, has_friction));
     let options = GeneralOptions { thickness, damping: table.damping, slip_velocity: table.slip_velocity };
     match GeneralContact::new(NAME, skin, rules.clone(), options) {
-        Ok(contact) => {
-            let method = Coupling::potential(contact);
-            model.contacts.push(ContactPair { name: NAME.to_owned(), method, complementarity: 0.0, restitution: None });
-        }
+        Ok(contact) => model.contacts.push(Coupling::new(NAME, contact, 0.0)),
         Err(error) => {
             problems.add(
                 "general_contact".into(),

@@ -3,11 +3,11 @@
 use super::pair::PairInput;
 use super::{ContactPlan, Problems};
 use crate::scene::{Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Slip};
-use crate::solver::{ContactPair, Coupling, Model};
+use crate::solver::{Coupling, Model};
 use stoss_contact::friction::Stick;
-use stoss_contact::{Report as _, Support};
 use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule};
 use stoss_integrators::GradientRule;
+use stoss_term::{Support, Term as _};
 
 /// Adds the contact to the model; reports what is wrong.
 pub(super) fn contact(
@@ -139,9 +139,10 @@ pub(super) fn contact(
                 };
             }
             let plan = pair.plan(&method, Constraint::Standard, plan);
-            model.contacts.push(ContactPair {
+            model.contacts.push(Coupling {
                 name: item.label(),
-                method: Coupling::contact(method),
+                acts: true,
+                term: Box::new(method),
                 complementarity,
                 restitution: pair.restitution(),
             });

@@ -5,10 +5,11 @@ use super::pair::PairInput;
 use super::sides::{arch, are_curved_alike};
 use super::{ContactPlan, Problems};
 use crate::scene::{Constraint, Enforcement as Enforced, OverlapAtStart};
-use crate::solver::{ContactPair, Coupling, Model};
-use stoss_contact::{ContactLine, Enforcement, Report as _};
+use crate::solver::{Coupling, Model};
+use stoss_contact::{ContactLine, Enforcement};
 use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
 use stoss_mesh::BOUNDARY;
+use stoss_term::Term;
 
 /// Adds the contact to the model; reports what is wrong.
 pub(super) fn contact(
@@ -64,7 +65,7 @@ pub(super) fn contact(
             }
         };
     }
-    let method = match item.method {
+    let term: Box<dyn Term> = match item.method {
         crate::scene::ContactMethod::Cat => {
             if let Some(scheme) = super::friction::scheme_elsewhere(pair) {
                 let message = format!("is not available with the scheme `{scheme}`");
@@ -73,12 +74,13 @@ pub(super) fn contact(
                 problems.add(key, "cat", message, format!("use `nts`, or one of the schemes {schemes}"));
                 return None;
             }
-            Coupling::contact(CoordinateAugmented::new(method, augmentation(item)))
+            Box::new(CoordinateAugmented::new(method, augmentation(item)))
         }
-        _ => Coupling::contact(method),
+        _ => Box::new(method),
     };
-    let plan = pair.plan(&*method, constraint, plan);
-    model.contacts.push(ContactPair { name: item.label(), method, complementarity, restitution: pair.restitution() });
+    let plan = pair.plan(&*term, constraint, plan);
+    let restitution = pair.restitution();
+    model.contacts.push(Coupling { name: item.label(), term, acts: true, complementarity, restitution });
     Some(plan)
 }
 

@@ -7,9 +7,9 @@ use crate::points::Points;
 use crate::scene::{Closing, Constraint, ContactMethod, Enforcement, GapAtClosing, Integrals, Scene, split_set};
 use crate::solver::Model;
 use std::collections::BTreeSet;
-use stoss_contact::{Auxiliary, Hold, Overlap, Step, Support};
 use stoss_mesh::Mesh;
 use stoss_reference_element::{FacePiece, FacetNodes};
+use stoss_term::{Auxiliary, Hold, Overlap, Step, Support, Term};
 
 /// One contact of a scene, its surfaces found.
 pub(super) struct PairInput<'a> {
@@ -61,12 +61,7 @@ impl PairInput<'_> {
     }
 
     /// What the contact will be computed with.
-    pub fn plan(
-        &self,
-        method: &dyn stoss_contact::Constraint,
-        constraint: Constraint,
-        friction: Option<FrictionPlan>,
-    ) -> ContactPlan {
+    pub fn plan(&self, method: &dyn Term, constraint: Constraint, friction: Option<FrictionPlan>) -> ContactPlan {
         let item = self.item;
         ContactPlan {
             name: item.label(),
@@ -89,7 +84,7 @@ impl PairInput<'_> {
     /// Looks at the initial gaps; returns the factor of the complementarity function.
     pub fn prepare(
         &self,
-        method: &mut dyn stoss_contact::ContactMethod,
+        method: &mut dyn Term,
         constraint: Constraint,
         model: &Model,
         problems: &mut Problems<'_>,
@@ -110,7 +105,7 @@ impl PairInput<'_> {
         };
         let reference_gap = self.reference_gap(problems);
         let becomes = reference_gap.overlap;
-        if let Some(own) = method.reference_gap_mut() {
+        if let Some(own) = method.unilateral_mut().and_then(|of| of.reference_gap_mut()) {
             own.set(reference_gap);
         }
         if let Err(error) = method.begin(&begins) {

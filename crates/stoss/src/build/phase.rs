@@ -6,8 +6,8 @@
 use crate::scene::{Integrator, Kind, Scene};
 use crate::solver::Model;
 use std::collections::BTreeSet;
-use stoss_contact::Support;
 use stoss_integrators::GradientRule;
+use stoss_term::Support;
 
 /// A stage; of a scene without stages the whole run.
 #[derive(Clone, Debug)]

@@ -9,9 +9,8 @@ use super::supports;
 use crate::scene::{Extremum, Quantity, Scene};
 use crate::solver::{Model, Simulation, SurfaceForce};
 use std::collections::BTreeSet;
-use stoss_contact::JointReport;
 use stoss_fe_solid::MaterialPoint;
-use stoss_part::{ForceRule, LocalForce, PartStep};
+use stoss_term::{At, ForceRule, JointReport, Local};
 
 /// Where a probe looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -177,18 +176,18 @@ impl Probe {
             [] => state.q.clone(),
             v => state.q.iter().zip(v).map(|(q, v)| q - v).collect(),
         };
-        let (rule, has_rates) = (ForceRule::Configuration { theta: 1.0 }, !simulation.is_static());
-        let step = PartStep { q_n: &before, q_np1: &state.q, rule, dt: 1.0, has_rates };
+        let rates = !simulation.is_static();
+        let at = At { rates, ..At::force([&before, &state.q], ForceRule::END_POINT, 1.0) };
         let mut sum = [0.0; 3];
         for &support in supports {
-            let mut add = |local: &LocalForce| {
-                for (node, force) in local.vectors.iter().zip(local.residual.chunks_exact(3)) {
+            let mut add = |local: &Local| {
+                for (node, force) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                     if nodes.binary_search(node).is_ok() {
                         sum.iter_mut().zip(force).for_each(|(s, f)| *s -= f);
                     }
                 }
             };
-            if simulation.model().parts[support].assemble(step, false, &mut add).is_err() {
+            if simulation.model().parts[support].assemble(&at, false, &mut add).is_err() {
                 return [f64::NAN; 3];
             }
         }
@@ -198,7 +197,7 @@ impl Probe {
     /// What the joint does; nothing once it is released or switched off.
     fn joint(&self, simulation: &Simulation) -> Option<JointReport> {
         let ProbeTarget::Joint(place) = self.target else { return None };
-        simulation.model().contacts[place].method.joint(&simulation.state().q, &simulation.mean_pressures()[place])
+        simulation.model().contacts[place].joint(&simulation.state().q, &simulation.mean_pressures()[place])
     }
 
     /// Of a rigid body.
@@ -206,7 +205,7 @@ impl Probe {
         let ProbeTarget::Part(part, _) = self.target else { return [f64::NAN; 3] };
         let part = &simulation.model().parts[part];
         let directions = part.own_vectors().filter(|&vector| part.is_direction(vector));
-        stoss_part::angular_velocity(directions, &simulation.state().q, &simulation.state().v)
+        stoss_term::angular_velocity(directions, &simulation.state().q, &simulation.state().v)
     }
 
     /// Where contact forces act on the surface rather than on the nodes that carry them.

@@ -3,7 +3,7 @@
 use super::Problems;
 use super::pair::PairInput;
 use crate::scene::{ClosingFriction as Closing, OverlapAtStart};
-use stoss_contact::{ClosingFriction, Overlap, ReferenceGapOptions};
+use stoss_term::{ClosingFriction, Overlap, ReferenceGapOptions};
 
 impl PairInput<'_> {
     /// What the scene says of them; reports what the stages in which the contact acts do not allow.

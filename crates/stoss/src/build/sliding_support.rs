@@ -4,7 +4,7 @@ use super::Problems;
 use super::condition::InclinedPrescription;
 use super::schedule::Named;
 use crate::scene::Scene;
-use crate::solver::{ContactPair, Coupling, Model, Prescription, SlidingSupport, Table};
+use crate::solver::{Coupling, Model, Prescription, SlidingSupport, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Sine of the angle below which a direction follows from others.
@@ -46,9 +46,10 @@ pub(super) fn add(
             continue;
         };
         names.push((item, Named::Contact(model.contacts.len())));
-        model.contacts.push(ContactPair {
+        model.contacts.push(Coupling {
             name,
-            method: Coupling::bilateral(support),
+            acts: true,
+            term: Box::new(support),
             complementarity: 1.0,
             restitution: None,
         });

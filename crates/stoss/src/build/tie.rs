@@ -8,13 +8,11 @@ use super::placed::Placed;
 #[cfg(feature = "mortar")]
 use super::placed::Shape;
 use crate::scene::Scene;
-#[cfg(feature = "mortar")]
-use crate::solver::Coupling;
-use crate::solver::{ContactPair, Model};
+use crate::solver::{Coupling, Model};
 use std::collections::BTreeSet;
-#[cfg(feature = "mortar")]
-use stoss_contact::Support;
 use stoss_reference_element::FacetNodes;
+#[cfg(feature = "mortar")]
+use stoss_term::Support;
 
 /// A tie of a larger share of its slave surface leaves nothing free but round-off, and slivers of curved rims.
 #[cfg(feature = "mortar")]
@@ -27,7 +25,7 @@ const WHOLLY_TIED: f64 = 0.999;
     allow(dead_code, reason = "for contacts, which are not built in")
 )]
 pub(super) struct Ties {
-    pub pairs: Vec<ContactPair>,
+    pub pairs: Vec<Coupling>,
     pub surfaces: Vec<[BTreeSet<FacetNodes>; 2]>,
     pub tied: BTreeSet<u32>,
 }
@@ -172,9 +170,10 @@ fn made(
             found.map(|(_, facets)| facets.into_iter().collect()).unwrap_or_default()
         };
         ties.surfaces.push([traced(&item.slave, problems), traced(&item.master, problems)]);
-        ties.pairs.push(ContactPair {
+        ties.pairs.push(Coupling {
             name: item.label(),
-            method: Coupling::bilateral(tie),
+            acts: true,
+            term: Box::new(tie),
             complementarity: 1.0,
             restitution: None,
         });

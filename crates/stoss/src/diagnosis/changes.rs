@@ -74,7 +74,7 @@ impl Closing {
             let reports = simulation.contact_report(c).ok()?;
             let gaps = reports.iter().zip(active).filter(|(_, active)| **active).filter_map(|(report, _)| report.gap);
             let depth = -gaps.fold(0.0, f64::min);
-            (depth > NO_GAP * case.model().contacts[c].method.length_scale()).then_some(depth)
+            (depth > NO_GAP * case.model().contacts[c].term.length_scale()).then_some(depth)
         };
         Self {
             closes: !is_closed && changes,

@@ -3,9 +3,9 @@
 use super::case::Case;
 use super::motion::{Motions, motions, null_space};
 use crate::scene::split_set;
-use crate::solver::{Coupling, Model};
+use crate::solver::Model;
 use std::collections::BTreeSet;
-use stoss_contact::{GradientRule, StepConfiguration};
+use stoss_term::{GradientRule, StepConfiguration};
 
 /// What moves as a rigid body: a solid, or a part with vectors of its own.
 pub(super) struct Member {
@@ -63,12 +63,12 @@ pub(super) fn members(case: &Case<'_>) -> Vec<Member> {
         case.scene.supports.iter().enumerate().map(|(s, item)| item.part_name(s)).collect();
     let springs = model.parts.iter().filter(|part| part.own_vectors().is_empty() && !supports.contains(part.name()));
     for part in springs {
-        part.stencils(&mut |vectors| elastic.extend_from_slice(vectors));
+        part.stencils(&[], &mut |vectors, _| elastic.extend_from_slice(vectors));
     }
     let mut layered: Vec<u32> = Vec::new();
-    for pair in model.contacts.iter().filter(|pair| matches!(pair.method, Coupling::Potential(_))) {
-        let active = vec![true; pair.method.slot_count()];
-        pair.method.stencils(&active, &mut |nodes, _| layered.extend_from_slice(nodes));
+    for pair in model.contacts.iter().filter(|pair| pair.potential().is_some()) {
+        let active = vec![true; pair.term.slot_count()];
+        pair.term.stencils(&active, &mut |nodes, _| layered.extend_from_slice(nodes));
     }
     for node in elastic {
         if let Some(m) = member_of(model, &list, node) {
@@ -169,13 +169,13 @@ pub(super) fn bilateral(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
     let q = &case.simulation.state().q;
     let mut rows = Vec::new();
     for (pair, active) in case.model().contacts.iter().zip(case.simulation.active()) {
-        if !pair.method.is_bilateral() || pair.method.is_off() {
+        if !pair.always_holds() || !pair.acts {
             continue;
         }
         let pressures = vec![0.0; active.len()];
         let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
         // What cannot be evaluated here stopped the run with an error of its own.
-        let _ = pair.method.assemble(step, &pressures, active, true, &mut |local| {
+        let _ = pair.term.assemble(&step.at(&pressures, active), true, &mut |local| {
             let (n, dim) = (3 * local.nodes.len(), local.dim());
             for slot in 0..local.slots.len() {
                 let entries = &local.tangent[(n + slot) * dim..(n + slot) * dim + n];

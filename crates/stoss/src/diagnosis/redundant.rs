@@ -22,8 +22,8 @@ fn held_directions(case: &Case<'_>) -> BTreeMap<u32, Vec<[f64; 3]>> {
         }
     }
     for pair in &case.model().contacts {
-        let slots = 0..pair.method.slot_count();
-        for guide in slots.filter_map(|slot| pair.method.supported_node(slot, case.simulation.state().time)) {
+        let slots = 0..pair.term.slot_count();
+        for guide in slots.filter_map(|slot| pair.supported_node(slot, case.simulation.state().time)) {
             held.entry(guide.node).or_default().push(guide.direction);
         }
     }
@@ -68,7 +68,7 @@ pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
         let label = &pair.name;
         let place = Where { pair: Some(label.clone()), ..case.place() };
         // What closes in the step that failed is not known: all points count that are near enough to be in it.
-        let near = |k: usize| active[k] || points[k].gap.is_some_and(|gap| gap <= pair.method.length_scale());
+        let near = |k: usize| active[k] || points[k].gap.is_some_and(|gap| gap <= pair.term.length_scale());
         let near: Vec<usize> = (0..points.len().min(active.len())).filter(|&k| near(k)).collect();
         let of_supports: BTreeSet<u32> = near
             .iter()
@@ -76,8 +76,8 @@ pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
             .filter(|point| held.get(&point.node).is_some_and(|held| follows(point.normal, held)))
             .map(|point| point.node)
             .collect();
-        let failed_support = (0..case.model().contacts[failed].method.slot_count())
-            .filter_map(|slot| case.model().contacts[failed].method.supported_node(slot, 0.0))
+        let failed_support = (0..case.model().contacts[failed].term.slot_count())
+            .filter_map(|slot| case.model().contacts[failed].supported_node(slot, 0.0))
             .any(|guide| of_supports.contains(&guide.node));
         if !of_supports.is_empty() && (is_here || failed_support) {
             list.push(held_twice(case, c, &of_supports, place.clone()));
@@ -116,7 +116,7 @@ pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
 fn shared_nodes(case: &Case<'_>, failed: usize) -> Option<Finding> {
     let nodes = |c: usize| -> BTreeSet<u32> {
         let points = case.simulation.contact_report(c).unwrap_or_default();
-        let reach = case.model().contacts[c].method.length_scale();
+        let reach = case.model().contacts[c].term.length_scale();
         points.iter().filter(|point| point.gap.is_some_and(|gap| gap <= reach)).map(|point| point.node).collect()
     };
     let of_failed = nodes(failed);

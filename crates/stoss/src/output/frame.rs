@@ -59,9 +59,11 @@ impl ContactFields {
         };
         let (mut has_friction, mut has_slip) = (false, false);
         for (c, pair) in model.contacts.iter().enumerate() {
-            has_friction |= pair.method.has_friction();
-            let Some(method) = pair.method.as_contact() else { continue };
-            has_slip |= method.has_friction();
+            has_friction |= pair.term.has_friction();
+            if pair.unilateral().is_none() {
+                continue;
+            }
+            has_slip |= pair.term.has_friction();
             let (reports, pressures) = (simulation.contact_report(c)?, &simulation.mean_pressures()[c]);
             let size = |v: [f64; 2]| v[0].hypot(v[1]);
             let active = &simulation.active()[c];

@@ -24,7 +24,7 @@ fn driven(model: &Model) -> [bool; 3] {
 
 /// Whether nothing that acts between the bodies takes linear momentum, or angular momentum: what is joined to the ground gives it a part.
 fn kept(model: &Model) -> [bool; 2] {
-    let (pairs, parts) = (|| model.contacts.iter().map(|pair| &pair.method), || model.parts.iter());
+    let (pairs, parts) = (|| model.contacts.iter().map(|pair| &pair.term), || model.parts.iter());
     [
         pairs().all(|method| method.conserves_linear_momentum())
             && parts().all(|part| part.conserves_linear_momentum()),

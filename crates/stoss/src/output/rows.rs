@@ -92,11 +92,11 @@ impl Tables {
         let contacts = &simulation.model().contacts;
         let with_friction = |name: &str| settings.contacts.iter().any(|c| c.name == name && c.friction.is_some());
         let pairs: Vec<PairPlace> = (0..contacts.len())
-            .filter(|&place| !contacts[place].method.is_bilateral())
+            .filter(|&place| !contacts[place].always_holds())
             .map(|place| PairPlace {
                 place,
                 has_friction: with_friction(&contacts[place].name),
-                is_general: contacts[place].method.is_potential(),
+                is_general: contacts[place].is_potential(),
             })
             .collect();
         let has_contact = simulation.model().has_contact_pairs();
@@ -257,7 +257,7 @@ impl Tables {
                 // Two columns are there also of a joint without any.
                 let coordinates = coordinates.max(1);
                 let pair = &simulation.model().contacts[place];
-                match pair.method.joint(&simulation.state().q, &simulation.mean_pressures()[place]) {
+                match pair.joint(&simulation.state().q, &simulation.mean_pressures()[place]) {
                     Some(joint) => {
                         table.numbers(&joint.force).numbers(&joint.moment);
                         for k in 0..coordinates {

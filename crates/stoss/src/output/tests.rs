@@ -14,8 +14,8 @@ use stoss_mesh::Elements;
 use stoss_mesh::generate::Block;
 use stoss_mesh_io::{Field, VtuFrame, read_vtu, write_vtu_to};
 use stoss_newton::NewtonOptions;
-use stoss_part::Part;
 use stoss_solver::{Body, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_term::{Term, Vectors};
 use stoss_watch::{FindingKind, Severity};
 
 /// Four vectors without forces: a place and three directions.
@@ -25,10 +25,22 @@ struct Four {
     grounded: bool,
 }
 
-impl Part for Four {
+impl Term for Four {
     fn name(&self) -> &str {
         "four"
     }
+    fn conserves_linear_momentum(&self) -> bool {
+        !self.grounded
+    }
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
+    fn vectors(&self) -> Option<&dyn Vectors> {
+        Some(self)
+    }
+}
+
+impl Vectors for Four {
     fn own_vectors(&self) -> std::ops::Range<u32> {
         self.first..self.first + 4
     }
@@ -37,12 +49,6 @@ impl Part for Four {
     }
     fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
         (self.first..self.first + 4).for_each(|vector| visit(vector, vector, 1.0));
-    }
-    fn conserves_linear_momentum(&self) -> bool {
-        !self.grounded
-    }
-    fn length_scale(&self) -> f64 {
-        1.0
     }
 }
 

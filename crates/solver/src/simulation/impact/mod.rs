@@ -19,9 +19,9 @@ use law::{EnergyOnLine, Impulses, Rates, impulses};
 use response::Response;
 use rows::Row;
 use sliding::Sliding;
-use stoss_contact::{ContactWork, GradientRule, SlotKind, StepConfiguration};
 use stoss_integrators::{State, StepRule};
 use stoss_linalg::vector;
+use stoss_term::{GradientRule, SlotKind, StepConfiguration, Work};
 
 /// Closed slots of deformable bodies whose rate is below this part of the largest one of a closing so far are at rest: facets that turn change it in the second order.
 const AT_REST: f64 = 1e-3;
@@ -134,7 +134,7 @@ impl Simulation {
     pub(super) fn impact(
         &mut self,
         iterate: &Iterate,
-        of_pairs: &[ContactWork],
+        of_pairs: &[Work],
         rule: &StepRule,
         dt: f64,
         next: &mut State,
@@ -145,7 +145,7 @@ impl Simulation {
         let (rigid, largest) = (self.model.bodies.is_empty(), self.impacts.largest_rate);
         let closes = |c: usize| {
             let before = self.active[c].iter().zip(&iterate.active[c]);
-            self.model.contacts[c].method.is_bilateral() || before.into_iter().any(|(before, now)| *now && !before)
+            self.model.contacts[c].always_holds() || before.into_iter().any(|(before, now)| *now && !before)
         };
         let mut with_law = (0..self.model.contacts.len()).filter(|&c| self.model.contacts[c].restitution.is_some());
         if !rigid && largest == 0.0 && !with_law.any(closes) {
@@ -186,14 +186,12 @@ impl Simulation {
     fn is_closed(&self, iterate: &Iterate) -> bool {
         let pairs = self.model.contacts.iter().zip(&iterate.active).zip(&iterate.pressures);
         pairs.filter(|((pair, _), _)| pair.restitution.is_some()).any(|((pair, active), pressures)| {
-            match pair.method.as_contact() {
+            match pair.unilateral() {
                 Some(_) => active.contains(&true),
-                None if pair.method.has_limits() => {
-                    let is_closed =
-                        |slot: usize| pair.method.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0;
+                None => pair.bilateral().filter(|of| of.has_limits()).is_some_and(|of| {
+                    let is_closed = |slot: usize| of.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0;
                     (0..active.len()).any(|slot| active[slot] && is_closed(slot))
-                }
-                None => false,
+                }),
             }
         })
     }
@@ -202,7 +200,7 @@ impl Simulation {
     fn closed(&self, iterate: &Iterate, weight: f64, dt: f64, q: &[f64]) -> Result<Closed, StepError> {
         let mut closed = Closed::default();
         for (c, pair) in self.model.contacts.iter().enumerate() {
-            let Some(restitution) = pair.restitution.filter(|_| !pair.method.is_off()) else { continue };
+            let Some(restitution) = pair.restitution.filter(|_| pair.acts) else { continue };
             let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
             let mut add = |row: Row, slot: usize, settling: f64, is_new: bool| {
                 if !row.is_zero() {
@@ -217,15 +215,15 @@ impl Simulation {
                     closed.is_new.push(is_new);
                 }
             };
-            if let Some(method) = pair.method.as_contact() {
+            if let Some(method) = pair.unilateral() {
                 let carrying: Vec<bool> = active.iter().zip(pressures).map(|(active, p)| *active && *p > 0.0).collect();
                 method.constraint_gradients(q, &carrying, &mut |slot, nodes, gradient| {
                     let row = Row::new(&self.model.embedding, nodes, gradient, 1.0);
                     add(row, slot, method.settling(slot), !self.active[c][slot]);
                 })?;
-            } else if pair.method.has_limits() {
+            } else if let Some(of) = pair.bilateral().filter(|of| of.has_limits()) {
                 self.bilateral_rows(c, iterate, q, &mut |slot, nodes, gradient| {
-                    if pair.method.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0 {
+                    if of.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0 {
                         // The row is minus the gradient of the gap where the multiplier is positive.
                         let row = Row::new(&self.model.embedding, nodes, gradient, -pressures[slot].signum());
                         add(row, slot, 0.0, self.pressures[c][slot] == 0.0);
@@ -246,13 +244,17 @@ impl Simulation {
     ) -> Result<(), StepError> {
         let at_end = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
         let (multipliers, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
-        self.model.contacts[c].method.assemble_with(at_end, multipliers, auxiliaries, active, true, &mut |local| {
-            let (dim, coordinates) = (local.dim(), 3 * local.nodes.len());
-            for (k, &slot) in local.slots.iter().enumerate() {
-                let first = (coordinates + k) * dim;
-                visit(slot as usize, &local.nodes, &local.tangent[first..first + coordinates]);
-            }
-        })?;
+        self.model.contacts[c].term.assemble(
+            &at_end.at(multipliers, active).with_auxiliaries(auxiliaries),
+            true,
+            &mut |local| {
+                let (dim, coordinates) = (local.dim(), 3 * local.nodes.len());
+                for (k, &slot) in local.slots.iter().enumerate() {
+                    let first = (coordinates + k) * dim;
+                    visit(slot as usize, &local.nodes, &local.tangent[first..first + coordinates]);
+                }
+            },
+        )?;
         Ok(())
     }
 
@@ -260,11 +262,9 @@ impl Simulation {
     fn held(&self, iterate: &Iterate, q: &[f64]) -> Result<Held, StepError> {
         let mut held = Held::default();
         for (c, pair) in self.model.contacts.iter().enumerate() {
-            if !pair.method.is_bilateral() || pair.method.is_off() {
-                continue;
-            }
+            let Some(of) = pair.bilateral() else { continue };
             self.bilateral_rows(c, iterate, q, &mut |slot, nodes, gradient| {
-                let kind = pair.method.slot_kind(slot);
+                let kind = of.slot_kind(slot);
                 if matches!(kind, SlotKind::Equation | SlotKind::Driven) {
                     let row = Row::new(&self.model.embedding, nodes, gradient, 1.0);
                     if !row.is_zero() {
@@ -282,7 +282,7 @@ impl Simulation {
     fn closing_work(
         &self,
         iterate: &Iterate,
-        of_pairs: &[ContactWork],
+        of_pairs: &[Work],
         rule: &StepRule,
         q: &[f64],
     ) -> Result<Vec<f64>, StepError> {
@@ -295,13 +295,17 @@ impl Simulation {
             }
             let (pressures, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
             let mut work = of_pairs[c].friction_work - of_pairs[c].driven;
-            pair.method.assemble_with(configuration, pressures, auxiliaries, active, false, &mut |local| {
-                for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
-                    let first = 3 * node as usize;
-                    let moved = (0..3).map(|i| residual[i] * (q[first + i] - self.state.q[first + i]));
-                    work -= moved.sum::<f64>();
-                }
-            })?;
+            pair.term.assemble(
+                &configuration.at(pressures, active).with_auxiliaries(auxiliaries),
+                false,
+                &mut |local| {
+                    for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                        let first = 3 * node as usize;
+                        let moved = (0..3).map(|i| residual[i] * (q[first + i] - self.state.q[first + i]));
+                        work -= moved.sum::<f64>();
+                    }
+                },
+            )?;
             closings[c] = (-work).max(0.0);
         }
         Ok(closings)

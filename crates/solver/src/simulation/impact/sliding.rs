@@ -5,8 +5,8 @@ use super::rows::Row;
 use crate::StepError;
 use crate::assembly::Iterate;
 use crate::simulation::Simulation;
-use stoss_contact::StepConfiguration;
 use stoss_integrators::StepRule;
+use stoss_term::StepConfiguration;
 
 /// Friction of a closed slot.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ impl Simulation {
         let configuration = StepConfiguration { q_n: &self.state.q, q_np1: q, rule: rule.constraint.rule };
         let mut sliding = Vec::new();
         for (c, pair) in self.model.contacts.iter().enumerate() {
-            let Some(method) = pair.method.as_contact().filter(|method| method.has_friction()) else { continue };
+            let Some(method) = pair.unilateral().filter(|_| pair.term.has_friction()) else { continue };
             let own: Vec<usize> =
                 (0..closed.rows.len()).filter(|&k| closed.slots[k].0 == c && !closed.is_deformable[k]).collect();
             if own.is_empty() {
@@ -55,16 +55,20 @@ impl Simulation {
             }
             let way = method.surface_way();
             let mut is_slave = vec![false; self.model.node_count()];
-            pair.method.report(q)?.iter().for_each(|report| is_slave[report.node as usize] = true);
+            pair.term.report(q)?.iter().for_each(|report| is_slave[report.node as usize] = true);
             let (pressures, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
             let mut forces = vec![[0.0; 3]; active.len()];
-            pair.method.assemble_with(configuration, pressures, auxiliaries, active, false, &mut |local| {
-                let [slot] = local.slots[..] else { return };
-                let of_slaves = local.nodes.iter().zip(local.residual.chunks_exact(3));
-                for (_, residual) in of_slaves.filter(|(node, _)| is_slave[**node as usize]) {
-                    (0..3).for_each(|i| forces[slot as usize][i] -= residual[i]);
-                }
-            })?;
+            pair.term.assemble(
+                &configuration.at(pressures, active).with_auxiliaries(auxiliaries),
+                false,
+                &mut |local| {
+                    let [slot] = local.slots[..] else { return };
+                    let of_slaves = local.nodes.iter().zip(local.residual.chunks_exact(3));
+                    for (_, residual) in of_slaves.filter(|(node, _)| is_slave[**node as usize]) {
+                        (0..3).for_each(|i| forces[slot as usize][i] -= residual[i]);
+                    }
+                },
+            )?;
             let carrying: Vec<bool> =
                 (0..active.len()).map(|slot| own.iter().any(|&k| closed.slots[k].1 == slot)).collect();
             method.constraint_gradients(q, &carrying, &mut |slot, nodes, gradient| {

@@ -15,11 +15,10 @@ use super::phase::Phases;
 use super::placed::Placed;
 use super::{Drawing, Problems};
 use crate::scene::{Coupling, Kind, Scene};
-use crate::solver::{ContactPair, Model};
+use crate::solver::Model;
 use std::collections::BTreeMap;
-use stoss_contact::{Bilateral, Report as _};
 use stoss_multibody::{Beam, ConstraintSet, ElasticString, PointMass, RigidBody};
-use stoss_part::Part as _;
+use stoss_term::{Bilateral as _, Term};
 
 pub(super) use motion::{fix, prescribe_rigid};
 
@@ -116,8 +115,7 @@ pub(super) fn constraints(
     support::supports(scene, placed, model, problems);
 }
 
-fn push(model: &mut Model, constraint: impl Bilateral + 'static) {
+fn push(model: &mut Model, constraint: impl Term + 'static) {
     let name = constraint.name().to_owned();
-    let method = crate::solver::Coupling::bilateral(constraint);
-    model.contacts.push(ContactPair { name, method, complementarity: 1.0, restitution: None });
+    model.contacts.push(crate::solver::Coupling::new(name, constraint, 1.0));
 }

@@ -6,8 +6,8 @@ use crate::build::phase::Phases;
 use crate::scene::Scene;
 use crate::solver::Model;
 use std::collections::BTreeSet;
-use stoss_contact::Support;
 use stoss_multibody::{ConstraintSet, Equations, Joint, Weights, analyse};
+use stoss_term::Support;
 
 /// Warns of redundant joints and makes their multipliers determined; reports contradictions. Once for each set of prescribed motions that act together in a stage, and once without any, if
 /// some are released.

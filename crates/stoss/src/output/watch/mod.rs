@@ -169,7 +169,7 @@ impl RunWatch {
             described: described.to_vec(),
             contacts,
             driven,
-            has_links: simulation.model().contacts.iter().any(|pair| pair.method.is_bilateral()),
+            has_links: simulation.model().contacts.iter().any(|pair| pair.always_holds()),
             parts,
             round,
             closed: vec![0.0; simulation.model().contacts.len()],
@@ -256,14 +256,14 @@ impl RunWatch {
     /// The bodies that contact brings together in a step.
     fn acting(&self, simulation: &Simulation, record: &StepRecord) -> Vec<Acting> {
         let Some(summary) = &record.contact else { return Vec::new() };
-        let pairs = simulation.model().contacts.iter().enumerate().filter(|(_, pair)| !pair.method.is_bilateral());
+        let pairs = simulation.model().contacts.iter().enumerate().filter(|(_, pair)| !pair.always_holds());
         let mut found = Vec::new();
         for (k, (c, pair)) in pairs.enumerate() {
-            let has_friction = pair.method.has_friction();
+            let has_friction = pair.term.has_friction();
             let of_pair = &summary.pairs[c];
             let is_mortar = self.described.get(k).is_some_and(|plan| plan.method == ContactMethod::Mortar.name());
             let is_round = |bodies: [usize; 2]| bodies.map(|body| !is_mortar && self.round.contains(&body));
-            if pair.method.is_potential() {
+            if pair.is_potential() {
                 let part = |body: u32| self.parts.get(body as usize).copied().flatten();
                 let acting = summary.bodies.iter().filter(|of| of.active > 0 && of.bodies[0] != of.bodies[1]);
                 found.extend(acting.filter_map(|of| {
@@ -331,7 +331,7 @@ impl RunWatch {
         if record.step == 0 {
             return Ok(());
         }
-        let pairs = simulation.model().contacts.iter().enumerate().filter(|(_, pair)| !pair.method.is_bilateral());
+        let pairs = simulation.model().contacts.iter().enumerate().filter(|(_, pair)| !pair.always_holds());
         for (k, ((c, pair), described)) in pairs.zip(&self.described).enumerate() {
             let (pressures, active) = (&simulation.pressures()[c], &simulation.active()[c]);
             let points: Vec<ContactPoint> = (simulation.contact_report(c)?.iter().enumerate())
@@ -349,7 +349,7 @@ impl RunWatch {
                     }),
                 })
                 .collect();
-            let edge = pair.method.length_scale();
+            let edge = pair.term.length_scale();
             let contact = ContactState {
                 name: &pair.name,
                 bodies: self.contacts.get(k).copied().flatten(),
@@ -435,9 +435,9 @@ impl RunWatch {
 
 /// Gaps that the contacts that act keep in place of zero, of those with bodies on both sides.
 fn kept_gaps(simulation: &Simulation, bodies: &[Option<[usize; 2]>]) -> Vec<KeptGaps> {
-    let pairs = simulation.model().contacts.iter().filter(|pair| !pair.method.is_bilateral());
+    let pairs = simulation.model().contacts.iter().filter(|pair| !pair.always_holds());
     let of = pairs.zip(bodies).filter_map(|(pair, bodies)| {
-        let gap = pair.method.as_contact()?.reference_gap()?;
+        let gap = pair.unilateral()?.reference_gap()?;
         let rows: Vec<[f64; 3]> = (gap.times().into_iter())
             .map(|time| {
                 let [least, most] = gap.range(time);

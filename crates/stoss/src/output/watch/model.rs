@@ -72,10 +72,12 @@ pub(super) fn watched(facet: &FacetNodes) -> WatchFacet {
 fn ties(model: &Model, points: &Points, bodies: &[WatchBody]) -> Vec<TiedPair> {
     let body_of = |point: u32| bodies.iter().position(|body| body.nodes.contains(&point));
     let mut ties: Vec<TiedPair> = Vec::new();
-    for pair in model.contacts.iter().filter(|pair| pair.method.holds_surfaces_together()) {
+    for pair in
+        model.contacts.iter().filter(|pair| pair.term.bilateral().is_some_and(|of| of.holds_surfaces_together()))
+    {
         // A constraint may hand out its nodes one by one.
         let mut nodes_of_slot: BTreeMap<u32, BTreeSet<(usize, u32)>> = BTreeMap::new();
-        pair.method.stencils(&vec![true; pair.method.slot_count()], &mut |nodes, slots| {
+        pair.term.stencils(&vec![true; pair.term.slot_count()], &mut |nodes, slots| {
             for &slot in slots {
                 let points = nodes.iter().map(|&node| points.place(node));
                 let known = points.filter_map(|point| Some((body_of(point)?, point)));

@@ -8,9 +8,9 @@ use std::sync::Arc;
 
 use common::{ACTIVE, OPEN, assembled, assembled_with, path, resultants, second_step, standard};
 use stoss_contact::friction::{Coulomb, Friction as Rough, MidpointFriction, Stick};
-use stoss_contact::{Auxiliary, Constraint, ContactMethod, ContactWork, GradientRule, History, StepConfiguration};
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
 use stoss_tensor::{Tensor2, Vector3};
+use stoss_term::{At, Auxiliary, GradientRule, StepConfiguration, Term, Unilateral, Work};
 
 use super::super::check::{Bound, Check};
 use super::super::derivatives::{self, Worst};
@@ -83,7 +83,7 @@ impl Path {
         (Self { q, rule: self.rule, stepping: self.stepping }, rotation)
     }
 
-    fn run<M: ContactMethod>(&self, method: M) -> M {
+    fn run<M: Term + Unilateral>(&self, method: M) -> M {
         second_step(method, &self.q, self.rule, STEP, BEFORE)
     }
 
@@ -105,15 +105,15 @@ impl Path {
         self.forces(m).iter().zip(&without).map(|(a, b)| a - b).collect()
     }
 
-    fn work(&self, m: &NodeToSurface, active: &[bool]) -> Outcome<ContactWork> {
-        Ok(m.work(&self.q[2], &[PRESSURE, 0.0, 0.0, 0.0], active)?)
+    fn work(&self, m: &NodeToSurface, active: &[bool]) -> Outcome<Work> {
+        Ok(m.work(&At::end(&self.q[2], &[PRESSURE, 0.0, 0.0, 0.0], active))?)
     }
 
     /// Auxiliaries at the foot, those of the first slot off it by `off`.
     fn start(&self, m: &CoordinateAugmented, q: &[f64], off: &[f64]) -> Outcome<Vec<f64>> {
         let mut values = vec![0.0; m.slot_count() * m.auxiliaries().len()];
         let step = StepConfiguration { q_n: &self.q[1], q_np1: q, rule: self.rule };
-        m.start_auxiliaries(step, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE, &mut values)?;
+        m.start_auxiliaries(&step.at(&[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE), &mut values)?;
         for (value, off) in values.iter_mut().zip(off).take(m.auxiliaries().len()) {
             *value += off;
         }
@@ -222,7 +222,10 @@ fn multipliers(checks: &mut Vec<Check>) -> Outcome<()> {
                     // A second step that turns the whole: no slip.
                     let rigid = turned(path, &mut random);
                     let mut m = rigid.exact(mu)?;
-                    m.renew(&rigid.q[2], &[PRESSURE, 0.0, 0.0, 0.0], &values, &ACTIVE, false)?;
+                    m.renew(
+                        &At::end(&rigid.q[2], &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE).with_auxiliaries(&values),
+                        false,
+                    )?;
                     let done = rigid.work(&m, &ACTIVE)?;
                     let traction = multiplier[0].hypot(multiplier[1]);
                     work.see(done.friction_work.abs() / traction, at);

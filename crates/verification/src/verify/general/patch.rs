@@ -1,9 +1,9 @@
 //! Two flat faces: how uniform the pressure of the layer is at a given gap, and in blocks that are pressed together.
 
-use stoss_contact::{GradientRule, LocalContribution, Potential, Step, StepConfiguration};
 use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interaction, Interactions, Layer, Skin, SkinFacet};
 use stoss_geometry::{PairKind, closest};
 use stoss_reference_element::FacetNodes;
+use stoss_term::{At, GradientRule, Local, Step, StepConfiguration, Term};
 
 use super::judge::run;
 use super::scene::{Body, Scene};
@@ -90,12 +90,12 @@ fn with_guards(faces: &mut Faces) -> Outcome<Vec<f64>> {
     let lifted: Vec<f64> =
         q.iter().enumerate().map(|(k, x)| if k % 3 == 2 && k / 3 >= *lower { x + THICKNESS } else { *x }).collect();
     contact.begin(&Step::quasi_static(&lifted, 1.0))?;
-    contact.renew(q)?;
-    contact.commit(q);
+    contact.renew(&At::end(q, &[], &[]), true)?;
+    contact.commit(&At::end(q, &[], &[]));
     contact.begin(&Step::quasi_static(q, 1.0))?;
-    contact.renew(q)?;
+    contact.renew(&At::end(q, &[], &[]), true)?;
     let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
-    contact.assemble(step, false, &mut |local: &LocalContribution| {
+    contact.assemble(&step.at(&[], &[]), false, &mut |local: &Local| {
         for (k, &node) in local.nodes.iter().enumerate() {
             force[node as usize] += local.residual[3 * k + 2];
         }

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
-use stoss_contact::{Constraint, GradientRule, LocalContribution, Step, StepConfiguration};
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace, SlipMeasure};
 use stoss_tensor::Vector3;
 use stoss_tensor::nalgebra::Rotation3;
+use stoss_term::{At, GradientRule, Local, Step, StepConfiguration, Term};
 
 use super::super::Findings;
 use super::super::check::{Bound, Check};
@@ -78,10 +78,10 @@ fn forces(
 ) -> Outcome<Vec<f64>> {
     let active = [true; SLAVE];
     method.begin(&Step { reach: 0.5, ..Step::new(q_n, rule, 0.1) })?;
-    method.renew(q, &[], &[], &active, true)?;
+    method.renew(&At::end(q, &[], &active), true)?;
     let mut force = vec![0.0; 3 * NODES];
     let step = StepConfiguration { q_n, q_np1: q, rule };
-    method.assemble(step, pressures, &active, false, &mut |local: &LocalContribution| {
+    method.assemble(&step.at(pressures, &active), false, &mut |local: &Local| {
         for (a, &n) in local.nodes.iter().enumerate() {
             (0..3).for_each(|i| force[3 * n as usize + i] += local.residual[3 * a + i]);
         }

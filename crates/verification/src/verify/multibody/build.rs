@@ -2,19 +2,17 @@
 
 use crate::verify::numbers::{apart, larger};
 use crate::workspace::Outcome;
-use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use stoss_contact::Bilateral;
-use stoss_integrators::{EnergyMomentum, ForceRule, Scheme};
+use stoss_integrators::{EnergyMomentum, Scheme};
 use stoss_linalg::AutoSolver;
 use stoss_multibody::{Beam, CoordinateOptions, Frame, Joint, JointKind, RigidBody, RigidMass};
 use stoss_newton::{LineSearch, NewtonOptions};
-use stoss_part::{LocalForce, Part, PartError, PartStep};
 use stoss_solver::{
-    Balance, ContactPair, Coupling, InsideOutRule, Load, LoadKind, Model, Prescription, Settings, Simulation,
-    StepControl, StepRecord, Table,
+    Balance, Coupling, InsideOutRule, Load, LoadKind, Model, Prescription, Settings, Simulation, StepControl,
+    StepRecord, Table,
 };
+use stoss_term::{At, Fault, ForceRule, Local, Term};
 
 /// The directions of space.
 pub const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -58,10 +56,11 @@ pub fn add_vectors(model: &mut Model, reference: &[[f64; 3]], velocity: &[[f64; 
 }
 
 /// Adds equations; returns their place.
-pub fn add_constraint(model: &mut Model, name: &str, constraint: impl Bilateral + 'static) -> usize {
-    model.contacts.push(ContactPair {
+pub fn add_constraint(model: &mut Model, name: &str, constraint: impl Term + 'static) -> usize {
+    model.contacts.push(Coupling {
         name: name.to_owned(),
-        method: Coupling::bilateral(constraint),
+        acts: true,
+        term: Box::new(constraint),
         complementarity: 1.0,
         restitution: None,
     });
@@ -246,22 +245,19 @@ impl Couple {
     }
 }
 
-impl Part for Couple {
+impl Term for Couple {
     fn name(&self) -> &str {
         "couple"
     }
 
-    fn own_vectors(&self) -> Range<u32> {
-        0..0
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        visit(&self.directors, &[]);
     }
 
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        visit(&self.directors);
-    }
-
-    fn assemble(&self, step: PartStep<'_>, want: bool, visit: &mut dyn FnMut(&LocalForce)) -> Result<(), PartError> {
-        let theta = if step.rule == ForceRule::END_POINT { 1.0 } else { 0.5 };
-        let mut local = LocalForce { vectors: self.directors.to_vec(), ..LocalForce::default() };
+    fn assemble(&self, step: &At<'_>, want: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = step.rule.force() else { return Ok(()) };
+        let theta = if rule == ForceRule::END_POINT { 1.0 } else { 0.5 };
+        let mut local = Local { nodes: self.directors.to_vec(), ..Local::default() };
         local.reset(want);
         let m = f64::from_bits(self.magnitude.load(Ordering::Relaxed)) / (2.0 * self.length * self.length);
         let [x, y, z] = self.axis.map(|a| -m * a);
@@ -283,10 +279,6 @@ impl Part for Couple {
 
     fn length_scale(&self) -> f64 {
         self.length
-    }
-
-    fn is_symmetric(&self) -> bool {
-        false
     }
 }
 

@@ -340,7 +340,7 @@ fn door(quick: bool, findings: &mut Findings) -> Outcome<()> {
         one.advance()?;
         let (q3, q1) = (three.state().q.clone(), one.state().q.clone());
         motion = q3.iter().zip(&q1).map(|(a, b)| (a - b).abs()).fold(motion, larger);
-        let rule = stoss_contact::GradientRule::DiscreteGradient;
+        let rule = stoss_term::GradientRule::DiscreteGradient;
         let force =
             |s: &Simulation, joint: &Joint, c: usize| joint.force(&start, &s.state().q, rule, &s.pressures()[c]).0;
         let sum = joints.iter().enumerate().map(|(k, joint)| force(&three, joint, first + k));

@@ -126,11 +126,11 @@ fn exactness(simulation: &Simulation) -> Outcome<Exactness> {
     let largest = simulation.pressures().iter().flatten().fold(0.0_f64, |most, p| most.max(*p));
     for (c, (pressures, closed)) in simulation.pressures().iter().zip(simulation.active()).enumerate() {
         let pair = &simulation.model().contacts[c];
-        if pair.method.as_contact().is_none() {
+        if pair.unilateral().is_none() {
             continue;
         }
         for (slot, report) in simulation.contact_report(c)?.iter().enumerate().filter(|(slot, _)| closed[*slot]) {
-            found.gap = larger(found.gap, report.gap.unwrap_or(0.0).abs() / pair.method.length_scale());
+            found.gap = larger(found.gap, report.gap.unwrap_or(0.0).abs() / pair.term.length_scale());
             if largest > 0.0 {
                 found.tension = larger(found.tension, -pressures[slot] / largest);
             }

@@ -1,15 +1,15 @@
-//! A part of one's own: two point masses with charges. Shown: the trait `Part` for vectors with a mass and forces with an energy; a model of this part alone,
+//! A term of one's own: two point masses with charges. Shown: the traits `Term`, for forces with an energy, and `Vectors`, for vectors with a mass; a model of this term alone,
 //! and its run. Checked: tangents against differences; work of the discrete gradient; energy, momenta and the place after one period of an elliptic orbit.
 //!
-//! `cargo run --example own_part -p stoss-solver`; docs/how-to-add/part.md explains it.
+//! `cargo run --example own_term -p stoss-solver`; docs/how-to-add/term.md explains it.
 
 use std::error::Error;
 use std::ops::Range;
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_newton::NewtonOptions;
-use stoss_part::{ForceRule, LocalForce, Part, PartError, PartStep};
 use stoss_solver::{InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_term::{At, Fault, ForceRule, Local, Term, Undefined, Vectors};
 
 /// Point masses `a` and `b` with the energy `V = c / l` at the distance `l = |b - a|`; `c` is a force times length^2, negative for charges that attract each other.
 #[derive(Clone, Debug)]
@@ -22,15 +22,15 @@ struct Charges {
 }
 
 /// `b - a` and its length.
-fn arm(part: &Charges, q: &[f64]) -> Result<([f64; 3], f64), PartError> {
-    let a = 3 * part.first as usize;
+fn arm(charges: &Charges, q: &[f64]) -> Result<([f64; 3], f64), Undefined> {
+    let a = 3 * charges.first as usize;
     let r: [f64; 3] = std::array::from_fn(|i| q[a + 3 + i] - q[a + i]);
     let length = r[0].hypot(r[1]).hypot(r[2]);
     if length > 0.0 {
         Ok((r, length))
     } else {
-        Err(PartError {
-            part: part.name().into(),
+        Err(Undefined {
+            term: charges.name().into(),
             reason: "the charges are at the same place: the energy is infinite".into(),
         })
     }
@@ -38,18 +38,18 @@ fn arm(part: &Charges, q: &[f64]) -> Result<([f64; 3], f64), PartError> {
 
 impl Charges {
     /// Force on `b` as a gradient, `s d`, and its derivative by the arm at the end of the step, `s theta I + d (x) ds`: `s`, `d`, `theta`, `ds`.
-    fn force(&self, step: PartStep<'_>) -> Result<(f64, [f64; 3], f64, [f64; 3]), PartError> {
+    fn force(&self, at: &At<'_>, rule: ForceRule) -> Result<(f64, [f64; 3], f64, [f64; 3]), Undefined> {
         let c = self.strength;
-        match step.rule {
+        match rule {
             ForceRule::Configuration { theta } => {
                 let between = |(a, b): (&f64, &f64)| (1.0 - theta) * a + theta * b;
-                let q: Vec<f64> = step.q_n.iter().zip(step.q_np1).map(between).collect();
+                let q: Vec<f64> = at.q_n.iter().zip(at.q_np1).map(between).collect();
                 let (r, l) = arm(self, &q)?;
                 Ok((-c / l.powi(3), r, theta, r.map(|r| theta * 3.0 * c * r / l.powi(5))))
             }
             // With s = (V_1 - V_0) / (l_1^2 - l_0^2) and d = r_0 + r_1 the work s d . (r_1 - r_0) is the change of the energy. The quotient is written without the differences.
             ForceRule::DiscreteGradient => {
-                let ((r_0, l_0), (r_1, l_1)) = (arm(self, step.q_n)?, arm(self, step.q_np1)?);
+                let ((r_0, l_0), (r_1, l_1)) = (arm(self, at.q_n)?, arm(self, at.q_np1)?);
                 let sum = l_0 + l_1;
                 let slope = c * (l_0 + 2.0 * l_1) / (l_0 * (l_1 * sum).powi(2));
                 let d = std::array::from_fn(|i| r_0[i] + r_1[i]);
@@ -59,29 +59,17 @@ impl Charges {
     }
 }
 
-impl Part for Charges {
+impl Term for Charges {
     fn name(&self) -> &str {
         "charges"
     }
-    fn own_vectors(&self) -> Range<u32> {
-        self.first..self.first + 2
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        visit(&[self.first, self.first + 1], &[]);
     }
-    fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
-        for (vector, mass) in self.own_vectors().zip(self.masses) {
-            visit(vector, vector, mass);
-        }
-    }
-    fn stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        visit(&[self.first, self.first + 1]);
-    }
-    fn assemble(
-        &self,
-        step: PartStep<'_>,
-        want_tangent: bool,
-        visit: &mut dyn FnMut(&LocalForce),
-    ) -> Result<(), PartError> {
-        let (s, d, theta, ds) = self.force(step)?;
-        let mut local = LocalForce { vectors: self.own_vectors().collect(), ..LocalForce::default() };
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = at.rule.force() else { return Ok(()) };
+        let (s, d, theta, ds) = self.force(at, rule)?;
+        let mut local = Local { nodes: self.own_vectors().collect(), ..Local::default() };
         local.reset(want_tangent);
         // The arm is b - a: the same with the sign of each end.
         let ends = [(0, -1.0), (3, 1.0)];
@@ -99,7 +87,7 @@ impl Part for Charges {
         visit(&local);
         Ok(())
     }
-    fn energy(&self, q: &[f64]) -> Result<f64, PartError> {
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
         Ok(self.strength / arm(self, q)?.1)
     }
     fn length_scale(&self) -> f64 {
@@ -108,6 +96,20 @@ impl Part for Charges {
     fn force_scale(&self) -> f64 {
         self.strength.abs()
     }
+    fn vectors(&self) -> Option<&dyn Vectors> {
+        Some(self)
+    }
+}
+
+impl Vectors for Charges {
+    fn own_vectors(&self) -> Range<u32> {
+        self.first..self.first + 2
+    }
+    fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
+        for (vector, mass) in self.own_vectors().zip(self.masses) {
+            visit(vector, vector, mass);
+        }
+    }
 }
 
 fn largest(differences: impl IntoIterator<Item = f64>) -> f64 {
@@ -115,13 +117,12 @@ fn largest(differences: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// Largest error of the tangent against differences, and of the work of the force against the change of the energy.
-fn errors(rule: ForceRule) -> Result<[f64; 2], PartError> {
-    let part = Charges { first: 0, masses: [1.0; 2], strength: 1.7 };
+fn errors(rule: ForceRule) -> Result<[f64; 2], Fault> {
+    let charges = Charges { first: 0, masses: [1.0; 2], strength: 1.7 };
     let (q_n, q) = ([0.1, -0.2, 0.3, 1.0, 0.4, -0.5], [0.3, -0.1, 0.2, 0.8, 0.9, -0.3]);
-    let at = |q_np1: &[f64]| -> Result<LocalForce, PartError> {
-        let mut made = LocalForce::default();
-        let step = PartStep { q_n: &q_n, q_np1, rule, dt: 1.0, has_rates: true };
-        part.assemble(step, true, &mut |local| made = local.clone())?;
+    let at = |q_np1: &[f64]| -> Result<Local, Fault> {
+        let mut made = Local::default();
+        charges.assemble(&At::force([&q_n, q_np1], rule, 1.0), true, &mut |local| made = local.clone())?;
         Ok(made)
     };
     let (made, h, mut worst) = (at(&q)?, 1e-6, 0.0_f64);
@@ -136,12 +137,12 @@ fn errors(rule: ForceRule) -> Result<[f64; 2], PartError> {
         worst = worst.max(largest((0..6).map(row)));
     }
     let work: f64 = (0..6).map(|i| made.residual[i] * (q[i] - q_n[i])).sum();
-    Ok([worst, work - (part.energy(&q)? - part.energy(&q_n)?)])
+    Ok([worst, work - (charges.energy(&q)? - charges.energy(&q_n)?)])
 }
 
 /// Two charges that attract each other, in an orbit with this eccentricity about their centre of mass, which moves.
 struct Orbit {
-    part: Charges,
+    charges: Charges,
     /// Places and velocities of both, where they are nearest to each other.
     start: [Vec<f64>; 2],
     period: f64,
@@ -160,13 +161,13 @@ fn orbit(eccentricity: f64) -> Orbit {
     let places = shares.iter().flat_map(|share| [share * nearest, 0.0, 0.0]).collect();
     let velocities = shares.iter().flat_map(|share| [drift[0], drift[1] + share * speed, drift[2]]).collect();
     let period = std::f64::consts::TAU * (axis.powi(3) / pull).sqrt();
-    Orbit { part: Charges { first: 0, masses, strength }, start: [places, velocities], period, drift }
+    Orbit { charges: Charges { first: 0, masses, strength }, start: [places, velocities], period, drift }
 }
 
 /// Distance of a charge from its place after one period (closed form: that at the start, moved with the centre of mass).
 fn miss(orbit: &Orbit, steps: u32) -> Result<f64, Box<dyn Error>> {
     let [reference, velocity] = orbit.start.clone();
-    let model = Model { reference, velocity, parts: vec![Box::new(orbit.part.clone())], ..Model::default() };
+    let model = Model { reference, velocity, parts: vec![Box::new(orbit.charges.clone())], ..Model::default() };
     let step = orbit.period / f64::from(steps);
     let settings = Settings {
         control: StepControl { step, end: orbit.period, max_cuts: 0, grow_after: 4, automatic: None },

@@ -1,6 +1,4 @@
-//! What contacts, ties, joints and potentials report at the end of a step.
-
-use crate::ContactError;
+//! What terms report at the end of a step.
 
 /// What a slot did at the end of a step, for output (signs: theory/node-to-surface#eq-gap).
 #[derive(Clone, Debug, PartialEq)]
@@ -113,10 +111,10 @@ pub struct Coverage {
     pub defect: f64,
 }
 
-/// Energy of the contact in a step, as far as it is not that of the bodies.
+/// Energies of a term in a step, as far as they are its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactWork {
-    /// Energy stored at the end of the step (normal and tangential springs).
+pub struct Work {
+    /// Energy stored at the end of the step.
     pub stored: f64,
     /// Energy dissipated in the step.
     pub dissipated: f64,
@@ -134,7 +132,7 @@ pub struct ContactWork {
     pub driven: f64,
 }
 
-impl Default for ContactWork {
+impl Default for Work {
     fn default() -> Self {
         Self {
             stored: 0.0,
@@ -148,7 +146,7 @@ impl Default for ContactWork {
     }
 }
 
-impl std::ops::AddAssign for ContactWork {
+impl std::ops::AddAssign for Work {
     fn add_assign(&mut self, other: Self) {
         self.stored += other.stored;
         self.dissipated += other.dissipated;
@@ -158,49 +156,4 @@ impl std::ops::AddAssign for ContactWork {
         self.driven += other.driven;
         self.closing = self.closing.zip(other.closing).map(|(a, b)| a + b);
     }
-}
-
-/// What a contact, a tie or a potential says of itself, for output and judgement.
-pub trait Report: Send + Sync + std::fmt::Debug {
-    /// Name for reports and error messages.
-    fn name(&self) -> &str;
-    /// Length of a facet of the slave, the unit of its gaps.
-    fn length_scale(&self) -> f64;
-    /// Whether the forces leave linear momentum as it is: they add up to zero. Not so where the ground takes a part of them.
-    fn conserves_linear_momentum(&self) -> bool {
-        true
-    }
-    /// Whether it holds surfaces together that lie on each other, as mesh ties do: then their nodes may be a little inside the other body.
-    fn holds_surfaces_together(&self) -> bool {
-        false
-    }
-    /// Whether the forces leave angular momentum as it is, under schemes that conserve it: their moments about any point add up to zero.
-    fn conserves_angular_momentum(&self) -> bool {
-        true
-    }
-    /// Whether it has limits: gaps of its own that close, though it always holds.
-    fn has_limits(&self) -> bool {
-        false
-    }
-    /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
-    fn verify(&self, _q_np1: &[f64]) -> Result<Coverage, ContactError> {
-        Ok(Coverage::default())
-    }
-    /// Checks at the end of a converged step that equations without an active slot hold: those of joints between things that cannot move, or move as prescribed. Of constraints that always hold only.
-    ///
-    /// # Errors
-    /// [`ContactError::Joint`] if the prescribed motion contradicts them.
-    fn verify_inactive(&self, _q_np1: &[f64], _active: &[bool]) -> Result<(), ContactError> {
-        Ok(())
-    }
-    /// What a joint does at the end of a step at `q`; `None` for everything else.
-    fn joint(&self, _q: &[f64], _multipliers: &[f64]) -> Option<JointReport> {
-        None
-    }
-    /// What a slot of a sliding support prescribes at a time; `None` for all other constraints.
-    fn supported_node(&self, _slot: usize, _time: f64) -> Option<SupportedNode> {
-        None
-    }
-    /// Gap, normal and feature of every slot at a configuration, for output and probes.
-    fn report(&self, q: &[f64]) -> Result<Vec<SlotReport>, ContactError>;
 }

@@ -3,7 +3,7 @@
 //! `g_ref = s(t) g_0 + d(t)`: `g_0 <= 0` is the overlap of a slot where its contact begins to act, `s` says what becomes of it, and `d >= 0` is an interference that the
 //! surfaces do not have as they are given. A method adds it to the gap that its closed slots have, and counts gaps beyond it.
 
-use crate::{ContactError, Step};
+use crate::Step;
 
 /// What becomes of an overlap of the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -203,25 +203,21 @@ impl ReferenceGap {
         out.extend(numbers.flat_map(f64::to_le_bytes));
     }
 
-    /// Restores what [`Self::save`] wrote at the beginning of `bytes`; returns the rest.
-    ///
-    /// # Errors
-    /// [`ContactError::History`] if there are not enough bytes for so many slots.
-    pub fn load<'b>(&mut self, bytes: &'b [u8], slots: usize) -> Result<&'b [u8], ContactError> {
-        let error = || ContactError::History { reason: "reference gaps of another contact".to_owned() };
-        let (count, rest) = bytes.split_first_chunk::<4>().ok_or_else(error)?;
-        let (flags, rest) = rest.split_first_chunk::<2>().ok_or_else(error)?;
+    /// Restores what [`Self::save`] wrote at the beginning of `bytes`; returns the rest. `None` if there are not enough bytes for so many slots.
+    pub fn load<'b>(&mut self, bytes: &'b [u8], slots: usize) -> Option<&'b [u8]> {
+        let (count, rest) = bytes.split_first_chunk::<4>()?;
+        let (flags, rest) = rest.split_first_chunk::<2>()?;
         let count = u32::from_le_bytes(*count) as usize;
         if count != 0 && count != slots {
-            return Err(error());
+            return None;
         }
-        let (numbers, rest) = rest.split_at_checked(8 * (3 + count)).ok_or_else(error)?;
+        let (numbers, rest) = rest.split_at_checked(8 * (3 + count))?;
         let mut numbers = numbers.as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes));
         (self.begun, self.ramped) = (flags[0] != 0, flags[1] != 0);
         let mut next = || numbers.next().unwrap_or_default();
         (self.from, self.until, self.time) = (next(), next(), next());
         self.start = (0..count).map(|_| next()).collect();
-        Ok(rest)
+        Some(rest)
     }
 }
 
@@ -316,6 +312,6 @@ mod tests {
         let mut other = of(gap.options().clone());
         assert_eq!(other.load(&bytes, 3).unwrap(), &[7]);
         assert_eq!(other, gap);
-        assert!(other.load(&bytes, 4).is_err() && other.load(&bytes[..20], 3).is_err());
+        assert!(other.load(&bytes, 4).is_none() && other.load(&bytes[..20], 3).is_none());
     }
 }

@@ -1,20 +1,7 @@
-//! What a constraint is evaluated at, and what it adds to the equations: rule, configurations, one dense contribution.
-
-use stoss_integrators::GradientRule;
-
-/// Positions that a step's evaluation may read. All slices have `3 * nodes` entries, node-major.
-#[derive(Clone, Copy, Debug)]
-pub struct StepConfiguration<'a> {
-    /// Converged positions at `n`.
-    pub q_n: &'a [f64],
-    /// Iterate of the positions at `n+1`.
-    pub q_np1: &'a [f64],
-    /// Rule of the scheme.
-    pub rule: GradientRule,
-}
+//! What a term adds to the equations: one dense contribution.
 
 /// A further unknown of a slot, beside its pressure. Each active slot of a method has the same list of them, see
-/// [`crate::Constraint::auxiliaries`]. What is measured in coordinates and multipliers is the method's; scaled to the units below
+/// [`crate::Term::auxiliaries`]. What is measured in coordinates and multipliers is the method's; scaled to the units below
 /// the rows can be judged together with the others, and the matrix keeps its balance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Auxiliary {
@@ -23,7 +10,7 @@ pub enum Auxiliary {
     /// A global unknown, a length or a traction. Its row is a weight (area) times a length, and counts as a constraint.
     Constraint,
     /// Eliminated in the linear equations of each iteration, but a part of the iterate: the contribution has neither row nor column of it, and
-    /// [`crate::Constraint::recover`] gives its increment.
+    /// [`crate::Term::recover`] gives its increment.
     Condensed,
 }
 
@@ -46,12 +33,12 @@ pub fn multipliers_of(slot: usize, count: usize, auxiliaries: &[f64]) -> [f64; 2
 /// `residual` has [`Self::dim`] entries, `tangent` is row-major `dim() x dim()`:
 /// `d residual / d (q_np1 of nodes, p of slots)`.
 #[derive(Clone, Debug, Default)]
-pub struct LocalContribution {
-    /// Global node numbers, each at most once.
+pub struct Local {
+    /// Numbers of nodes, or of other vectors, each at most once.
     pub nodes: Vec<u32>,
     /// Constraint slots, each at most once.
     pub slots: Vec<u32>,
-    /// Residual in the sign of theory/node-to-surface#eq-residual: minus the contact force; then `-A g`.
+    /// Residual: minus the force, which is `dV/dq` of an energy and theory/node-to-surface#eq-residual of a contact; then `-A g` of the slots.
     pub residual: Vec<f64>,
     /// Row-major tangent; empty or stale if the tangent was not asked for.
     pub tangent: Vec<f64>,
@@ -64,7 +51,7 @@ pub struct LocalContribution {
     pub shift: Vec<f64>,
 }
 
-impl LocalContribution {
+impl Local {
     /// Number of local unknowns.
     pub fn dim(&self) -> usize {
         3 * self.nodes.len() + self.slots.len() * (1 + self.auxiliaries)

@@ -1,6 +1,6 @@
 //! What constraints and potentials are told when a step begins.
 
-use crate::GradientRule;
+use stoss_integrators::GradientRule;
 
 /// What a constraint does to a node that it joins, as far as others have to know it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,202 @@
+//! Every term of shipped scenes through the trait alone: tangents, promises, work, histories. A new kind of term is tested by being in one of these scenes.
+
+use crate::support::simulation;
+use stoss::integrators::{ForceRule, GradientRule};
+use stoss::solver::{Model, Simulation};
+use stoss::term::check::{self, Derivative};
+use stoss::term::{At, Rule, SlotKind, Step, Term};
+
+/// Scenes, steps after which their terms are looked at, and the size of a motion against which their slots act then.
+const SCENES: [(&str, usize); 14] = [
+    ("ball-plate", 16),
+    ("block-impact-mortar", 12),
+    ("general-chain", 4),
+    ("general-contact", 30),
+    ("incline", 2),
+    ("resting-block", 3),
+    ("slide", 3),
+    ("tied-cantilever", 2),
+    ("tori-friction-03", 2),
+    ("trebuchet", 20),
+    ("trebuchet-event", 3),
+    ("two-blocks-cat", 34),
+    ("two-blocks-cat-full", 34),
+    ("two-blocks-friction", 34),
+];
+
+fn shipped(name: &str) -> Simulation {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).with_extension("toml");
+    simulation(&std::fs::read_to_string(path).unwrap())
+}
+
+/// A term where a run is, and a motion from there.
+struct Case<'a> {
+    name: String,
+    term: &'a mut dyn Term,
+    q_n: &'a [f64],
+    q_np1: &'a [f64],
+    multipliers: Vec<f64>,
+    auxiliaries: Vec<f64>,
+    active: Vec<bool>,
+    length: f64,
+    dt: f64,
+}
+
+/// Number of checks that were made and of those that a kink stood in the way of.
+#[derive(Debug, Default)]
+struct Count {
+    made: usize,
+    bent: usize,
+}
+
+impl Case<'_> {
+    fn at(&self, rule: Rule) -> At<'_> {
+        let (multipliers, active) = (&self.multipliers[..], &self.active[..]);
+        let at = At::constraint([self.q_n, self.q_np1], GradientRule::EndPoint, multipliers, active);
+        At { rule, dt: self.dt, rates: true, auxiliaries: &self.auxiliaries, ..at }
+    }
+
+    fn check(&mut self, rule: Rule, is_direction: &dyn Fn(u32) -> bool, count: &mut Count) {
+        let name = format!("{} {rule:?}", self.name);
+        if let Some(constraint) = rule.constraint() {
+            let reach = self.length;
+            let step = Step { reach, ..Step::new(self.q_n, constraint, self.dt) };
+            // A rule that a method does not have.
+            if self.term.begin(&step).is_err() {
+                return;
+            }
+            if let Some(method) = self.term.unilateral_mut() {
+                method.repair(self.q_np1, &self.active).unwrap();
+            }
+        }
+        self.auxiliaries = vec![0.0; self.term.slot_count() * self.term.auxiliaries().len()];
+        let mut started = self.auxiliaries.clone();
+        self.term.start_auxiliaries(&self.at(rule), &mut started).unwrap();
+        self.auxiliaries = started;
+        let Self { q_n, q_np1, multipliers, auxiliaries, active, length, dt, .. } = self;
+        let of = At::constraint([q_n, q_np1], GradientRule::EndPoint, multipliers, active);
+        let at = At { rule, dt: *dt, auxiliaries, ..of };
+        let traction = multipliers.iter().fold(1.0, |most: f64, p| most.max(p.abs()));
+        for seed in 0..3 {
+            let direction = check::direction(&*self.term, q_n.len() / 3, seed, *length, traction);
+            let Derivative { deviation, kink } = check::derivative(&mut *self.term, &at, &direction, 1e-6).unwrap();
+            count.made += 1;
+            // Where it is bent a difference tells nothing.
+            if kink > 1e-4 {
+                count.bent += 1;
+                continue;
+            }
+            assert!(deviation < 2e-6 + kink, "{name}: tangent {deviation:.1e}, kink {kink:.1e}");
+        }
+        let found = check::promises(&mut *self.term, &at, is_direction).unwrap();
+        assert!(found.is_pure && found.has_order, "{name}: {found:?}");
+        let is_gradient = check::is_discrete_gradient(rule);
+        assert!(!self.term.conserves_linear_momentum() || found.resultant < 1e-11, "{name}: {found:?}");
+        let turns =
+            is_gradient || matches!(rule, Rule::Constraint(GradientRule::Midpoint) | Rule::Force(ForceRule::MIDPOINT));
+        let keeps = turns && self.term.conserves_angular_momentum();
+        assert!(!keeps || found.moment < 1e-10, "{name}: {found:?}");
+        assert!(!self.term.is_symmetric(rule) || found.asymmetry < 1e-10, "{name}: {found:?}");
+        // What forces of energies do is what their energies change by, and what dampers take.
+        let has_energy = rule.force().is_some() || self.term.potential().is_some() && !self.term.has_friction();
+        if is_gradient && has_energy {
+            let work = self.term.work(&at).unwrap();
+            let change = work.stored - self.term.energy(q_n).unwrap() + work.dissipated;
+            let scale = found.work_scale.max(work.stored.abs());
+            assert!((found.work - change).abs() <= 1e-10 * scale, "{name}: {change:e} of {found:?}");
+        }
+        // What equations do is the change of their functions, times the multipliers.
+        if is_gradient && let Some(bilateral) = self.term.bilateral() {
+            let slots = 0..active.len();
+            let equations: Vec<bool> =
+                slots.map(|slot| active[slot] && bilateral.slot_kind(slot) == SlotKind::Equation).collect();
+            let rows = |q: &[f64]| {
+                let mut sum = 0.0;
+                let at = At { q_np1: q, active: &equations, ..at };
+                self.term
+                    .assemble(&at, false, &mut |local| {
+                        let rows = &local.residual[3 * local.nodes.len()..];
+                        local.slots.iter().zip(rows).for_each(|(&slot, row)| sum += multipliers[slot as usize] * row);
+                    })
+                    .unwrap();
+                sum
+            };
+            let (mut work, mut scale) = (0.0, 0.0);
+            self.term
+                .assemble(&At { active: &equations, ..at }, false, &mut |local| {
+                    for (&node, f) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                        for (i, f) in f.iter().enumerate() {
+                            let c = 3 * node as usize + i;
+                            work += f * (q_np1[c] - q_n[c]);
+                            scale += (f * q_np1[c]).abs();
+                        }
+                    }
+                })
+                .unwrap();
+            let change = rows(q_np1) - rows(q_n);
+            assert!((work - change).abs() <= 1e-10 * scale, "{name}: {work:e} {change:e} {scale:e}");
+        }
+        // Histories are what they were.
+        let history = self.term.save_history();
+        self.term.load_history(&history).unwrap();
+        assert_eq!(self.term.save_history(), history, "{name}");
+    }
+}
+
+/// Positions near `q`: rigid parts of a motion would not do, so every component moves by itself.
+fn moved(q: &[f64], length: f64) -> Vec<f64> {
+    q.iter().enumerate().map(|(k, x)| x + length * (1.7 * k as f64 + 0.3).sin()).collect()
+}
+
+#[test]
+fn terms_keep_what_the_trait_promises() {
+    let mut count = Count::default();
+    for (name, steps) in SCENES {
+        let mut run = shipped(name);
+        let mut dt = 0.0;
+        for _ in 0..steps {
+            dt = run.advance().unwrap_or_else(|e| panic!("{name}: {e}")).dt;
+        }
+        let q_n = run.state().q.clone();
+        let (pressures, active) = (run.pressures().to_vec(), run.active().to_vec());
+        let mut model = run.into_model();
+        let own: Vec<_> = model.parts.iter().map(|part| part.own_vectors()).collect();
+        let directions: Vec<u32> = (model.parts.iter().zip(&own))
+            .flat_map(|(part, own)| own.clone().filter(|&v| part.is_direction(v)).collect::<Vec<_>>())
+            .collect();
+        let is_direction = |node: u32| directions.contains(&node);
+        let Model { parts, contacts, embedding, .. } = &mut model;
+        for part in parts {
+            let length = 0.01 * part.length_scale();
+            let q_np1 = moved(&q_n, length);
+            let name = format!("{name}: {}", part.name());
+            let empty = (Vec::new(), Vec::new(), Vec::new());
+            let (multipliers, auxiliaries, active) = empty;
+            let (term, q_n, q_np1) = (&mut **part, &q_n[..], &q_np1[..]);
+            let mut case = Case { name, term, q_n, q_np1, multipliers, auxiliaries, active, length, dt };
+            for rule in [ForceRule::START, ForceRule::MIDPOINT, ForceRule::END_POINT, ForceRule::DiscreteGradient] {
+                case.check(Rule::Force(rule), &is_direction, &mut count);
+            }
+        }
+        for (c, pair) in contacts.iter_mut().enumerate().filter(|(_, pair)| pair.acts) {
+            let length = 1e-3 * pair.term.length_scale();
+            let mut q_np1 = moved(&q_n, length);
+            embedding.follow(&mut q_np1);
+            let (name, term) = (format!("{name}: {}", pair.name), &mut *pair.term);
+            let (multipliers, active) = (pressures[c].clone(), active[c].clone());
+            let (q_n, q_np1, auxiliaries) = (&q_n[..], &q_np1[..], Vec::new());
+            let mut case = Case { name, term, q_n, q_np1, multipliers, auxiliaries, active, length, dt };
+            for rule in [
+                GradientRule::StartPoint,
+                GradientRule::Midpoint,
+                GradientRule::EndPoint,
+                GradientRule::EndPointMean,
+                GradientRule::DiscreteGradient,
+            ] {
+                case.check(Rule::Constraint(rule), &is_direction, &mut count);
+            }
+        }
+    }
+    println!("{count:?}");
+    assert!(count.made > 300 && 10 * count.bent < count.made, "{count:?}");
+}
