@@ -358,6 +358,25 @@ impl MassMatrix {
         self.for_each_pair(entry);
     }
 
+    /// Visits the blocks of the mass: nodes, and a mass for each two of them, row-major. Elements in order (of a lumped mass node by node), then what nodes without mass hand to others.
+    pub fn visit(&self, visit: &mut dyn FnMut(&[u32], &[f64])) {
+        for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
+            let n = block.kind.node_count();
+            match self.kind {
+                MassKind::Consistent => {
+                    cells.iter().zip(block.values.chunks_exact(n * n)).for_each(|(nodes, block)| visit(nodes, block));
+                }
+                MassKind::Lumped => {
+                    let nodes = cells.nodes().iter().zip(&block.values);
+                    nodes.for_each(|(&node, &m)| visit(&[node], &[m]));
+                }
+            }
+        }
+        for &([i, j], m) in &self.pairs {
+            if i == j { visit(&[i], &[m]) } else { visit(&[i, j], &[0.0, m, m, 0.0]) }
+        }
+    }
+
     /// The same for the entries between nodes that carry others.
     fn for_each_pair(&self, mut entry: impl FnMut(usize, usize, f64)) {
         for &([i, j], m) in &self.pairs {
@@ -401,7 +420,7 @@ impl MassMatrix {
     }
 
     /// Adds `target.factor * M_IJ A` with a matrix `A` between the components to the global values; same stencils as the body's tangent.
-    pub fn add_blocks_to_tangent(&self, matrix: &[[f64; 3]; 3], mut target: TangentTarget<'_>) {
+    fn add_blocks_to_tangent(&self, matrix: &[[f64; 3]; 3], mut target: TangentTarget<'_>) {
         for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
             let first = cells.first() as usize;
             with_nodes!(block.kind, N => block.add_to_tangent::<N>(self.kind, first, matrix, &mut target));

@@ -10,13 +10,13 @@ use crate::numbering::Numbering;
 use crate::rows::{ClosedDiagonal, Rows};
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
-use crate::{LoadKind, Model, PhaseTime, StepError};
+use crate::{Load, Model, PhaseTime, StepError};
 use std::ops::Range;
 use std::sync::Arc;
 use stoss_fe_solid::{TangentTarget, Volumetric, Workspace};
 use stoss_integrators::{Buffers, EndPoint, Step};
 use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
-use stoss_term::{At, Auxiliary};
+use stoss_term::{At, Auxiliary, Term as _};
 
 /// Part of what a mass moves in a step under a force.
 const RIGID_COMPLIANCE: f64 = 1e-3;
@@ -31,6 +31,8 @@ pub(crate) struct System {
     pub solid_map: ScatterMap,
     /// First stencil of each body in `solid_map`; last entry: first of the loads that follow.
     pub first_stencil: Vec<usize>,
+    /// First stencil of each load.
+    pub first_load_stencil: Vec<usize>,
     /// First stencil of the parts' forces.
     pub first_part_stencil: usize,
     pub mass_values: Vec<f64>,
@@ -91,8 +93,6 @@ pub(crate) struct System {
     pub load_support: Vec<Range<usize>>,
     /// Dead loads of the step, empty if there are none (those that depend on the configuration go to `follower`).
     pub dead: Vec<f64>,
-    /// Vectors from the axis to the nodes, for centrifugal loads; empty without.
-    pub arms: Vec<f64>,
     /// Follower pressures, moments, centrifugal loads; empty without.
     pub follower: Vec<f64>,
     /// Largest norm of the forces that were summed up in the last evaluation.
@@ -306,14 +306,7 @@ pub(crate) fn with_nodes(ranges: &[Range<usize>], nodes: &[u32]) -> Vec<Range<us
 fn loaded(model: &Model) -> Vec<u32> {
     let mut nodes: Vec<u32> = Vec::new();
     for load in &model.loads {
-        match &load.kind {
-            LoadKind::Dead { patterns } => nodes.extend(patterns.iter().flatten().map(|&(component, _)| component / 3)),
-            LoadKind::FollowerPressure { facets } => nodes.extend(facets.iter().flat_map(|face| face.iter())),
-            // Directors have equations.
-            LoadKind::Moment { .. } => (),
-            // Nor are nodes of elements embedded.
-            LoadKind::Centrifugal { .. } => (),
-        }
+        load.stencils(&[], &mut |of, _| nodes.extend_from_slice(of));
     }
     nodes.retain(|&node| model.embedding.has(node));
     nodes.sort_unstable();
@@ -368,18 +361,12 @@ impl System {
             }
         }
         first_stencil.push(solids.starts.len());
-        let mut has_followers = false;
+        let has_followers = model.loads.iter().any(Load::follows);
+        let mut first_load_stencil = Vec::new();
         for load in &model.loads {
-            has_followers |= load.follows();
-            match &load.kind {
-                // The latter has the places of its body's elements.
-                LoadKind::Dead { .. } | LoadKind::Centrifugal { .. } => {}
-                LoadKind::FollowerPressure { facets } => {
-                    facets.iter().for_each(|facet| solids.push(|out| numbering.node_equations(facet, out)));
-                }
-                LoadKind::Moment { directors } => {
-                    directors.iter().for_each(|three| solids.push(|out| numbering.node_equations(three, out)));
-                }
+            first_load_stencil.push(solids.starts.len());
+            if load.follows() {
+                load.stencils(&[], &mut |nodes, _| solids.push(|out| numbering.node_equations(nodes, out)));
             }
         }
         let has_dead_loads = model.loads.iter().any(|load| !load.follows());
@@ -466,7 +453,6 @@ impl System {
             buffers: Buffers::with_own(components, own.clone(), dynamic, !model.contacts.is_empty()),
             own,
             dead: vec![0.0; if has_dead_loads { components } else { 0 }],
-            arms: Vec::new(),
             follower: vec![0.0; if has_followers { components } else { 0 }],
             force_scale: 0.0,
             gap_measure: 0.0,
@@ -480,6 +466,7 @@ impl System {
             groups,
             first_grouped,
             first_part_stencil,
+            first_load_stencil,
             mass_solver: None,
             rhs: vec![0.0; n],
             increment: vec![0.0; n],
@@ -555,7 +542,6 @@ impl System {
             + self.mass_values.capacity()
             + self.dead.capacity()
             + self.follower.capacity()
-            + self.arms.capacity()
             + self.base_increment.capacity()
             + self.linearised.capacity()
             + 2 * self.rhs.capacity();

@@ -21,7 +21,6 @@ mod anchored;
 mod assembly;
 mod balance;
 mod books;
-mod centrifugal;
 mod checkpoint;
 mod closed;
 mod control;

@@ -1,8 +1,10 @@
 //! Loads as functions of time.
 
 use crate::Table;
-use stoss_fe_solid::MassMatrix;
-use stoss_reference_element::FaceNodes;
+use crate::moment::moment_forces;
+use stoss_fe_solid::{MassMatrix, follower_pressure};
+use stoss_reference_element::{FaceNodes, MAX_FACE_NODES};
+use stoss_term::{At, Fault, Local, Rule, Term, Undefined};
 
 /// A load: nodal patterns of unit magnitude times a function of time, or a load that depends on the configuration: a follower pressure, a moment, a centrifugal force.
 #[derive(Clone, Debug)]
@@ -38,9 +40,7 @@ pub enum LoadKind {
     /// Centrifugal force `w^2 M P (q - c)` on a body in a frame that rotates with the angular velocity `w` (the magnitude) about an axis through `c`, with `P = I - n n^T`. Its
     /// potential is `-w^2/2 (q - c) . M P (q - c)`; Coriolis and Euler forces are not included.
     Centrifugal {
-        /// Number of the body.
-        body: usize,
-        /// Its mass.
+        /// The mass of the body.
         mass: MassMatrix,
         /// Unit vector `n` of the axis.
         axis: [f64; 3],
@@ -70,23 +70,9 @@ impl Load {
         directions
     }
 
-    /// Stencils that it has in the pattern beside those of the elements.
-    pub(crate) fn stencils(&self) -> usize {
-        match &self.kind {
-            LoadKind::Dead { .. } | LoadKind::Centrifugal { .. } => 0,
-            LoadKind::FollowerPressure { facets } => facets.len(),
-            LoadKind::Moment { directors } => directors.len(),
-        }
-    }
-
     /// Whether it depends on the configuration.
     pub fn follows(&self) -> bool {
         !matches!(self.kind, LoadKind::Dead { .. })
-    }
-
-    /// Whether its derivative with respect to the positions is symmetric.
-    pub(crate) fn is_symmetric(&self) -> bool {
-        matches!(self.kind, LoadKind::Dead { .. } | LoadKind::Centrifugal { .. })
     }
 
     /// True if the load has a potential that does not change in time.
@@ -94,17 +80,119 @@ impl Load {
         !self.follows() && self.magnitude.is_constant()
     }
 
-    /// Adds `factor` times the nodal forces of a dead load at a time; others add nothing here.
-    pub(crate) fn add_dead(&self, time: f64, factor: f64, force: &mut [f64]) {
-        if let LoadKind::Dead { patterns } = &self.kind {
-            for (column, pattern) in patterns.iter().enumerate() {
-                let magnitude = factor * self.magnitude.value(time, column);
-                if magnitude != 0.0 {
+    /// Adds `factor` times its forces at an iterate to a vector of the model.
+    pub(crate) fn add_force(&self, at: &At<'_>, factor: f64, out: &mut [f64]) -> Result<(), Fault> {
+        self.assemble(at, false, &mut |local| {
+            for (&node, r) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                let first = 3 * node as usize;
+                out[first..first + 3].iter_mut().zip(r).for_each(|(sum, r)| *sum -= factor * r);
+            }
+        })
+    }
+}
+
+/// A load has a force at a part of the step, `at.rule.force()` of it, and none between: its rule under discrete gradients is that of the midpoint.
+impl Term for Load {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// It has no length of its own.
+    fn length_scale(&self) -> f64 {
+        1.0
+    }
+
+    fn is_symmetric(&self, _rule: Rule) -> bool {
+        matches!(self.kind, LoadKind::Dead { .. } | LoadKind::Centrifugal { .. })
+    }
+
+    fn conserves_linear_momentum(&self) -> bool {
+        false
+    }
+
+    fn conserves_angular_momentum(&self) -> bool {
+        false
+    }
+
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        match &self.kind {
+            LoadKind::Dead { patterns } => {
+                patterns.iter().flatten().for_each(|&(component, _)| visit(&[component / 3], &[]));
+            }
+            LoadKind::FollowerPressure { facets } => facets.iter().for_each(|facet| visit(facet, &[])),
+            LoadKind::Moment { directors } => directors.iter().for_each(|three| visit(three, &[])),
+            LoadKind::Centrifugal { mass, .. } => mass.visit(&mut |nodes, _| visit(nodes, &[])),
+        }
+    }
+
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        let Some(rule) = at.rule.force() else { return Ok(()) };
+        let theta = rule.load_fraction();
+        let magnitude = |column: usize| self.magnitude.value(at.time + theta * at.dt, column);
+        let mut local = Local::default();
+        match &self.kind {
+            LoadKind::Dead { patterns } => {
+                for (column, pattern) in patterns.iter().enumerate() {
+                    let magnitude = magnitude(column);
                     for &(component, unit) in pattern {
-                        force[component as usize] += magnitude * unit;
+                        local.begin(&[component / 3], want_tangent);
+                        local.residual[component as usize % 3] = -magnitude * unit;
+                        visit(&local);
                     }
                 }
             }
+            LoadKind::Moment { directors } => {
+                let moment = [0, 1, 2].map(magnitude);
+                for three in directors {
+                    let places = three.map(|vector| at.between(theta, vector));
+                    let (force, derivative) = moment_forces(&places, moment).ok_or_else(|| Undefined {
+                        term: self.name.clone(),
+                        reason:
+                            "the directors of a loaded part turn by nearly half a turn in one step; use smaller steps"
+                                .to_owned(),
+                    })?;
+                    local.begin(three, want_tangent);
+                    local.residual.iter_mut().zip(force).for_each(|(r, f)| *r = -f);
+                    local.tangent.iter_mut().zip(derivative).for_each(|(t, d)| *t = -theta * d);
+                    visit(&local);
+                }
+            }
+            LoadKind::FollowerPressure { facets } => {
+                let pressure = magnitude(0);
+                for facet in facets {
+                    let mut places = [[0.0; 3]; MAX_FACE_NODES];
+                    places.iter_mut().zip(facet.iter()).for_each(|(x, &node)| *x = at.between(theta, node));
+                    let load = follower_pressure(facet.kind(), &places[..facet.len()], pressure);
+                    local.begin(facet, want_tangent);
+                    local.residual.iter_mut().zip(load.force().as_flattened()).for_each(|(r, f)| *r = -f);
+                    // d q_theta / d q_np1 = theta.
+                    local.tangent.iter_mut().zip(load.tangent()).for_each(|(t, d)| *t = -theta * d);
+                    visit(&local);
+                }
+            }
+            LoadKind::Centrifugal { mass, axis, about } => {
+                let square = magnitude(0).powi(2);
+                let across: [[f64; 3]; 3] =
+                    std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)) - axis[i] * axis[j]));
+                mass.visit(&mut |nodes, masses| {
+                    local.begin(nodes, want_tangent);
+                    let (n, dim) = (nodes.len(), 3 * nodes.len());
+                    for (b, &node) in nodes.iter().enumerate() {
+                        let x = at.between(theta, node);
+                        let arm = across.map(|row| (0..3).map(|i| row[i] * (x[i] - about[i])).sum::<f64>());
+                        for (a, factor) in (0..n).map(|a| (a, -square * masses[n * a + b])) {
+                            for i in 0..3 {
+                                local.residual[3 * a + i] += factor * arm[i];
+                                for j in (0..3).filter(|_| want_tangent) {
+                                    local.tangent[dim * (3 * a + i) + 3 * b + j] = theta * factor * across[i][j];
+                                }
+                            }
+                        }
+                    }
+                    visit(&local);
+                });
+            }
         }
+        Ok(())
     }
 }

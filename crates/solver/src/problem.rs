@@ -8,7 +8,7 @@ use std::sync::Arc;
 use stoss_integrators::{Buffers, ForceRule, Step, evaluate};
 use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
 use stoss_newton::{LineSearch, NewtonProblem, Potential, ResidualNorms};
-use stoss_term::{Auxiliary, Rule};
+use stoss_term::{Auxiliary, Rule, Term as _};
 
 /// Motions below this fraction of an edge length in a step are not resolved relative to themselves: the forces that they
 /// need are the smallest scale that the residual is measured against. Without it a free, unstressed flight, whose
@@ -317,7 +317,7 @@ impl StepProblem<'_> {
         let rule = &self.step.rule;
         let contact = Rule::Constraint(rule.constraint.rule);
         rule.force.rule != ForceRule::DiscreteGradient
-            && self.acting_loads().all(Load::is_symmetric)
+            && self.acting_loads().all(|load| load.is_symmetric(Rule::Force(rule.force.rule)))
             && (!(self.system.has_damping && self.system.has_rates)
                 || self.model.bodies.iter().all(|body| body.damping.stiffness == 0.0))
             && self.has_symmetric_parts()

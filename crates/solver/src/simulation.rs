@@ -19,20 +19,21 @@ use start::at_rest;
 
 use crate::Departure;
 use crate::assembly::System;
+use crate::books::work_at;
 use crate::control::Clock;
 use crate::held::depends_on_free;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{
-    Balance, Books, Decision, FailedAttempt, LoadKind, Model, Release, SimulationError, Stabilise, StepControl,
-    StepError, StepRecord, Switches, Timings,
+    Balance, Books, Decision, FailedAttempt, Model, Release, SimulationError, Stabilise, StepControl, StepError,
+    StepRecord, Switches, Timings,
 };
 use std::collections::BTreeMap;
-use stoss_integrators::{Scheme, State, StepRule};
+use stoss_integrators::{ForceRule, Scheme, State, StepRule};
 use stoss_linalg::{AutoSolver, LinearSolver, SolverStatistics};
 use stoss_newton::NewtonOptions;
-use stoss_term::{At, SlotReport, Step as ContactStep, Support, SurfaceForce};
+use stoss_term::{At, Local, SlotReport, Step as ContactStep, Support, SurfaceForce, Term as _};
 
 /// Slave nodes nearer to the master surface than this (in multiples of an edge length of the slave surface) are in contact from the
 /// start of a quasi-static run; tension releases them. Without inertia a body that is held by contact alone could not move
@@ -365,8 +366,11 @@ impl Simulation {
         for range in &self.system.load_support {
             self.system.dead[range.clone()].fill(0.0);
         }
-        for (load, _) in self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts) {
-            load.add_dead(time, 1.0, &mut self.system.dead);
+        let at = At { time, ..At::force([&self.state.q; 2], ForceRule::END_POINT, 0.0) };
+        let acting = self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
+        for (load, _) in acting.filter(|(load, _)| !load.follows()) {
+            // cannot fail: the forces are constant.
+            load.add_force(&at, 1.0, &mut self.system.dead).unwrap_or(());
         }
     }
 
@@ -569,15 +573,12 @@ impl Simulation {
         }
         let acting = self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
         for (load, _) in acting.filter(|(load, _)| load.is_conservative()) {
-            if let LoadKind::Dead { patterns } = &load.kind {
-                for (column, pattern) in patterns.iter().enumerate() {
-                    let magnitude = load.magnitude.value(0.0, column);
-                    for &(component, unit) in pattern {
-                        let c = component as usize;
-                        balance.potential -= magnitude * unit * (self.state.q[c] - self.model.reference[c]);
-                    }
-                }
-            }
+            let at = At::force([&self.model.reference, &self.state.q], ForceRule::END_POINT, 0.0);
+            // cannot fail: the forces are constant.
+            load.assemble(&at, false, &mut |local| {
+                balance.potential += work_at(&local.nodes, &local.residual, at.q_n, at.q_np1);
+            })
+            .unwrap_or(());
         }
         balance.largest_energy = self.balance.largest_energy.max(balance.kinetic + balance.strain);
         balance
@@ -600,12 +601,11 @@ impl Simulation {
         let small = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION;
         let mut force = 0.0;
         let acting = model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
-        for (load, _) in acting {
-            let LoadKind::Dead { patterns } = &load.kind else { continue };
-            for (column, pattern) in patterns.iter().enumerate() {
-                let sum: f64 = pattern.iter().map(|(_, unit)| unit.abs()).sum();
-                force += sum * load.magnitude.value(self.state.time, column).abs();
-            }
+        let at = At { time: self.state.time, ..At::force([&self.state.q; 2], ForceRule::END_POINT, 0.0) };
+        for (load, _) in acting.filter(|(load, _)| !load.follows()) {
+            let mut add = |local: &Local| force += local.residual.iter().map(|r| r.abs()).sum::<f64>();
+            // cannot fail: the forces are constant.
+            load.assemble(&at, false, &mut add).unwrap_or(());
         }
         let radius = self.state.q.iter().fold(length, |radius, x| radius.max(x.abs()));
         small * self.system.stiffness_force * length + SMALLEST_RESOLVED_MOTION * force * radius

@@ -3,15 +3,13 @@
 use crate::assembly::System;
 use crate::books::{work_at, work_of};
 use crate::mass_solve::MassSolver;
-use crate::moment::moment_forces;
 use crate::rows::SmoothedPair;
-use crate::{Load, LoadKind, Model, StepError};
+use crate::{Model, StepError};
 use std::ops::Range;
-use stoss_fe_solid::{SolidStep, TangentTarget, add_follower_pressure, follower_pressure};
+use stoss_fe_solid::{SolidStep, TangentTarget};
 use stoss_integrators::{DampingTangent, ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
-use stoss_linalg::vector;
-use stoss_reference_element::MAX_FACE_NODES;
-use stoss_term::{At, Auxiliary, Fault, Undefined};
+use stoss_linalg::{ScatterMap, vector};
+use stoss_term::{At, Auxiliary, Fault, Term};
 
 /// Evaluations with a tangent in a step in which the equations of constraints between rigid bodies are written for the multipliers themselves and not for their increments.
 const FROM_ZERO: u32 = 2;
@@ -35,8 +33,50 @@ pub(crate) struct FeSystem<'a> {
     pub active: &'a [Vec<bool>],
 }
 
+/// Where contributions of forces go: a vector, and the values of a pattern.
+struct Sink<'a> {
+    out: &'a mut [f64],
+    /// Of the residual in the vector.
+    sign: f64,
+    map: &'a ScatterMap,
+    values: &'a mut [f64],
+    /// Weight of the tangent, if there is one.
+    tangent: Option<f64>,
+    weighted: &'a mut Vec<f64>,
+    /// Stencil of the next contribution.
+    stencil: usize,
+    /// Work of what was added.
+    work: f64,
+}
+
+impl Sink<'_> {
+    /// Adds all contributions of a term.
+    fn add(&mut self, term: &dyn Term, at: &At<'_>) -> Result<(), Fault> {
+        self.work = 0.0;
+        term.assemble(at, self.tangent.is_some(), &mut |local| {
+            for (&node, r) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+                let first = 3 * node as usize;
+                self.out[first..first + 3].iter_mut().zip(r).for_each(|(o, r)| *o += self.sign * r);
+            }
+            self.work += work_at(&local.nodes, &local.residual, at.q_n, at.q_np1);
+            if let Some(factor) = self.tangent {
+                self.weighted.clear();
+                self.weighted.extend(local.tangent.iter().map(|t| factor * t));
+                self.map.add(self.stencil, self.weighted, self.values);
+            }
+            self.stencil += 1;
+        })
+    }
+}
+
 impl FeSystem<'_> {
-    /// Follower pressures, moments and centrifugal loads at the configuration of the rule, into `system.follower` and, with their tangent, the solids' values.
+    /// An iterate of the forces. A step of no length is the start of a run, where nothing has a rate.
+    fn force_at<'b>(&self, step: StepConfiguration<'b>, rule: ForceRule) -> At<'b> {
+        let rates = self.system.has_rates && step.dt > 0.0;
+        At { time: step.time, rates, ..At::force([step.q_n, step.q_np1], rule, step.dt) }
+    }
+
+    /// Loads that depend on the configuration, into `system.follower` and, with their tangent, the solids' values.
     ///
     /// # Errors
     /// [`StepError::Term`] if the directors that a moment acts on are on a line in this configuration, which they are not where they are orthogonal.
@@ -46,120 +86,22 @@ impl FeSystem<'_> {
         rule: ForceRule,
         tangent: Option<f64>,
     ) -> Result<(), StepError> {
-        let s = &mut *self.system;
-        for range in &s.load_support {
-            s.follower[range.clone()].fill(0.0);
+        let at = self.force_at(step, rule);
+        let System { load_support, follower, solid_map, solid_values, weighted, first_load_stencil, acting, .. } =
+            &mut *self.system;
+        for range in load_support.iter() {
+            follower[range.clone()].fill(0.0);
         }
-        let theta = rule.load_fraction();
-        let mut stencil = *s.first_stencil.last().unwrap_or(&0);
-        let model = self.model;
-        let is_centrifugal = |load: &Load| matches!(load.kind, LoadKind::Centrifugal { .. });
+        let (out, map, values) = (&mut follower[..], &*solid_map, &mut solid_values[..]);
+        let mut sink = Sink { out, sign: -1.0, map, values, tangent, weighted, stencil: 0, work: 0.0 };
+        let loads = self.model.loads.iter().zip(&acting.loads).zip(&*first_load_stencil);
         // What is off keeps its place in the pattern.
-        for (l, load) in model.loads.iter().enumerate().filter(|(_, load)| !is_centrifugal(load)) {
-            if self.system.acting.loads[l] {
-                self.add_follower(l, stencil, step, theta, tangent)?;
-            }
-            stencil += load.stencils();
-        }
-        for (l, _) in model.loads.iter().enumerate().filter(|(_, load)| is_centrifugal(load)) {
-            if self.system.acting.loads[l] {
-                self.add_follower(l, stencil, step, theta, tangent)?;
-            }
+        for ((load, _), &first) in loads.filter(|((load, acts), _)| **acts && load.follows()) {
+            sink.stencil = first;
+            sink.add(load, &at)?;
         }
         Ok(())
     }
-
-    /// Forces of one of those loads, added to `system.follower`; its stencils begin with `stencil`.
-    pub fn add_follower(
-        &mut self,
-        load: usize,
-        stencil: usize,
-        step: StepConfiguration<'_>,
-        theta: f64,
-        tangent: Option<f64>,
-    ) -> Result<(), StepError> {
-        let (load, s) = (&self.model.loads[load], &mut *self.system);
-        match &load.kind {
-            LoadKind::Dead { .. } => {}
-            LoadKind::Centrifugal { .. } => s.add_centrifugal(load, step, theta, tangent),
-            LoadKind::Moment { directors } => {
-                for (k, &three) in directors.iter().enumerate() {
-                    let (force, mut derivative) = moment(load, three, step, theta)?;
-                    for (&vector, f) in three.iter().zip(force.chunks_exact(3)) {
-                        let at = 3 * vector as usize;
-                        s.follower[at..at + 3].iter_mut().zip(f).for_each(|(sum, f)| *sum += f);
-                    }
-                    if let Some(weight) = tangent {
-                        derivative.iter_mut().for_each(|d| *d *= -weight * theta);
-                        s.solid_map.add(stencil + k, &derivative, &mut s.solid_values);
-                    }
-                }
-            }
-            LoadKind::FollowerPressure { facets } => {
-                let pressure = load.magnitude.value(step.time + theta * step.dt, 0);
-                for (k, facet) in facets.iter().enumerate() {
-                    let mut places = [[0.0; 3]; MAX_FACE_NODES];
-                    places.iter_mut().zip(facet.iter()).for_each(|(x, &node)| *x = between(step, theta, node));
-                    let mut load = follower_pressure(facet.kind(), &places[..facet.len()], pressure);
-                    add_follower_pressure(facet, load.force(), &mut s.follower);
-                    if let Some(weight) = tangent {
-                        // The load enters the residual with a minus, and d q_theta / d q_np1 = theta.
-                        let factor = -weight * theta;
-                        load.tangent_mut().iter_mut().for_each(|t| *t *= factor);
-                        s.solid_map.add(stencil + k, load.tangent(), &mut s.solid_values);
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Work of a load in a step with its forces at `(1 - theta) q_n + theta q_np1` and the time of that.
-    ///
-    /// # Errors
-    /// As of [`FeSystem::evaluate_follower`].
-    pub fn load_work(&mut self, load: usize, step: StepConfiguration<'_>, theta: f64) -> Result<f64, StepError> {
-        let Load { kind, magnitude, .. } = &self.model.loads[load];
-        let moved = |c: usize| step.q_np1[c] - step.q_n[c];
-        if let LoadKind::Dead { patterns } = kind {
-            let time = step.time + theta * step.dt;
-            let columns = patterns.iter().enumerate().map(|(column, pattern)| {
-                let unit: f64 = pattern.iter().map(|&(c, unit)| unit * moved(c as usize)).sum();
-                magnitude.value(time, column) * unit
-            });
-            return Ok(columns.sum());
-        }
-        let empty = vec![0.0; self.system.follower.len()];
-        let kept = std::mem::replace(&mut self.system.follower, empty);
-        let result = self.add_follower(load, 0, step, theta, None);
-        let force = std::mem::replace(&mut self.system.follower, kept);
-        result?;
-        Ok(self.system.load_support.iter().flat_map(Range::clone).map(|c| force[c] * moved(c)).sum())
-    }
-}
-
-/// A vector at `(1 - theta) q_n + theta q_np1`.
-pub(crate) fn between(step: StepConfiguration<'_>, theta: f64, vector: u32) -> [f64; 3] {
-    let at = 3 * vector as usize;
-    std::array::from_fn(|i| {
-        if theta == 1.0 { step.q_np1[at + i] } else { (1.0 - theta) * step.q_n[at + i] + theta * step.q_np1[at + i] }
-    })
-}
-
-/// Forces of a moment on three directors, and their derivatives with respect to these.
-fn moment(
-    load: &Load,
-    directors: [u32; 3],
-    step: StepConfiguration<'_>,
-    theta: f64,
-) -> Result<([f64; 9], [f64; 81]), StepError> {
-    let time = step.time + theta * step.dt;
-    let moment = [0, 1, 2].map(|column| load.magnitude.value(time, column));
-    moment_forces(&directors.map(|vector| between(step, theta, vector)), moment).ok_or_else(|| {
-        let reason =
-            "the directors of a loaded part turn by nearly half a turn in one step; use smaller steps".to_owned();
-        Fault::from(Undefined { term: load.name.clone(), reason }).into()
-    })
 }
 
 impl SecondOrderSystem for FeSystem<'_> {
@@ -292,31 +234,18 @@ impl FeSystem<'_> {
         tangent: Option<f64>,
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        let s = &mut *self.system;
-        let mut stencil = s.first_part_stencil;
-        // A step of no length is the start of a run, where nothing has a rate.
-        let has_rates = s.has_rates && step.dt > 0.0;
-        let at = At { time: step.time, rates: has_rates, ..At::force([step.q_n, step.q_np1], rule, step.dt) };
-        let System { solid_map, solid_values, weighted, acting, works, .. } = s;
+        let at = self.force_at(step, rule);
+        let System { solid_map, solid_values, weighted, acting, works, first_part_stencil, .. } = &mut *self.system;
+        let (map, values, stencil) = (&*solid_map, &mut solid_values[..], *first_part_stencil);
+        let mut sink = Sink { out, sign: 1.0, map, values, tangent, weighted, stencil, work: 0.0 };
         for ((part, &acts), work) in self.model.parts.iter().zip(&acting.parts).zip(&mut works.parts) {
             *work = 0.0;
-            if !acts {
-                part.stencils(&[], &mut |_, _| stencil += 1);
-                continue;
+            if acts {
+                sink.add(&**part, &at)?;
+                *work = sink.work;
+            } else {
+                part.stencils(&[], &mut |_, _| sink.stencil += 1);
             }
-            part.assemble(&at, tangent.is_some(), &mut |local| {
-                for (&vector, r) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
-                    let first = 3 * vector as usize;
-                    out[first..first + 3].iter_mut().zip(r).for_each(|(o, r)| *o += r);
-                }
-                *work += work_at(&local.nodes, &local.residual, step.q_n, step.q_np1);
-                if let Some(factor) = tangent {
-                    weighted.clear();
-                    weighted.extend(local.tangent.iter().map(|t| factor * t));
-                    solid_map.add(stencil, weighted, solid_values);
-                }
-                stencil += 1;
-            })?;
         }
         Ok(())
     }

@@ -56,6 +56,13 @@ impl Local {
     pub fn dim(&self) -> usize {
         3 * self.nodes.len() + self.slots.len() * (1 + self.auxiliaries)
     }
+    /// Begins a contribution to these nodes, without slots.
+    pub fn begin(&mut self, nodes: &[u32], want_tangent: bool) {
+        self.nodes.clear();
+        self.nodes.extend_from_slice(nodes);
+        self.slots.clear();
+        self.reset(want_tangent);
+    }
     /// Sizes and clears the arrays for the present `nodes` and `slots`.
     pub fn reset(&mut self, want_tangent: bool) {
         let n = self.dim();

@@ -568,8 +568,10 @@ impl Simulation {
     /// Adds `factor` times the dead loads that vary in time.
     fn add_varying_loads(&self, time: f64, factor: f64, force: &mut [f64]) {
         let acting = self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
-        for (load, _) in acting.filter(|(load, _)| !load.is_conservative()) {
-            load.add_dead(time, factor, force);
+        let at = At { time, ..At::force([&self.state.q; 2], ForceRule::END_POINT, 0.0) };
+        for (load, _) in acting.filter(|(load, _)| !load.follows() && !load.is_conservative()) {
+            // cannot fail: the forces are constant.
+            load.add_force(&at, factor, force).unwrap_or(());
         }
     }
 

@@ -2,14 +2,13 @@
 
 use super::Simulation;
 use super::impact::Impact;
-use crate::assembly::{Iterate, no_auxiliaries};
-use crate::books::{Books, Posting, is_measured, work_of};
-use crate::system::FeSystem;
+use crate::assembly::Iterate;
+use crate::books::{Books, Posting, is_measured, work_at, work_of};
 use crate::{Balance, StepError};
 use std::ops::Range;
-use stoss_integrators::{StepConfiguration, StepRule};
+use stoss_integrators::{ForceRule, StepRule};
 use stoss_linalg::vector;
-use stoss_term::{At, Work};
+use stoss_term::{At, Term as _, Work};
 
 /// Books before the velocities of the end are known.
 #[derive(Debug)]
@@ -109,16 +108,14 @@ impl Simulation {
         // In statics, where all forces are those of the end, by the trapezium rule.
         let ends: &[(f64, f64)] =
             if is_static { &[(0.0, 0.5), (1.0, 0.5)] } else { &[(rule.force.rule.load_fraction(), 1.0)] };
-        let auxiliaries = no_auxiliaries(&self.model);
-        let Self { model, system, state, pressures, active, .. } = self;
-        let at = StepConfiguration { time: state.time, dt, q_n: &state.q, q_np1: &iterate.q };
-        for l in 0..model.loads.len() {
+        for (load, &acts) in self.model.loads.iter().zip(&self.system.acting.loads) {
             let mut supplied = 0.0;
-            if system.acting.loads[l] {
-                let mut fe = FeSystem { model, system, pressures, auxiliaries: &auxiliaries, active };
-                for &(theta, part) in ends {
-                    supplied += part * fe.load_work(l, at, theta)?;
-                }
+            for &(theta, part) in ends.iter().filter(|_| acts) {
+                let rule = ForceRule::Configuration { theta };
+                let at = At { time: self.state.time, ..At::force([&self.state.q, &iterate.q], rule, dt) };
+                load.assemble(&at, false, &mut |local| {
+                    supplied -= part * work_at(&local.nodes, &local.residual, at.q_n, at.q_np1);
+                })?;
             }
             books.loads.push(Posting { supplied, ..Posting::default() });
         }

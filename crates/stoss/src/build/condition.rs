@@ -320,7 +320,6 @@ fn centrifugal(
     let axis = item.axis?;
     let length = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
     Some(LoadKind::Centrifugal {
-        body,
         mass: model.bodies[body].mass(density),
         axis: axis.map(|a| a / length),
         about: item.about.unwrap_or_default(),
