@@ -5,7 +5,7 @@ use crate::gmres::Gmres;
 use crate::matrix::multiply;
 use crate::refinement::{Refinement, check_finite, check_length};
 use crate::scaling::Equilibration;
-use crate::vector::{norm_inf, norm2};
+use crate::vector::{norm_inf, norm2, pseudo_random};
 use crate::{
     LinalgError, LinearSolver, MatrixKind, Place, SolveReport, SolverOptions, SolverStatistics, SparsityPattern,
 };
@@ -164,13 +164,16 @@ impl<F: Factorisation> DirectSolver<F> {
 
     /// A right-hand side of entries in [-1, 1).
     fn start_probe(&mut self) {
-        for (i, v) in self.probe.iter_mut().enumerate() {
-            // A hash of the index, not equal sizes: those may cancel exactly against a rigid motion.
-            let mut h = (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            h = (h ^ (h >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            h = (h ^ (h >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            *v = (h >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+        self.probe.iter_mut().enumerate().for_each(|(i, v)| *v = pseudo_random(i));
+    }
+
+    /// Overwrites `v` by the solution for the right-hand side `v`, without a check: a part of a preconditioner.
+    pub(crate) fn substitute(&mut self, v: &mut [f64]) {
+        self.equilibration.scale_rhs(v);
+        if !v.is_empty() {
+            self.factorisation.solve_in_place(v);
         }
+        self.equilibration.scale_solution(v);
     }
 
     /// Solves the equilibrated system for one right-hand side of entries in [-1, 1), and takes a huge or undefined answer as the

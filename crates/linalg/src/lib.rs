@@ -19,8 +19,10 @@ pub mod vector;
 
 mod auto;
 mod direct;
+mod equation;
 mod error;
 mod gmres;
+mod iterative;
 mod matrix;
 mod pattern;
 mod recording;
@@ -31,6 +33,7 @@ mod solver;
 
 pub use auto::AutoSolver;
 pub use direct::{DirectSolver, Factorisation};
+pub use equation::EquationPlace;
 pub use error::{LinalgError, Place};
 pub use faer_backend::{DenseSolver, FaerSolver};
 pub use matrix::SparseMatrix;

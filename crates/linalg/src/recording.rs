@@ -1,6 +1,6 @@
 //! A solver that hands the systems it solves to a recorder.
 
-use crate::{LinalgError, LinearSolver, MatrixKind, SolveReport, SolverStatistics, SparsityPattern};
+use crate::{EquationPlace, LinalgError, LinearSolver, MatrixKind, SolveReport, SolverStatistics, SparsityPattern};
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
@@ -44,6 +44,10 @@ impl Debug for RecordingSolver {
 }
 
 impl LinearSolver for RecordingSolver {
+    fn place(&mut self, equations: &mut dyn ExactSizeIterator<Item = EquationPlace>) {
+        self.inner.place(equations);
+    }
+
     fn analyse(&mut self, pattern: &Arc<SparsityPattern>, kind: MatrixKind) -> Result<(), LinalgError> {
         (self.pattern, self.kind) = (Some(Arc::clone(pattern)), kind);
         self.inner.analyse(pattern, kind)
@@ -78,6 +82,20 @@ impl LinearSolver for RecordingSolver {
         tolerance: f64,
     ) -> Result<Option<u32>, LinalgError> {
         self.inner.solve_nearby(values, rhs, solution, tolerance)
+    }
+
+    fn solve_definite(
+        &mut self,
+        values: &[f64],
+        rhs: &[f64],
+        solution: &mut [f64],
+        tolerance: f64,
+    ) -> Result<bool, LinalgError> {
+        self.inner.solve_definite(values, rhs, solution, tolerance)
+    }
+
+    fn take_reason(&mut self) -> Option<String> {
+        self.inner.take_reason()
     }
 
     fn negative_eigenvalues(&mut self) -> Option<usize> {

@@ -1,12 +1,12 @@
-//! The trait of a direct linear solver, its reports and settings. The implementations are in
+//! The trait of a linear solver, its reports and settings. The implementations are in
 //! [`crate::faer_backend`] and [`crate::AutoSolver`].
 //!
 //! # To add a solver
 //! Implement [`crate::Factorisation`] and wrap it in [`crate::DirectSolver`], so that all solvers have the same guarantees, and add
-//! a line to the battery in `tests/solvers.rs`. An iterative solver implements [`LinearSolver`] itself and uses
-//! the residual check in `refinement.rs`.
+//! a line to the battery in `tests/solvers.rs`. What iterates offers [`LinearSolver::solve_nearby`] and leaves the rest to a direct solver behind it, as
+//! [`crate::AutoSolver`] does.
 
-use crate::{LinalgError, SparsityPattern};
+use crate::{EquationPlace, LinalgError, SparsityPattern};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -62,6 +62,14 @@ pub struct SolverStatistics {
     /// Matrices for which the pivots inside the fronts were not good enough, so that they were factorised again with full
     /// pivoting.
     pub pivoting_fallbacks: u64,
+    /// Solutions by iteration with a preconditioner of its own (smoothed aggregation).
+    pub iterative_solves: u64,
+    /// Iterations of [`Self::iterative_solves`] and of those that were given up.
+    pub iterations: u64,
+    /// Preconditioners that were made.
+    pub set_ups: u64,
+    /// Times that the iteration left a step to the direct solver, see [`LinearSolver::take_reason`].
+    pub handed_over: u64,
 }
 
 impl std::ops::Add for SolverStatistics {
@@ -79,6 +87,10 @@ impl std::ops::Add for SolverStatistics {
             nearby_given_up: self.nearby_given_up + other.nearby_given_up,
             indefinite_fallbacks: self.indefinite_fallbacks + other.indefinite_fallbacks,
             pivoting_fallbacks: self.pivoting_fallbacks + other.pivoting_fallbacks,
+            iterative_solves: self.iterative_solves + other.iterative_solves,
+            iterations: self.iterations + other.iterations,
+            set_ups: self.set_ups + other.set_ups,
+            handed_over: self.handed_over + other.handed_over,
         }
     }
 }
@@ -97,7 +109,8 @@ pub struct SolverOptions {
     /// and the Newton increment would be noise. Without this test a body without supports is not detected, because its residual
     /// is self-equilibrated.
     pub singular_growth: f64,
-    /// Largest number of iterations of [`LinearSolver::solve_nearby`], each of which stores a vector. Zero: factorise each time.
+    /// Largest number of iterations of [`LinearSolver::solve_nearby`], each of which stores a vector. Zero: factors, and preconditioners of an iteration,
+    /// serve for the values they were made from only.
     pub max_nearby_iterations: u32,
 }
 
@@ -113,11 +126,15 @@ impl Default for SolverOptions {
     }
 }
 
-/// A direct solver for `A x = b` with a pattern that seldom changes.
+/// A solver for `A x = b` with a pattern that seldom changes.
 ///
 /// The three phases are called in order; `factorise` may be repeated with new values, `solve` with new right-hand sides.
 /// The result depends on the input since the last [`LinearSolver::forget`] only: a repetition gives the same bits, on any number of threads.
 pub trait LinearSolver: Send + Debug {
+    /// Where the equations of the pattern are that is given to [`Self::analyse`] next, with the present positions of nodes. Called before each `analyse` for the sake of solvers that
+    /// iterate; without it they leave a pattern to factorisation. Ignored by default.
+    fn place(&mut self, _equations: &mut dyn ExactSizeIterator<Item = EquationPlace>) {}
+
     /// Symbolic phase: ordering, storage. A no-op if pattern (the same `Arc`, or an equal one) and kind are those of the last
     /// call. A change invalidates the factorisation.
     ///
@@ -141,7 +158,8 @@ pub trait LinearSolver: Send + Debug {
 
     /// Solves `A x = b` for other values than those factorised, which are the preconditioner of an iteration that ends when the equilibrated residual
     /// has fallen to `tolerance` times the equilibrated right-hand side, both in the Euclidean norm; the residual of the solution is computed
-    /// once more at the end and may be twice that. Returns the number of iterations.
+    /// once more at the end and may be twice that. Returns the number of iterations. A solver with a preconditioner of its own, made from any of the values since
+    /// [`Self::forget`], stops at the forcing term of an inexact Newton method instead if that is larger, at most 1e-2 ([`crate::AutoSolver`]).
     ///
     /// `None`, and a meaningless `solution`, if there are no factors of this pattern, if that many iterations would cost more than a
     /// factorisation of the new values, or if the solver does not offer it (default): the caller then factorises.
@@ -157,6 +175,27 @@ pub trait LinearSolver: Send + Debug {
         _tolerance: f64,
     ) -> Result<Option<u32>, LinalgError> {
         Ok(None)
+    }
+
+    /// Solves a symmetric `A x = b` by iteration to a residual as of [`Self::solve_nearby`], unless a direction is met in which `A` has no positive curvature. Returns false, and a meaningless
+    /// `solution`, if one is met or if the solver does not iterate (default): the caller then factorises and counts ([`Self::negative_eigenvalues`]). An iteration sees a
+    /// direction where its vectors or its coarsest level have a part of it, and never counts how many there are.
+    ///
+    /// # Errors
+    /// As of [`Self::solve_nearby`].
+    fn solve_definite(
+        &mut self,
+        _values: &[f64],
+        _rhs: &[f64],
+        _solution: &mut [f64],
+        _tolerance: f64,
+    ) -> Result<bool, LinalgError> {
+        Ok(false)
+    }
+
+    /// Why the iteration has left the systems since the last [`LinearSolver::forget`] to the direct solver, if it has and nobody asked yet. `None` by default.
+    fn take_reason(&mut self) -> Option<String> {
+        None
     }
 
     /// Number of negative eigenvalues of the matrix that was factorised last (Sylvester: as many as negative pivots of `L D L^T`), of one announced as symmetric.

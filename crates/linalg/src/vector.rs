@@ -63,6 +63,14 @@ pub fn norm2_of(x: &[f64], ranges: &[Range<usize>]) -> f64 {
     scale * sum.sqrt()
 }
 
+/// Entry `i` of a fixed vector of pseudo-random numbers in [-1, 1): a hash of the index. (Equal entries may cancel exactly against a rigid motion.)
+pub(crate) fn pseudo_random(i: usize) -> f64 {
+    let mut h = (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    h = (h ^ (h >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    h = (h ^ (h >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (h >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
 /// Index of the first entry that is not finite.
 pub fn first_non_finite(x: &[f64]) -> Option<usize> {
     x.iter().position(|v| !v.is_finite())

@@ -1,0 +1,196 @@
+//! Krylov methods for a preconditioner that is not quite linear: a cycle in single precision rounds.
+
+use super::sums::{dot, norm};
+use crate::vector::axpy;
+
+/// A matrix and its preconditioner.
+pub(crate) trait Operator {
+    /// `y = A x`.
+    fn multiply(&mut self, x: &[f64], y: &mut [f64]);
+    /// `z = M r`.
+    fn precondition(&mut self, r: &[f64], z: &mut [f64]);
+}
+
+/// How an iteration ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Report {
+    pub iterations: u32,
+    /// `|b - A x| / |b|`, computed from the solution.
+    pub residual: f64,
+    /// A direction with `d . A d <= 0` or `d . M d < 0` was met, and the iteration broken off.
+    pub negative: bool,
+}
+
+impl Report {
+    /// Whether the residual is as small as that. A NaN is not.
+    pub fn reached(&self, tolerance: f64) -> bool {
+        self.residual <= tolerance
+    }
+}
+
+/// Iterations of [`Krylov::fgmres`] after which it begins again from its present solution.
+const RESTART: usize = 60;
+
+/// Storage of both methods; it grows with the iterations.
+#[derive(Debug, Default)]
+pub(crate) struct Krylov {
+    r: Vec<f64>,
+    z: Vec<f64>,
+    p: Vec<f64>,
+    q: Vec<f64>,
+    basis: Vec<Vec<f64>>,
+    directions: Vec<Vec<f64>>,
+}
+
+/// `r = b - A x` and its norm.
+fn residual(operator: &mut impl Operator, b: &[f64], x: &[f64], r: &mut [f64]) -> f64 {
+    operator.multiply(x, r);
+    r.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+    norm(r)
+}
+
+impl Krylov {
+    fn fit(&mut self, n: usize) {
+        for v in [&mut self.r, &mut self.z, &mut self.p, &mut self.q] {
+            v.resize(n, 0.0);
+        }
+        for v in self.basis.iter_mut().chain(&mut self.directions) {
+            v.resize(n, 0.0);
+        }
+    }
+
+    /// Conjugate gradients for symmetric matrices, after Polak and Ribiere: the direction is orthogonal to the change of the residual, whatever the preconditioner is. From zero, until the
+    /// residual is `tolerance` times `b`, or `limit` iterations.
+    pub fn conjugate_gradients(
+        &mut self,
+        operator: &mut impl Operator,
+        b: &[f64],
+        x: &mut [f64],
+        tolerance: f64,
+        limit: u32,
+    ) -> Report {
+        self.fit(b.len());
+        let Self { r, z, p, q, .. } = self;
+        x.fill(0.0);
+        r.copy_from_slice(b);
+        let size = norm(b);
+        let mut report = Report { iterations: 0, residual: 1.0, negative: false };
+        operator.precondition(r, z);
+        p.copy_from_slice(z);
+        let mut descent = dot(r, z);
+        while report.iterations < limit {
+            operator.multiply(p, q);
+            let curvature = dot(p, q);
+            if curvature <= 0.0 || descent < 0.0 {
+                report.negative = true;
+                return report;
+            }
+            let step = descent / curvature;
+            axpy(step, p, x);
+            axpy(-step, q, r);
+            report.iterations += 1;
+            report.residual = norm(r) / size;
+            if report.reached(tolerance) || report.residual.is_nan() {
+                break;
+            }
+            // `r_new . z_new - r_old . z_new`, with the difference of the residuals at hand.
+            operator.precondition(r, z);
+            let change = -step * dot(q, z);
+            let factor = change / descent;
+            descent = dot(r, z);
+            p.iter_mut().zip(&*z).for_each(|(p, z)| *p = z + factor * *p);
+        }
+        report.residual = residual(operator, b, x, r) / size;
+        report
+    }
+
+    /// Flexible GMRES (Saad 1993) with modified Gram-Schmidt, from zero or on from `x`, until the true residual is `tolerance` times `b`, or `limit` iterations.
+    pub fn fgmres(
+        &mut self,
+        operator: &mut impl Operator,
+        b: &[f64],
+        x: &mut [f64],
+        tolerance: f64,
+        limit: u32,
+        from_zero: bool,
+    ) -> Report {
+        self.fit(b.len());
+        let n = b.len();
+        let size = norm(b);
+        let mut report = Report { iterations: 0, residual: 1.0, negative: false };
+        if from_zero {
+            x.fill(0.0);
+            self.r.copy_from_slice(b);
+        } else {
+            report.residual = residual(operator, b, x, &mut self.r) / size;
+        }
+        let Self { r, q, basis, directions, .. } = self;
+        while report.residual > tolerance && report.iterations < limit {
+            let beta = norm(r);
+            // Columns of the triangular factor, rotations, the rotated right-hand side.
+            let (mut triangle, mut rotations): (Vec<Vec<f64>>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
+            let mut projected = vec![beta];
+            let mut k = 0;
+            while k < RESTART && report.iterations < limit {
+                if basis.len() == k {
+                    basis.push(vec![0.0; n]);
+                    directions.push(vec![0.0; n]);
+                }
+                let (from, length) = if k == 0 { (&*r, beta) } else { (&*q, triangle_rest(&triangle)) };
+                basis[k].iter_mut().zip(from).for_each(|(v, w)| *v = w / length);
+                operator.precondition(&basis[k], &mut directions[k]);
+                operator.multiply(&directions[k], q);
+                let mut column = Vec::with_capacity(k + 2);
+                for v in &basis[..=k] {
+                    let part = dot(v, q);
+                    axpy(-part, v, q);
+                    column.push(part);
+                }
+                let rest = norm(q);
+                for (i, &[c, s]) in rotations.iter().enumerate() {
+                    let (a, b) = (column[i], column[i + 1]);
+                    (column[i], column[i + 1]) = (c * a + s * b, c * b - s * a);
+                }
+                let diagonal = column[k].hypot(rest);
+                let [c, s] = if diagonal == 0.0 { [0.0, 1.0] } else { [column[k] / diagonal, rest / diagonal] };
+                column[k] = diagonal;
+                column.push(rest);
+                triangle.push(column);
+                rotations.push([c, s]);
+                let last = projected[k];
+                projected[k] = c * last;
+                projected.push(-s * last);
+                k += 1;
+                report.iterations += 1;
+                report.residual = projected[k].abs() / size;
+                if report.reached(tolerance) || report.residual.is_nan() || rest == 0.0 {
+                    break;
+                }
+            }
+            for i in (0..k).rev() {
+                let sum: f64 = (i + 1..k).map(|j| triangle[j][i] * projected[j]).sum();
+                projected[i] = (projected[i] - sum) / triangle[i][i];
+            }
+            (0..k).for_each(|i| axpy(projected[i], &directions[i], x));
+            let before = beta / size;
+            report.residual = residual(operator, b, x, r) / size;
+            // Nothing more to gain.
+            if report.residual >= before || report.residual.is_nan() {
+                break;
+            }
+        }
+        report
+    }
+
+    /// Heap memory in bytes.
+    pub fn memory_bytes(&self) -> usize {
+        let single = [&self.r, &self.z, &self.p, &self.q];
+        let all = single.into_iter().chain(&self.basis).chain(&self.directions);
+        size_of::<f64>() * all.map(Vec::capacity).sum::<usize>()
+    }
+}
+
+/// Length of what was left of the last product beyond the basis.
+fn triangle_rest(triangle: &[Vec<f64>]) -> f64 {
+    triangle.last().and_then(|column| column.last()).copied().unwrap_or(1.0)
+}

@@ -1,0 +1,167 @@
+//! Which equation is which component of which node, and the blocks of the matrix in this numbering.
+
+use super::bsr::Bsr;
+use super::saddle::Border;
+use crate::{EquationPlace, SparsityPattern};
+
+/// Equations of nodes come first, three each, with or without an equation in the system; those of multipliers and all others follow.
+#[derive(Debug, Default)]
+pub(crate) struct Layout {
+    /// Place of each equation among `3 * nodes + others`.
+    pub place: Vec<u32>,
+    pub positions: Vec<[f64; 3]>,
+    /// Which components of a node have an equation.
+    pub free: Vec<[bool; 3]>,
+    /// Body of each node.
+    pub labels: Vec<u32>,
+    /// Of each other equation: the slot it belongs to, by numbers from zero; `None` of one that is no multiplier.
+    pub slots: Vec<Option<u32>>,
+    /// Equation of each component, [`crate::NONE`] if it has none.
+    equations: Vec<[u32; 3]>,
+}
+
+impl Layout {
+    /// Number of nodes.
+    pub fn nodes(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Length of vectors in this numbering.
+    pub fn len(&self) -> usize {
+        3 * self.nodes() + self.slots.len()
+    }
+
+    /// From the places of the equations. Whether anything but positions has changed.
+    pub fn set(&mut self, equations: &mut dyn ExactSizeIterator<Item = EquationPlace>) -> bool {
+        let before =
+            (std::mem::take(&mut self.place), std::mem::take(&mut self.labels), std::mem::take(&mut self.slots));
+        self.positions.clear();
+        self.free.clear();
+        self.equations.clear();
+        let (mut last_node, mut last_slot, mut slots) = (None, None, 0);
+        let mut others = Vec::new();
+        for (equation, place) in equations.enumerate() {
+            match place {
+                EquationPlace::Node { body, node, component, position } => {
+                    if last_node != Some(node) {
+                        last_node = Some(node);
+                        self.positions.push(position);
+                        self.free.push([false; 3]);
+                        self.labels.push(body);
+                        self.equations.push([crate::NONE; 3]);
+                    }
+                    let (k, component) = (self.nodes() - 1, usize::from(component));
+                    self.free[k][component] = true;
+                    self.equations[k][component] = equation as u32;
+                    self.place.push((3 * k + component) as u32);
+                }
+                EquationPlace::Multiplier { pair, slot } => {
+                    if last_slot != Some((pair, slot)) {
+                        last_slot = Some((pair, slot));
+                        slots += 1;
+                    }
+                    others.push(equation);
+                    self.slots.push(Some(slots - 1));
+                    self.place.push(0);
+                }
+                EquationPlace::Other => {
+                    others.push(equation);
+                    self.slots.push(None);
+                    self.place.push(0);
+                }
+            }
+        }
+        let first = 3 * self.nodes();
+        others.iter().enumerate().for_each(|(k, &equation)| self.place[equation] = (first + k) as u32);
+        before.0 != self.place || before.1 != self.labels || before.2 != self.slots
+    }
+
+    /// Into this numbering; zero where there is no equation.
+    pub fn gather(&self, v: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        out.resize(self.len(), 0.0);
+        self.place.iter().zip(v).for_each(|(&place, v)| out[place as usize] = *v);
+    }
+
+    /// Back.
+    pub fn scatter(&self, v: &[f64], out: &mut [f64]) {
+        self.place.iter().zip(out).for_each(|(&place, out)| *out = v[place as usize]);
+    }
+
+    /// The blocks between nodes that the pattern has, without values. The pattern is symmetric: the rows of a node's columns are the columns of its rows.
+    pub fn block_pattern(&self, pattern: &SparsityPattern) -> Bsr<f64, 3, 3> {
+        let nodes = self.nodes();
+        let mut k = Bsr::empty(nodes);
+        let mut near: Vec<u32> = Vec::new();
+        for (node, equations) in self.equations.iter().enumerate() {
+            near.clear();
+            near.push(node as u32);
+            for &equation in equations.iter().filter(|&&equation| equation != crate::NONE) {
+                for &row in pattern.column(equation as usize) {
+                    let other = self.place[row] / 3;
+                    if (other as usize) < nodes && near.last() != Some(&other) {
+                        near.push(other);
+                    }
+                }
+            }
+            near.sort_unstable();
+            near.dedup();
+            k.indices.extend_from_slice(&near);
+            k.starts.push(k.indices.len());
+        }
+        k.blocks = vec![[[0.0; 3]; 3]; k.indices.len()];
+        k
+    }
+
+    /// Values of the blocks between nodes, and of what borders them. A component without equation has its node's largest diagonal entry.
+    pub fn set_values(&self, pattern: &SparsityPattern, values: &[f64], k: &mut Bsr<f64, 3, 3>, border: &mut Border) {
+        let nodes = self.nodes();
+        k.blocks.fill([[0.0; 3]; 3]);
+        border.clear(nodes);
+        let entries = |equation: u32| {
+            let range = pattern.column_range(equation as usize);
+            let places = pattern.row_indices()[range.clone()].iter().map(|&row| self.place[row] as usize);
+            places.zip(&values[range])
+        };
+        // Columns ascend, so the next block of a row is that of the present column.
+        let mut next: Vec<usize> = k.starts[..nodes].to_vec();
+        let mut at = vec![0; nodes];
+        let mut marks = vec![0; self.slots.len()];
+        for (j, equations) in self.equations.iter().enumerate() {
+            for &i in &k.indices[k.starts[j]..k.starts[j + 1]] {
+                at[i as usize] = next[i as usize];
+                next[i as usize] += 1;
+            }
+            for (c, &equation) in equations.iter().enumerate().filter(|(_, equation)| **equation != crate::NONE) {
+                for (place, &value) in entries(equation) {
+                    if place < 3 * nodes {
+                        k.blocks[at[place / 3]][place % 3][c] = value;
+                    } else if value != 0.0 {
+                        border.c_by_node.add(place - 3 * nodes, c, value, &mut marks[place - 3 * nodes]);
+                    }
+                }
+            }
+            border.c_by_node.finish_row();
+        }
+        for equation in self.place.iter().enumerate().filter(|(_, place)| **place as usize >= 3 * nodes).map(|(e, _)| e)
+        {
+            for (place, &value) in entries(equation as u32).filter(|(_, value)| **value != 0.0) {
+                match place.checked_sub(3 * nodes) {
+                    None => border.b.add_next(place / 3, place % 3, value),
+                    Some(row) => border.d_by_column.add(row, value),
+                }
+            }
+            border.b.finish_row();
+            border.d_by_column.finish_row();
+        }
+        border.transpose();
+        for (i, free) in self.free.iter().enumerate().filter(|(_, free)| !free.iter().all(|f| *f)) {
+            let Some(at) = k.position(i, i) else { continue };
+            let block = &mut k.blocks[at];
+            let largest = (0..3).map(|d| block[d][d].abs()).fold(0.0, f64::max);
+            for d in (0..3).filter(|&d| !free[d]) {
+                block[d][d] = if largest > 0.0 { largest } else { 1.0 };
+            }
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Solutions by iteration: conjugate gradients or GMRES, preconditioned by smoothed aggregation, with multipliers by a block triangle.
+//!
+//! Vanek, Mandel and Brezina, *Algebraic multigrid by smoothed aggregation for second and fourth order elliptic problems*, Computing 56 (1996); Adams, Brezina, Hu and
+//! Tuminaro, *Parallel multigrid smoothing: polynomial versus Gauss-Seidel*, J. Comput. Phys. 188 (2003). What is chosen here and why: `docs/theory/linear-solvers.md`, section 11.
+//!
+//! | file | what |
+//! |---|---|
+//! | `layout` | nodes of the equations, blocks of the matrix |
+//! | `bsr` | matrices of blocks, products |
+//! | `aggregates`, `modes` | which nodes are put together, rigid modes, prolongation |
+//! | `smoother`, `hierarchy` | Chebyshev's polynomials, levels, the cycle |
+//! | `saddle` | multipliers: scales, augmentation, Schur complement |
+//! | `krylov` | the iterations |
+//! | `solver` | tolerances, what is kept, what is refused |
+//!
+//! **Same bits.** Rows of products are sums in the order of the pattern, each by one thread; sums of vectors are those of `sums`; everything else is sequential.
+
+mod aggregates;
+mod bsr;
+mod hierarchy;
+mod inverse;
+mod krylov;
+mod layout;
+mod modes;
+mod real;
+mod refusal;
+mod saddle;
+mod smoother;
+mod solver;
+mod sums;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use solver::{Curvature, IterativeSolver};
