@@ -92,15 +92,22 @@ impl AutoSolver {
         }
     }
 
+    /// Whether a system of so many equations, so many of them `others` than those of nodes of bodies, is iterated on, by [`AutoSolver::new`] or (`prefers`)
+    /// [`AutoSolver::preferring_iteration`], if its equations have places.
+    pub fn iterates_on(prefers: bool, equations: usize, others: usize) -> bool {
+        if prefers {
+            equations >= Self::SMALLEST_ITERATIVE && 2 * others < equations
+        } else if others == 0 {
+            equations >= Self::ITERATIVE
+        } else {
+            equations >= Self::ITERATIVE_WITH_MULTIPLIERS && Self::MULTIPLIERS * others < equations
+        }
+    }
+
     /// Whether systems of this size with the present places are iterated on.
     fn suits(&self, n: usize) -> bool {
         let (placed, others) = self.iterative.placed();
-        placed == n
-            && match self.preference {
-                Preference::Iterative => n >= Self::SMALLEST_ITERATIVE && 2 * others < n,
-                Preference::Fastest if others == 0 => n >= Self::ITERATIVE,
-                Preference::Fastest => n >= Self::ITERATIVE_WITH_MULTIPLIERS && Self::MULTIPLIERS * others < n,
-            }
+        placed == n && Self::iterates_on(self.preference == Preference::Iterative, n, others)
     }
 
     /// The direct solver, which is given the pattern only when it is needed.

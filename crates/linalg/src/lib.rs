@@ -1,4 +1,4 @@
-//! Fixed sparsity patterns, deterministic scatter, the trait of a linear solver, multifrontal solver, faer backends, refinement.
+//! Fixed sparsity patterns, deterministic scatter, the trait of a linear solver, multifrontal solver, smoothed aggregation, faer backends, refinement.
 //!
 //! The stages are types: stencils -> [`SparsityPattern`] and [`ScatterMap`] (once per pattern) -> [`SparseMatrix`] (values
 //! added per iteration) -> [`LinearSolver`] (analyse once, factorise, solve). Every solution's residual is measured row by
