@@ -57,6 +57,10 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     fn slot_weight(&self, _slot: usize) -> f64 {
         0.0
     }
+    /// The node of a slot, whose displacements a factorisation eliminates right before the slot's multipliers. `None` (default): the first node of the stencil.
+    fn slot_node(&self, _slot: usize) -> Option<u32> {
+        None
+    }
     /// Further unknowns of each slot (coordinates, multipliers), the same for all slots. Their values are a part of the iterate as long as a step lasts, slot by slot; nothing of them is history.
     fn auxiliaries(&self) -> &[Auxiliary] {
         &[]

@@ -34,6 +34,11 @@ impl Term for MortarContact {
         self.surfaces.rows[slot].area
     }
 
+    /// The nodes of a stencil are those of all facets around it, ascending.
+    fn slot_node(&self, slot: usize) -> Option<u32> {
+        Some(self.surfaces.slave.nodes()[self.surfaces.rows[slot].local])
+    }
+
     fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
         self.surfaces.master.set_carriers(of);
         if self.surfaces.master.carriers().is_some() {
