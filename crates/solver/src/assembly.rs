@@ -583,7 +583,7 @@ impl System {
             pair.term.candidates(&active[c], &mut |nodes, slots| all.push(model, c, nodes, slots));
         }
         if all != self.contributions || self.solid_to_global.is_empty() {
-            self.set_pattern(all)?;
+            self.set_pattern(model, all)?;
         }
         self.set_contact_map(model, &present, active)
     }
@@ -597,12 +597,12 @@ impl System {
         }
         let mut all = std::mem::take(&mut self.contributions);
         all.append(&present);
-        self.set_pattern(all)?;
+        self.set_pattern(model, all)?;
         self.set_contact_map(model, &present, active)
     }
 
     /// The pattern of solids and contributions, with an equation for each slot.
-    fn set_pattern(&mut self, contributions: Contributions) -> Result<(), StepError> {
+    fn set_pattern(&mut self, model: &Model, contributions: Contributions) -> Result<(), StepError> {
         self.slot_equation.iter_mut().for_each(|equations| equations.fill(NONE));
         for (pair, _, slots) in contributions.iter() {
             slots.iter().for_each(|&slot| self.slot_equation[pair][slot as usize] = 0);
@@ -616,8 +616,8 @@ impl System {
             }
         }
         let n = next as usize;
-        // A pressure and its auxiliaries belong to the node of the slot, the first one of the contribution that names the slot first. Others may depend on
-        // it, and name it later.
+        // A pressure and its auxiliaries belong to the node of the slot: the method names it, or it is the first one of the contribution that names the slot first. Others may depend
+        // on it, and name it later.
         let label = |node| label(&self.groups, self.first_grouped, node);
         let mut groups = self.numbering.groups(label);
         groups.resize(n, NONE);
@@ -627,7 +627,8 @@ impl System {
                     let first = self.slot_equation[pair][slot as usize] as usize;
                     for group in &mut groups[first..first + self.slot_width[pair] as usize] {
                         if *group == NONE {
-                            *group = nodes.first().map_or(NONE, |&node| label(node));
+                            let named = model.contacts[pair].method.slot_node(slot as usize);
+                            *group = named.or(nodes.first().copied()).map_or(NONE, label);
                         }
                     }
                 }
