@@ -25,12 +25,15 @@ named! {
 }
 
 named! {
-    /// Direct solver for linear systems.
+    /// Solver for linear systems.
     #[derive(Default)]
     LinearSolver {
-        /// Chosen by the number of equations: dense LU up to 50, multifrontal above.
+        /// Chosen by the number of equations: dense LU up to 50, multifrontal above, and by iteration where that is faster: from 3000 equations on, with multipliers of contact, ties or
+        /// joints from 15 000 on if fewer than an eighth of the equations are theirs. What the iteration cannot solve is factorised.
         #[default]
         Auto = "auto",
+        /// By iteration from 1000 equations on (smoothed aggregation) if less than half of them are those of multipliers, rigid bodies and beams. What it cannot solve is factorised.
+        Iterative = "iterative",
         /// Multifrontal LU or LDL' for systems of any size.
         Multifrontal = "multifrontal",
         /// Sparse LU or Cholesky of the library faer for systems of any size: slower, with partial pivoting over whole columns.

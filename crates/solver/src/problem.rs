@@ -378,6 +378,22 @@ impl StepProblem<'_> {
         -vector::dot(&s.rhs[..free], &s.increment[..free])
     }
 
+    /// Solves with the symmetric tangent by iteration; false if the solver does not iterate, or met a direction in which the energy does not rise.
+    fn solve_definite(&mut self) -> Result<bool, LinalgError> {
+        self.system.place_equations(self.model, &self.iterate.q);
+        let System { solver, pattern, values, solid_values, slot_equation, rhs, increment, .. } = &mut *self.system;
+        let values = if slot_equation.is_empty() { solid_values } else { values };
+        self.timings.measure(Phase::Factorisation, || solver.analyse(pattern, MatrixKind::Symmetric))?;
+        let solved =
+            self.timings.measure(Phase::Solve, || solver.solve_definite(values, rhs, increment, LINEAR_TOLERANCE))?;
+        if solved {
+            *self.solves += 1;
+            self.solved_shifted = false;
+            self.system.excess = 0;
+        }
+        Ok(solved)
+    }
+
     /// Factorises the tangent plus the smallest multiple of the unit matrix that is found to leave no direction in which the energy falls; returns it.
     fn factorise_downhill(&mut self) -> Result<f64, LinalgError> {
         if self.factorise_shifted(MatrixKind::Symmetric, 0.0)? {
@@ -514,6 +530,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn solve(&mut self) -> Result<f64, StepError> {
+        self.system.place_equations(self.model, &self.iterate.q);
         let kind = if self.is_symmetric() { MatrixKind::Symmetric } else { MatrixKind::General };
         let s = &mut *self.system;
         let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
@@ -558,6 +575,9 @@ impl NewtonProblem for StepProblem<'_> {
             let increment = self.solve_unsymmetric_downhill()?;
             self.set_line();
             return Ok(increment);
+        }
+        if self.solve_definite().map_err(|error| linear_error(self.model, self.system, self.iterate, false, error))? {
+            return self.keep_base();
         }
         let shift = match self.factorise_downhill().and_then(|shift| self.solve_factorised().map(|()| shift)) {
             Ok(shift) => shift,

@@ -86,6 +86,8 @@ pub struct Plan {
     pub elements: usize,
     /// Free displacement components.
     pub free_components: usize,
+    /// Those among them that are of nodes of bodies: the others are of rigid bodies and beams.
+    pub elastic_components: usize,
     /// Prescribed components.
     pub prescribed_components: usize,
     /// Potential contact constraints (one pressure each while active) and components of tie multipliers.
@@ -507,6 +509,7 @@ impl Simulation {
             nodes: self.model.node_count(),
             elements: self.model.bodies.iter().map(|b| b.solid.element_count()).sum(),
             free_components: self.system.numbering.free.len(),
+            elastic_components: self.system.elastic_components(&self.model),
             prescribed_components: self.prescribed.len(),
             slots: self.pressures.iter().map(Vec::len).sum(),
             matrix_entries: self.system.matrix_entries(),

@@ -8,11 +8,12 @@ use crate::output::{
     Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, UnitLabels, Watched,
     changed_by, contact_bodies, judge_start, promises,
 };
-use crate::scene::Scene;
+use crate::scene::{LinearSolver, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use stoss_solver::{Simulation, SimulationError, StepRecord, digits};
+use stoss_linalg::AutoSolver;
+use stoss_solver::{Plan, Simulation, SimulationError, StepRecord, digits};
 
 pub use crate::error::RunError;
 pub use crate::output::{Summary, judge_folder};
@@ -358,6 +359,45 @@ pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, 
     Ok(PlanReport { lines })
 }
 
+/// Whether systems of a run are solved by iteration: without multipliers, and with all that may be.
+fn iterates(scene: &Scene, plan: &Plan) -> [bool; 2] {
+    let choice = scene.solver.linear;
+    let other = plan.free_components - plan.elastic_components;
+    [0, plan.slots].map(|slots| match choice {
+        LinearSolver::Auto | LinearSolver::Iterative => {
+            let prefers = choice == LinearSolver::Iterative;
+            AutoSolver::iterates_on(prefers, plan.free_components + slots, other + slots)
+        }
+        LinearSolver::Multifrontal | LinearSolver::Faer => false,
+    })
+}
+
+/// The linear solver of a run, in words.
+fn linear_solver(scene: &Scene, plan: &Plan) -> &'static str {
+    match (scene.solver.linear, iterates(scene, plan)) {
+        (LinearSolver::Faer, _) => "factorisation by faer",
+        (_, [true, true]) => "iteration with smoothed aggregation; what it cannot solve is factorised",
+        (_, [true, false]) => {
+            "iteration with smoothed aggregation while few multipliers have equations; multifrontal factorisation else"
+        }
+        (LinearSolver::Auto, _) if plan.free_components + plan.slots <= AutoSolver::DENSE_LIMIT => {
+            "dense factorisation"
+        }
+        _ => "multifrontal factorisation",
+    }
+}
+
+/// Bytes of the linear solver, roughly.
+fn solver_memory(scene: &Scene, plan: &Plan) -> f64 {
+    let entries = plan.matrix_entries as f64;
+    if iterates(scene, plan) == [true; 2] {
+        // Blocks in both precisions, the prolongation and its transpose, some vectors.
+        return 16.0 * entries;
+    }
+    // Factors of hexahedral meshes fill in about fifteen to sixty times; the estimate says the order of magnitude.
+    20.0 * (plan.free_components as f64 / 3000.0).max(0.3).powf(0.33) * entries * 12.0
+}
+
 /// What a run uses: bodies, contacts, unknowns, time stepping, memory.
 fn plan_lines(scene: &Scene, built: &Built) -> Vec<String> {
     let plan = built.simulation.plan();
@@ -388,13 +428,11 @@ fn plan_lines(scene: &Scene, built: &Built) -> Vec<String> {
         used(plan.prescribed_components > 0),
         used(!scene.loads.is_empty() || scene.gravity.is_some()),
     ));
-    // Factors of hexahedral meshes fill in about fifteen to sixty times; the estimate says the order of magnitude.
-    let fill = 20.0 * (plan.free_components as f64 / 3000.0).max(0.3).powf(0.33);
-    let factors = fill * plan.matrix_entries as f64 * 12.0;
+    lines.push(format!("  linear solver: {}", linear_solver(scene, &plan)));
     lines.push(format!(
-        "  memory: {:.1} MB held, about {:.0} MB with factors (estimate)",
+        "  memory: {:.1} MB held, about {:.0} MB with the linear solver (estimate)",
         plan.memory_bytes as f64 / 1e6,
-        (plan.memory_bytes as f64 + factors) / 1e6
+        (plan.memory_bytes as f64 + solver_memory(scene, &plan)) / 1e6
     ));
     let steps = built.schedule.nominal_steps();
     if scene.stages.is_empty() {

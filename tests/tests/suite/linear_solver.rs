@@ -108,3 +108,148 @@ fn the_active_set_needs_no_new_analysis() {
     assert!(steps >= 8, "{steps} steps with changes");
     assert!(analyses <= 2, "{analyses} analyses, {steps} steps with changes, {repaired} repaired");
 }
+
+/// The slaves of a mortar row are all nodes around it; the multipliers of each row are eliminated with its own. (They were with the one of the smallest number: fronts had no pivots.)
+#[test]
+fn multipliers_of_mortar_contact_and_friction_have_pivots() {
+    let text = r#"
+[scene]
+title = "a stiff block on a soft one"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.25
+[[body]]
+name = "block"
+mesh = { generator = "block", min = [0.5, 0.5, 1.0], max = [1.5, 1.5, 2.0], divisions = [4, 4, 3] }
+material = { law = "neo-hooke", young = 1000.0, poisson = 0.3 }
+[[body]]
+name = "slab"
+mesh = { generator = "block", min = [0.0, 0.0, 0.0], max = [3.0, 2.0, 1.0], divisions = [9, 6, 3] }
+material = { law = "neo-hooke", young = 1.0, poisson = 0.3 }
+[[contact]]
+method = "mortar"
+slave = "block.bottom"
+master = "slab.top"
+friction = { law = "coulomb", mu = 0.5 }
+[[prescribe]]
+set = "slab.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "block.top"
+components = ["x", "y", "z"]
+displacement = { table = [[0.0, 0.0, 0.0, 0.0], [0.5, 0.0, 0.0, -0.1], [1.0, 0.2, 0.0, -0.1]] }
+"#;
+    let mut simulation = simulation(text);
+    while !simulation.finished() {
+        simulation.advance().unwrap();
+    }
+    let counts = simulation.solver_statistics();
+    assert!(counts.factorisations >= 4 && simulation.active()[0].iter().any(|active| *active));
+    assert_eq!(counts.pivoting_fallbacks, 0, "of {}", counts.factorisations);
+}
+
+/// Nodes close and open while the equations are solved by iteration.
+#[test]
+fn iteration_gives_the_motion_of_factorisation() {
+    let end = |linear: &str| {
+        let mut simulation = simulation(&scene(linear, 8).replace("end = 0.1", "end = 0.05"));
+        let mut closed = 0;
+        while !simulation.finished() {
+            closed += simulation.advance().unwrap().contact.unwrap().closed;
+        }
+        assert!(closed > 0);
+        (simulation.state().q.clone(), simulation.solver_statistics(), simulation.solver_name().to_owned())
+    };
+    let (iterated, counts, name) = end("iterative");
+    assert_eq!(name, "smoothed aggregation");
+    assert!(counts.iterative_solves > 50 && counts.factorisations == 0 && counts.handed_over == 0, "{counts:?}");
+    let difference = iterated.iter().zip(&end("multifrontal").0).fold(0f64, |m, (a, b)| m.max((a - b).abs()));
+    assert!(difference < 1e-8, "{difference:e}");
+}
+
+/// Balances hang on Newton's method and its polish, not on the accuracy of the linear solutions.
+#[test]
+fn momenta_and_energy_are_kept_by_inexact_solutions() {
+    let text = r#"
+[scene]
+title = "a block in flight"
+kind = "dynamic"
+[time]
+end = 0.4
+step = 0.02
+integrator = { scheme = "energy-momentum" }
+[solver]
+linear = "iterative"
+[[body]]
+name = "block"
+mesh = { generator = "block", min = [0, 0, 0], max = [1, 1, 1], divisions = [8, 8, 8] }
+material = { law = "neo-hooke", young = 1e3, poisson = 0.3 }
+density = 1.0
+velocity = [1.0, 2.0, 0.5]
+angular_velocity = [12.0, 4.0, 10.0]
+"#;
+    let mut simulation = simulation(text);
+    let first = simulation.balance().clone();
+    while !simulation.finished() {
+        simulation.advance().unwrap();
+    }
+    let (last, counts) = (simulation.balance(), simulation.solver_statistics());
+    assert!(counts.iterative_solves >= 60 && counts.factorisations == 0, "{counts:?}");
+    // Loose on purpose: some four iterations a solution.
+    assert!(counts.iterations < 8 * counts.iterative_solves, "{counts:?}");
+    let before = first.kinetic + first.strain;
+    let drift = (last.kinetic + last.strain - before).abs() / before;
+    let of = |a: [f64; 3], b: [f64; 3]| {
+        let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        size([0, 1, 2].map(|i| a[i] - b[i])) / size(b)
+    };
+    let linear = of(last.linear_momentum, first.linear_momentum);
+    let angular = of(last.angular_momentum, first.angular_momentum);
+    assert!(drift < 1e-12 && linear < 1e-12 && angular < 1e-12, "{drift:e} {linear:e} {angular:e}");
+}
+
+/// A column that is pushed beyond its critical load without an imperfection: the tangent has negative directions, and they are counted by factorisation whatever solves the other systems.
+#[test]
+fn directions_of_falling_energy_are_counted_all_the_same() {
+    let text = |linear: &str| {
+        format!(
+            r#"
+[scene]
+title = "a straight column"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.25
+[solver]
+linear = "{linear}"
+[[body]]
+name = "column"
+mesh = {{ generator = "block", min = [0, 0, 0], max = [1, 1, 12], divisions = [3, 3, 36] }}
+material = {{ law = "neo-hooke", young = 1e3, poisson = 0.3 }}
+[[prescribe]]
+set = "column.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "column.top"
+components = ["z"]
+displacement = {{ table = [[0.0, 0.0], [1.0, -0.6]] }}
+"#
+        )
+    };
+    let run = |linear: &str| {
+        let mut simulation = simulation(&text(linear));
+        let mut unstable = Vec::new();
+        while !simulation.finished() {
+            unstable.push(simulation.advance().unwrap().unstable);
+        }
+        (unstable, simulation.solver_statistics())
+    };
+    let (direct, _) = run("multifrontal");
+    let (iterated, counts) = run("iterative");
+    println!("{direct:?} {iterated:?} {counts:?}");
+    assert!(counts.iterative_solves > 0 && counts.factorisations > 0, "{counts:?}");
+    assert_eq!(direct.last(), iterated.last(), "{direct:?} {iterated:?}");
+}

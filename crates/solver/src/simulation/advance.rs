@@ -545,6 +545,7 @@ impl Simulation {
         }
         self.warn_stabilisation();
         self.warn_fallbacks();
+        self.warn_handed_over();
         StepRecord {
             step: self.step,
             stage: self.stage,

@@ -17,6 +17,8 @@ const REPORTED_FALLBACKS: f64 = 0.5;
 const KNOWN_FACTORISATIONS: u64 = 4;
 /// Start of that warning.
 const WITHOUT_PIVOTS: &str = "the multifrontal solver found no good pivots";
+/// Start of the warning that the iteration left a step to the direct solver.
+const HANDED_OVER: &str = "the linear equations are not solved by iteration";
 /// Start of the warning that rows of contact depend on each other.
 const DEPENDENT: &str = "rows of contact depend on each other";
 
@@ -99,6 +101,20 @@ impl Simulation {
             "{WITHOUT_PIVOTS} in {twice} of {all} matrices, as happens with multipliers of mortar contact and of friction: each was factorised again with pivots from whole columns. Results are \
              as accurate, but large models take several times as long and more memory. `linear = \"faer\"` in [solver] leaves the first attempt out; `method = \"nts\"`, or friction \
              with `stick = \"penalty\"`, may do without. This warning is given once in a run"
+        );
+        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+    }
+
+    /// Warns once in a run that the iterative solver left systems to the direct one.
+    pub(super) fn warn_handed_over(&mut self) {
+        let Some(reason) = self.system.solver.take_reason() else { return };
+        let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(HANDED_OVER);
+        if self.decisions.iter().any(reported) {
+            return;
+        }
+        let reason = format!(
+            "{HANDED_OVER} but by factorisation until the end of this step, which takes more time and memory: {reason}. Every step tries anew; `linear = \"multifrontal\"` in [solver] leaves the \
+             attempts out. This warning is given once in a run, the number of such steps is in `linear_solver_counts` of the summary"
         );
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }

@@ -388,6 +388,7 @@ fn linear_solver(choice: LinearChoice, factors: Factors) -> Box<dyn LinearSolver
     let options = SolverOptions { max_nearby_iterations, ..default };
     match choice {
         LinearChoice::Auto => Box::new(AutoSolver::with_options(options)),
+        LinearChoice::Iterative => Box::new(AutoSolver::preferring_iteration(options)),
         LinearChoice::Multifrontal => Box::new(MultifrontalSolver::with_options(options)),
         LinearChoice::Faer => Box::new(FaerSolver::with_options(options)),
     }
