@@ -224,3 +224,60 @@ pub fn is_discrete_gradient(rule: Rule) -> bool {
         Rule::Force(crate::ForceRule::DiscreteGradient) | Rule::Constraint(crate::GradientRule::DiscreteGradient)
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ForceRule;
+
+    /// A spring of node 0 to the origin, with a factor on its tangent.
+    #[derive(Debug)]
+    struct Spring {
+        tangent: f64,
+    }
+
+    impl Term for Spring {
+        fn name(&self) -> &str {
+            "spring"
+        }
+        fn length_scale(&self) -> f64 {
+            1.0
+        }
+        fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+            visit(&[0], &[]);
+        }
+        fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+            let mut local = Local::default();
+            local.begin(&[0], want_tangent);
+            for i in 0..3 {
+                local.residual[i] = 4.0 * at.q_np1[i];
+                if want_tangent {
+                    local.tangent[4 * i] = 4.0 * self.tangent;
+                }
+            }
+            visit(&local);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_wrong_tangent_is_found() {
+        let (q_n, q) = ([0.0; 3], [0.3, -0.2, 0.5]);
+        let at = At::force([&q_n, &q], ForceRule::END_POINT, 0.1);
+        let deviation = |tangent: f64| {
+            let mut spring = Spring { tangent };
+            let direction = direction(&spring, 1, 5, 1.0, 1.0);
+            derivative(&mut spring, &at, &direction, 1e-5).unwrap().deviation
+        };
+        assert!(deviation(1.0) < 1e-9 && (deviation(1.01) - 0.01 / 1.01).abs() < 1e-9, "{}", deviation(1.01));
+    }
+
+    #[test]
+    fn forces_of_the_ground_have_a_resultant() {
+        let (q_n, q) = ([0.0; 3], [0.3, -0.2, 0.5]);
+        let at = At::force([&q_n, &q], ForceRule::END_POINT, 0.1);
+        let found = promises(&mut Spring { tangent: 1.0 }, &at, &|_| false).unwrap();
+        assert!(found.is_pure && found.has_order && found.asymmetry == 0.0);
+        assert!((found.resultant - 1.0).abs() < 1e-15 && (found.work - 4.0 * 0.38).abs() < 1e-15, "{found:?}");
+    }
+}
