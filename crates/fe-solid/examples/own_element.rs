@@ -17,6 +17,7 @@ const POINTS: usize = TET_14.len();
 
 static TET5: CellTable = CellTable {
     name: "tet5",
+    about: "Tetrahedra with a bubble.",
     family: Family::Tetrahedron,
     nodes: &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.25; 3]],
     corners: 4,

@@ -13,7 +13,7 @@
 //!
 //! # How to add a law
 //! One file with a struct, a validating constructor and the trait; one `pub use` here; one line in `tests/battery.rs` with the
-//! energy written once more over dual numbers; a variant in the scene and an arm in the facade. Two habits are worth the
+//! energy written once more over dual numbers; a row of [`LAWS`]. Two habits are worth the
 //! trouble:
 //! * compute the energy from `C - 1`, not from terms of order one that cancel at `C = 1`: the energy-momentum stress divides
 //!   its round-off by the strain increment;
@@ -82,5 +82,6 @@ pub use error::MaterialError;
 pub use mooney_rivlin::MooneyRivlin;
 pub use neo_hooke::NeoHooke;
 pub use ogden::Ogden;
-pub use registry::{Given, LAWS, LawEntry, Parameter, Refusal, Unit, Values, entry};
+pub use registry::{LAWS, LawEntry, entry};
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
+pub use stoss_registry::{Given, Parameter, Refusal, Unit, Values};

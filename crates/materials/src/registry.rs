@@ -3,217 +3,38 @@
 use crate::{MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
-
-/// What a parameter is measured in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
-    /// A stress.
-    Stress,
-    /// A pure number.
-    Number,
-}
-
-/// Values that a parameter may have by itself; all are finite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Values {
-    /// Any.
-    Any,
-    /// Above zero.
-    Positive,
-    /// Any but zero.
-    NotZero,
-    /// Poisson's ratio: above -1 and below 1/2.
-    Poisson,
-}
-
-impl Values {
-    /// Whether a number is among them.
-    pub fn contain(self, value: f64) -> bool {
-        value.is_finite()
-            && match self {
-                Self::Any => true,
-                Self::Positive => value > 0.0,
-                Self::NotZero => value != 0.0,
-                Self::Poisson => value > -1.0 && value < 0.5,
-            }
-    }
-}
-
-/// A parameter of a law.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter {
-    /// Name in scenes.
-    pub name: &'static str,
-    /// Meaning, a sentence.
-    pub about: &'static str,
-    /// What it is measured in.
-    pub unit: Unit,
-    /// Values of it, or of each number of a list.
-    pub values: Values,
-    /// Whether it is a list of numbers, of one or more.
-    pub is_list: bool,
-    /// A value, as it is written in a scene.
-    pub example: &'static str,
-}
-
-/// A value that is given for a parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Given<'a> {
-    /// A number.
-    Number(f64),
-    /// A list of numbers.
-    List(&'a [f64]),
-}
-
-impl<'a> Given<'a> {
-    /// Its numbers.
-    fn list(&self) -> &[f64] {
-        match self {
-            Self::Number(value) => std::slice::from_ref(value),
-            Self::List(values) => values,
-        }
-    }
-
-    fn number(&self) -> f64 {
-        self.list().first().copied().unwrap_or(f64::NAN)
-    }
-}
-
-/// Why parameters are no law.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{parameter}: {message}; {remedy}")]
-pub struct Refusal {
-    /// The parameter that is to be changed.
-    pub parameter: &'static str,
-    /// What is wrong with it.
-    pub message: String,
-    /// What to do.
-    pub remedy: String,
-}
-
-impl Refusal {
-    fn new(parameter: &'static str, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { parameter, message: message.into(), remedy: remedy.into() }
-    }
-}
-
-/// What makes a law: the number of the way in which its parameters are given, and one value for each parameter of that way, each in its range.
-type Make = fn(usize, &[Given<'_>]) -> Result<Arc<dyn HyperelasticLaw>, Refusal>;
+use stoss_registry::{Given, Parameter, Refusal, Row, Unit, Values, list};
 
 /// A row of the catalogue.
-#[derive(Clone, Copy, Debug)]
-pub struct LawEntry {
-    /// Name in scenes.
-    pub name: &'static str,
-    /// Equation and use.
-    pub about: &'static str,
-    /// Ways to give the parameters: all of exactly one of them.
-    pub ways: &'static [&'static [Parameter]],
-    make: Make,
-}
-
-impl LawEntry {
-    /// The parameters of all ways.
-    pub fn parameters(&self) -> impl Iterator<Item = &'static Parameter> {
-        self.ways.iter().copied().flatten()
-    }
-
-    /// The way in which parameters are given, of which `has` tells whether they are there.
-    ///
-    /// # Errors
-    /// None of any way is there, or some of several.
-    pub fn way(&self, has: impl Fn(&str) -> bool) -> Result<usize, Refusal> {
-        if let [_] = self.ways {
-            return Ok(0);
-        }
-        let mut present = self.ways.iter().enumerate().filter_map(|(way, parameters)| {
-            parameters.iter().find(|parameter| has(parameter.name)).map(|first| (way, first))
-        });
-        let Some((way, _)) = present.next() else {
-            let first = self.ways[0];
-            let example: Vec<String> = first.iter().map(|p| format!("{} = {}", p.name, p.example)).collect();
-            let remedy = format!("add it, for instance `{}`", example.join(", "));
-            return Err(Refusal::new(first[0].name, "is missing", remedy));
-        };
-        match present.next() {
-            None => Ok(way),
-            Some((_, other)) => {
-                let words =
-                    |way: &&[Parameter]| way.iter().map(|p| format!("`{}`", p.name)).collect::<Vec<_>>().join(" and ");
-                let all: Vec<String> = self.ways.iter().map(words).collect();
-                let remedy = format!("give either {}", all.join(", or "));
-                Err(Refusal::new(other.name, "cannot be combined with the other moduli", remedy))
-            }
-        }
-    }
-
-    /// The law with these parameters, each by its name.
-    ///
-    /// # Errors
-    /// Parameters that are unknown, missing or out of range, and combinations without positive shear and bulk moduli at small strains.
-    pub fn with<'a>(
-        &self,
-        given: impl IntoIterator<Item = (&'a str, Given<'a>)>,
-    ) -> Result<Arc<dyn HyperelasticLaw>, Refusal> {
-        let given: Vec<(&str, Given<'_>)> = given.into_iter().collect();
-        if let Some((name, _)) = given.iter().find(|(name, _)| self.parameters().all(|p| p.name != *name)) {
-            let known: Vec<&str> = self.parameters().map(|p| p.name).collect();
-            let message = format!("has no parameter {name}");
-            return Err(Refusal::new("law", message, format!("it has {}", known.join(", "))));
-        }
-        let way = self.way(|name| given.iter().any(|(other, _)| *other == name))?;
-        let mut values = Vec::new();
-        for parameter in self.ways[way] {
-            let Some((_, value)) = given.iter().find(|(name, _)| *name == parameter.name) else {
-                let remedy = format!("add it, for instance `{} = {}`", parameter.name, parameter.example);
-                return Err(Refusal::new(parameter.name, "is missing", remedy));
-            };
-            let is_list = matches!(value, Given::List(_));
-            if is_list != parameter.is_list || value.list().is_empty() {
-                let what = if parameter.is_list { "must be a list of one number or more" } else { "must be a number" };
-                return Err(Refusal::new(parameter.name, what, format!("write for instance {}", parameter.example)));
-            }
-            if let Some(bad) = value.list().iter().find(|value| !parameter.values.contain(**value)) {
-                let message = format!("{bad} is out of range");
-                return Err(Refusal::new(parameter.name, message, format!("write for instance {}", parameter.example)));
-            }
-            values.push(*value);
-        }
-        (self.make)(way, &values)
-    }
-}
+pub type LawEntry = Row<Arc<dyn HyperelasticLaw>>;
 
 /// The row of a law.
 pub fn entry(name: &str) -> Option<&'static LawEntry> {
-    LAWS.iter().find(|entry| entry.name == name)
+    stoss_registry::entry(LAWS, name)
 }
 
-const fn stress(name: &'static str, about: &'static str, values: Values, example: &'static str) -> Parameter {
-    Parameter { name, about, unit: Unit::Stress, values, is_list: false, example }
+const fn stress(name: &'static str, about: &'static str, values: Values, example: f64) -> Parameter {
+    stoss_registry::number(name, about, Unit::Stress, values, example)
 }
 
-const fn number(name: &'static str, about: &'static str, values: Values, example: &'static str) -> Parameter {
-    Parameter { name, about, unit: Unit::Number, values, is_list: false, example }
-}
-
-const fn list(parameter: Parameter) -> Parameter {
-    Parameter { is_list: true, ..parameter }
+const fn number(name: &'static str, about: &'static str, values: Values, example: f64) -> Parameter {
+    stoss_registry::number(name, about, Unit::Number, values, example)
 }
 
 /// Two elastic moduli.
 const MODULI: &[&[Parameter]] = &[
     &[
-        stress("young", "Young's modulus `E` (stress), positive; together with `poisson`.", Values::Positive, "2250.0"),
-        number("poisson", "Poisson's ratio, in (-1, 1/2); together with `young`.", Values::Poisson, "0.3"),
+        stress("young", "Young's modulus `E` (stress), positive; together with `poisson`.", Values::Positive, 2250.0),
+        number("poisson", "Poisson's ratio, in (-1, 1/2); together with `young`.", Values::Poisson, 0.3),
     ],
     &[
         stress(
             "lambda",
             "First Lame parameter (stress), larger than `-2/3 mu`; together with `mu`.",
             Values::Any,
-            "1298.0",
+            1298.0,
         ),
-        stress("mu", "Shear modulus (stress), positive; together with `lambda`.", Values::Positive, "865.0"),
+        stress("mu", "Shear modulus (stress), positive; together with `lambda`.", Values::Positive, 865.0),
     ],
 ];
 
@@ -266,9 +87,9 @@ pub const LAWS: &[LawEntry] = &[
         name: "mooney-rivlin",
         about: "Compressible Mooney-Rivlin law: `W = c1 (I1 - 3) + c2 (I2 - 3) + c (J - 1)^2 - 2 (c1 + 2 c2) ln J`.",
         ways: &[&[
-            stress("c1", "Factor of the first invariant (stress).", Values::Any, "176051.0"),
-            stress("c2", "Factor of the second invariant (stress).", Values::Any, "4332.63"),
-            stress("c", "Volumetric parameter (stress).", Values::Any, "2.0e6"),
+            stress("c1", "Factor of the first invariant (stress).", Values::Any, 176051.0),
+            stress("c2", "Factor of the second invariant (stress).", Values::Any, 4332.63),
+            stress("c", "Volumetric parameter (stress).", Values::Any, 2.0e6),
         ]],
         make: |_, given| {
             let [c1, c2, c] = [given[0].number(), given[1].number(), given[2].number()];
@@ -290,15 +111,22 @@ pub const LAWS: &[LawEntry] = &[
         name: "ogden",
         about: "Ogden law with the isochoric principal stretches `lbar_a`: `W = sum_p mu_p/alpha_p (sum_a lbar_a^alpha_p - 3) + kappa (ln(J)/beta + (J^-beta - 1)/beta^2)`. Shear modulus `1/2 sum_p mu_p alpha_p`.",
         ways: &[&[
-            list(stress("mu", "Moduli of the terms (stress); one or more.", Values::Any, "[6300.0, 12.0, -100.0]")),
-            list(number(
+            list(
+                "mu",
+                "Moduli of the terms (stress); one or more.",
+                Unit::Stress,
+                Values::Any,
+                &[6300.0, 12.0, -100.0],
+            ),
+            list(
                 "alpha",
                 "Exponents of the terms, none zero; as many as `mu`.",
+                Unit::Number,
                 Values::NotZero,
-                "[1.3, 5.0, -2.0]",
-            )),
-            stress("kappa", "Bulk modulus (stress), positive.", Values::Positive, "2000.0"),
-            number("beta", "Exponent of the volumetric part, not zero.", Values::NotZero, "9.0"),
+                &[1.3, 5.0, -2.0],
+            ),
+            stress("kappa", "Bulk modulus (stress), positive.", Values::Positive, 2000.0),
+            number("beta", "Exponent of the volumetric part, not zero.", Values::NotZero, 9.0),
         ]],
         make: |_, given| {
             let (mu, alpha) = (given[0].list(), given[1].list());
@@ -323,17 +151,9 @@ mod tests {
     /// The examples of every row are a law with positive moduli, by each way; without one of them, or with an unknown one, they are none.
     #[test]
     fn every_row_makes_a_law_of_its_examples() {
-        let numbers = |p: &Parameter| -> Vec<f64> {
-            p.example.trim_matches(['[', ']']).split(',').map(|text| text.trim().parse().unwrap()).collect()
-        };
         for entry in LAWS {
             for (way, parameters) in entry.ways.iter().enumerate() {
-                let values: Vec<Vec<f64>> = parameters.iter().map(numbers).collect();
-                let given: Vec<(&str, Given<'_>)> = parameters
-                    .iter()
-                    .zip(&values)
-                    .map(|(p, v)| (p.name, if p.is_list { Given::List(v) } else { Given::Number(v[0]) }))
-                    .collect();
+                let given: Vec<(&str, Given<'_>)> = parameters.iter().map(|p| (p.name, p.example)).collect();
                 let law = entry.with(given.clone()).unwrap_or_else(|e| panic!("{} {way}: {e}", entry.name));
                 let moduli = law.small_strain_moduli();
                 assert!(law.name() == entry.name && moduli.shear > 0.0 && moduli.bulk > 0.0, "{}", entry.name);

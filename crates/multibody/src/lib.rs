@@ -8,7 +8,7 @@
 //! What acts at a point acts at an [`Embedded`] point, whatever carries it.
 //!
 //! * [`RigidBody`], [`Beam`], [`ElasticString`], [`PointMass`], [`Spring`], [`ElasticSupport`]: parts;
-//! * [`Joint`], [`JointKind`], [`CoordinateOptions`]: joints between two [`Frame`]s, with springs, friction, limits and motors;
+//! * [`Joint`], [`JOINTS`], [`CoordinateOptions`]: joints between two [`Frame`]s, with springs, friction, limits and motors;
 //! * [`ConstraintSet`], [`QuadraticsBuilder`]: constraints of your own; [`kinematic_coupling`], [`distributing_coupling`]: nodes to a body;
 //! * [`analyse`]: equations that follow from others.
 //!
@@ -50,8 +50,8 @@ pub use embedded::Embedded;
 pub use error::PartDataError;
 pub use frame::{Frame, axes_along};
 pub use joint::{
-    CoordinateFriction, CoordinateKind, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, Joint, JointError,
-    JointKind, PiecewiseLinear, Pretension,
+    CoordinateFriction, CoordinateKind, CoordinateOptions, CoordinateSpring, Directions, Drive, DriveFunction, JOINTS,
+    Joint, JointEntry, JointError, JointKind, PiecewiseLinear, Pretension, joint_entry,
 };
 pub use kernel::{GradientAt, Kernel};
 pub use line::tributary_lengths;

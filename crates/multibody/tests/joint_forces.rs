@@ -2,24 +2,14 @@
 
 use proptest::prelude::*;
 use stoss_multibody::{
-    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, Pretension,
-    RigidBody, RigidMass,
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, JOINTS, Joint, JointKind,
+    Pretension, RigidBody, RigidMass,
 };
 use stoss_term::{At, Bilateral, GradientRule, Local, Step, StepConfiguration, Term};
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const POINT: [f64; 3] = [0.4, -0.3, 0.2];
 const LENGTH: f64 = 0.8;
-
-const KINDS: [JointKind; 7] = [
-    JointKind::Ball,
-    JointKind::Hinge,
-    JointKind::Slider,
-    JointKind::Cylindrical,
-    JointKind::Universal,
-    JointKind::Planar,
-    JointKind::Weld,
-];
 
 fn bodies() -> [RigidBody; 2] {
     let mass = |centre, euler| RigidMass::new(2.0, centre, euler, AXES).unwrap();
@@ -205,7 +195,7 @@ proptest! {
     /// Tangents of all kinds under all rules.
     #[test]
     fn tangents_of_the_kinds([q_n, q_np1] in state(), m in proptest::collection::vec(-2.0..2.0_f64, 6), ground in any::<bool>()) {
-        for kind in KINDS.into_iter().chain([JointKind::Distance { length: 0.7 }]) {
+        for kind in JOINTS.iter().map(|entry| entry.kind(0.7)) {
             for rule in GradientRule::ALL {
                 let mut joint = joint(kind, ground);
                 begin(&mut joint, &q_n, rule);

@@ -26,6 +26,14 @@ impl CellKind {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
+    /// The quadratic cell of the same corners that has nodes on edges only; itself if it is quadratic.
+    pub fn quadratic(self) -> Self {
+        let middles = |kind: &Self| kind.table().edges.len() + kind.table().corners == kind.node_count();
+        let of_corners = |kind: &Self| kind.is_quadratic() && middles(kind) && kind.table().linear == self;
+        // cannot fail: every linear cell has one, as a test says.
+        if self.is_quadratic() { self } else { Self::ALL.into_iter().find(of_corners).unwrap_or(self) }
+    }
+
     /// The cell's name in messages and files.
     pub fn name(self) -> &'static str {
         self.table().name

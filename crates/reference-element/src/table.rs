@@ -88,6 +88,8 @@ pub struct Face {
 pub struct CellTable {
     /// Name in messages and files.
     pub name: &'static str,
+    /// What it is, a sentence.
+    pub about: &'static str,
     /// Its shape.
     pub family: Family,
     /// Natural coordinates of the nodes, corners first.

@@ -358,3 +358,14 @@ fn piecewise_functions_are_linear_and_not_negative() {
         }
     }
 }
+
+#[test]
+fn every_cell_has_a_quadratic_one_on_its_corners() {
+    for kind in CellKind::ALL {
+        let quadratic = kind.quadratic();
+        assert!(quadratic.is_quadratic() && quadratic.table().linear == kind.table().linear, "{kind}");
+        let middles = if kind.is_quadratic() { kind.table().edges.len() } else { kind.edges().len() };
+        assert_eq!(quadratic.table().edges.len(), middles, "{kind}");
+    }
+    assert_eq!([CellKind::Hex8, CellKind::Hex27].map(CellKind::quadratic), [CellKind::Hex20, CellKind::Hex27]);
+}

@@ -2,11 +2,14 @@
 
 #[cfg(feature = "schema")]
 use crate::Dimension;
-use crate::names::named;
+use crate::names::{known, named};
 use crate::{Material, MeshSource};
 #[cfg(feature = "schema")]
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
+use std::borrow::Cow;
+use stoss_reference_element::CellKind;
 
 named! {
     /// Mass matrix of a body.
@@ -18,25 +21,67 @@ named! {
     }
 }
 
-named! {
-    /// Element types into which a mesh can be converted.
-    Cell {
-        /// Trilinear hexahedra with 8 nodes.
-        Hex8 = "hex8",
-        /// Quadratic (serendipity) hexahedra with 20 nodes: corners and edges.
-        Hex20 = "hex20",
-        /// Triquadratic hexahedra with 27 nodes: corners, edges, faces and centre.
-        Hex27 = "hex27",
-        /// Linear tetrahedra with 4 nodes. They lock in bending and with nearly incompressible materials.
-        Tet4 = "tet4",
-        /// Quadratic tetrahedra with 10 nodes.
-        Tet10 = "tet10",
-        /// Linear wedges with 6 nodes.
-        Wedge6 = "wedge6",
-        /// Quadratic wedges with 15 nodes.
-        Wedge15 = "wedge15",
-        /// The quadratic element of the shape of each linear one: hex20, tet10 or wedge15.
-        Quadratic = "quadratic",
+/// Element type into which a mesh can be converted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub enum Cell {
+    /// A kind of the table of cells.
+    Kind(CellKind),
+    /// The quadratic element of the shape of each linear one.
+    Quadratic,
+}
+
+impl Cell {
+    const ALL_QUADRATIC: &str = "quadratic";
+
+    /// All names.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        CellKind::ALL.into_iter().map(CellKind::name).chain([Self::ALL_QUADRATIC])
+    }
+
+    /// The one of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        if name == Self::ALL_QUADRATIC { Some(Self::Quadratic) } else { CellKind::from_name(name).map(Self::Kind) }
+    }
+
+    /// Its name in a scene.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kind(kind) => kind.name(),
+            Self::Quadratic => Self::ALL_QUADRATIC,
+        }
+    }
+}
+
+impl From<Cell> for String {
+    fn from(cell: Cell) -> Self {
+        cell.name().to_owned()
+    }
+}
+
+impl TryFrom<String> for Cell {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Self::from_name(&name).ok_or_else(|| known(&name, Self::names().collect::<Vec<_>>()))
+    }
+}
+
+#[cfg(feature = "schema")]
+impl JsonSchema for Cell {
+    fn schema_name() -> Cow<'static, str> {
+        "Cell".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let row =
+            |name: &str, about: &str| serde_json::json!({ "type": "string", "const": name, "description": about });
+        let linear = CellKind::ALL.into_iter().filter(|kind| !kind.is_quadratic());
+        let quadratic: Vec<&str> = linear.map(|kind| kind.quadratic().name()).collect();
+        let about = format!("The quadratic element of the shape of each linear one: {}.", quadratic.join(", "));
+        let kinds = CellKind::ALL.into_iter().map(|kind| row(kind.name(), kind.table().about));
+        let all: Vec<_> = kinds.chain([row(Self::ALL_QUADRATIC, &about)]).collect();
+        json_schema!({ "description": "Element types into which a mesh can be converted.", "oneOf": all })
     }
 }
 

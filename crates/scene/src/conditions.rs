@@ -3,26 +3,13 @@
 #[cfg(feature = "schema")]
 use crate::Dimension;
 use crate::Friction;
+use crate::contact_method::ContactMethod;
 use crate::coupling::Coupling;
 use crate::names::named;
 use crate::tie::Multipliers;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-named! {
-    /// Contact discretisation.
-    ContactMethod {
-        /// Node to surface: each slave node against the facets of the master. The element follows from the scheme: with `energy-momentum`
-        /// the energy-momentum element (theory/node-to-surface#element), otherwise the direct one (theory/node-to-surface#residual).
-        Nts = "nts",
-        /// Node to surface by coordinate augmentation (theory/coordinate-augmentation): the convective coordinates of the projection are unknowns of each contact. For statics, backward Euler,
-        /// generalised-alpha and midpoint; with `energy-momentum` the solids conserve energy, and the contact follows the midpoint rule.
-        Cat = "cat",
-        /// Mortar: weighted gaps and pressures on the overlap of the facets (theory/mortar#eq-gap), whose integrals move with the positions.
-        Mortar = "mortar",
-    }
-}
 
 named! {
     /// Treatment of contact that the method does not detect: edge against edge, beyond the rim of a surface, on sides that are not part of slave or master.
@@ -169,6 +156,15 @@ impl Enforcement {
     /// Names of the variants.
     pub const NAMES: &'static [&'static str] = &["multiplier", "penalty", "augmented"];
 
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Multiplier => Self::NAMES[0],
+            Self::Penalty(_) => Self::NAMES[1],
+            Self::Augmented(_) => Self::NAMES[2],
+        }
+    }
+
     pub(crate) fn is_multiplier(&self) -> bool {
         *self == Self::Multiplier
     }
@@ -263,7 +259,7 @@ pub struct Contact {
     /// Unique name; `slave/master`, or the two surfaces of `between`, if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Contact discretisation: `nts`, `cat` or `mortar`.
+    /// Contact discretisation.
     pub method: ContactMethod,
     /// Slave surface, `body.set`; with `nts` also a set of a beam or string.
     #[serde(default, skip_serializing_if = "Option::is_none")]

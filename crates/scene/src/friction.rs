@@ -1,13 +1,16 @@
 //! Friction of a contact (theory/friction).
 
-#[cfg(feature = "schema")]
-use crate::Dimension;
-use crate::Parameter;
+use crate::catalogue::{Parameter, given};
 use crate::names::named;
 #[cfg(feature = "schema")]
-use schemars::JsonSchema;
+use crate::{Dimension, catalogue};
+#[cfg(feature = "schema")]
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use stoss_contact::friction::{FrictionEntry, LAWS, entry};
 
 named! {
     /// Enforcement of stick.
@@ -45,65 +48,20 @@ named! {
     }
 }
 
-/// A friction law with its parameters.
-///
-/// # How to add one
-/// A variant with a struct of parameters here, its reading in `read/friction.rs`, its arm in the facade.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Keys of stick, for laws with stick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Friction {
-    /// Coulomb friction: the tangential traction does not exceed `mu` times the pressure.
-    Coulomb(CoulombFriction),
-    /// Coulomb friction with a coefficient that decreases with the slip speed `v`,
-    /// `mu_dynamic + (mu_static - mu_dynamic) exp(-(v / speed)^2)`.
-    StaticDynamic(StaticDynamicFriction),
-    /// Regularised Coulomb friction without stick: traction `mu p v / sqrt(v^2 + speed^2)`.
-    Regularised(RegularisedFriction),
-    /// A user's own law, registered by the program; see [`crate::parse_with`]. Not in the schema, which has the catalogue only.
-    #[serde(untagged)]
-    #[cfg_attr(feature = "schema", schemars(skip))]
-    Own(OwnFriction),
-}
-
-impl Friction {
-    /// Names of the laws of the catalogue.
-    pub const NAMES: &'static [&'static str] = &["coulomb", "static-dynamic", "regularised"];
-
-    /// Name of the law in a scene.
-    pub fn law(&self) -> &str {
-        match self {
-            Self::Coulomb(_) => "coulomb",
-            Self::StaticDynamic(_) => "static-dynamic",
-            Self::Regularised(_) => "regularised",
-            Self::Own(own) => &own.law,
-        }
-    }
-
-    /// Parameters of the law by key, without those of stick and slip.
-    pub fn parameters(&self) -> BTreeMap<String, Parameter> {
-        let numbers = |list: &[(&str, f64)]| {
-            list.iter().map(|&(key, value)| (key.to_owned(), Parameter::Number(value))).collect()
-        };
-        match self {
-            Self::Coulomb(p) => numbers(&[("mu", p.mu)]),
-            Self::StaticDynamic(p) => {
-                numbers(&[("mu_static", p.mu_static), ("mu_dynamic", p.mu_dynamic), ("speed", p.speed)])
-            }
-            Self::Regularised(p) => numbers(&[("mu", p.mu), ("speed", p.speed)]),
-            Self::Own(own) => own.parameters.clone(),
-        }
-    }
-}
-
-/// Parameters of stick, for laws with stick.
-#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sticking {
-    /// Tangential stiffness (traction per length), positive; `None`: ten times Young's modulus over an edge length. Not used with multipliers.
+    /// Tangential stiffness (traction per length), positive; not with `stick = "multiplier"`. Ten times Young's modulus of the softer body over an edge length if left
+    /// out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
     pub penalty: Option<f64>,
-    /// Enforcement of stick; `None`: by multipliers, or by springs if a `penalty` is given.
+    /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stick: Option<Stick>,
-    /// Friction traction of the midpoint schemes; `None`: the one at the end. Not used with exact stick.
+    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `b` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub midpoint: Option<MidpointFriction>,
 }
 
@@ -116,168 +74,112 @@ impl Sticking {
 
     /// Which traction the midpoint schemes take.
     pub fn midpoint(&self) -> MidpointFriction {
-        self.midpoint.unwrap_or(Self::DEFAULT_MIDPOINT)
+        self.midpoint.unwrap_or(MidpointFriction::B)
     }
-    /// Stepping if left out.
-    pub const DEFAULT_MIDPOINT: MidpointFriction = MidpointFriction::B;
-}
 
-/// Parameters of `coulomb`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct CoulombFriction {
-    /// Coefficient of friction, not negative.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
-    pub mu: f64,
-    /// Tangential stiffness (traction per length), positive; not with `stick = "multiplier"`. Ten times Young's modulus of the softer body over an edge length if left
-    /// out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
-    pub penalty: Option<f64>,
-    /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub stick: Option<Stick>,
-    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `b` if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub midpoint: Option<MidpointFriction>,
-    /// Measure of the slip, for `mortar` only; `objective` if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub slip: Option<Slip>,
-}
-
-/// Parameters of `static-dynamic`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct StaticDynamicFriction {
-    /// Static coefficient of friction, not below `mu_dynamic`.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
-    pub mu_static: f64,
-    /// Dynamic coefficient of friction, for fast slip; not negative.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
-    pub mu_dynamic: f64,
-    /// Slip speed of the transition (length per time), positive.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
-    pub speed: f64,
-    /// Tangential stiffness (traction per length), positive; not with `stick = "multiplier"`. Ten times Young's modulus of the softer body over an edge length if left
-    /// out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
-    pub penalty: Option<f64>,
-    /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub stick: Option<Stick>,
-    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `b` if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub midpoint: Option<MidpointFriction>,
-    /// Measure of the slip, for `mortar` only; `objective` if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub slip: Option<Slip>,
-}
-
-/// Parameters of `regularised`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct RegularisedFriction {
-    /// Coefficient of friction, not negative.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
-    pub mu: f64,
-    /// Slip speed below which friction is viscous (length per time), positive.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
-    pub speed: f64,
-    /// Measure of the slip, for `mortar` only; `objective` if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub slip: Option<Slip>,
-}
-
-/// A user's own friction law, with any parameters. The four keys below belong to the contact.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "AnyFriction")]
-pub struct OwnFriction {
-    /// Name of the law.
-    pub law: String,
-    /// Tangential stiffness (traction per length), positive; ten times Young's modulus of the softer body over an edge length if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub penalty: Option<f64>,
-    /// How stick is enforced, if given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stick: Option<Stick>,
-    /// Which traction the midpoint schemes take, if given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub midpoint: Option<MidpointFriction>,
-    /// Measure of the slip, for `mortar` only; `objective` if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub slip: Option<Slip>,
-    /// Parameters of the law by key.
-    #[serde(flatten)]
-    pub parameters: BTreeMap<String, Parameter>,
-}
-
-/// As [`OwnFriction`], before it is known that the law is not one of the catalogue with parameters that do not fit.
-#[derive(Deserialize)]
-struct AnyFriction {
-    law: String,
-    penalty: Option<f64>,
-    stick: Option<Stick>,
-    midpoint: Option<MidpointFriction>,
-    slip: Option<Slip>,
-    #[serde(flatten)]
-    parameters: BTreeMap<String, Parameter>,
-}
-
-impl TryFrom<AnyFriction> for OwnFriction {
-    type Error = String;
-
-    fn try_from(friction: AnyFriction) -> Result<Self, String> {
-        let AnyFriction { law, penalty, stick, midpoint, slip, parameters } = friction;
-        if Friction::NAMES.contains(&law.as_str()) {
-            return Err(format!("the parameters do not fit the law {law}"));
-        }
-        Ok(Self { law, penalty, stick, midpoint, slip, parameters })
-    }
-}
-
-impl OwnFriction {
-    /// One of the keys of stick that is given, if any is.
-    pub fn sticking_key(&self) -> Option<&'static str> {
+    /// One of the keys that is given, if any is.
+    pub fn key(&self) -> Option<&'static str> {
         [("penalty", self.penalty.is_some()), ("stick", self.stick.is_some()), ("midpoint", self.midpoint.is_some())]
             .into_iter()
             .find_map(|(key, given)| given.then_some(key))
     }
 }
 
+/// A friction law with its parameters: of the table `stoss_contact::friction::LAWS`, or a user's own one, registered by the program ([`crate::parse_with`]), which the
+/// schema does not have. The keys of stick and the slip belong to the contact.
+///
+/// # How to add one
+/// A row of that table; nothing here.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "AnyFriction")]
+pub struct Friction {
+    /// Name of the law.
+    pub law: String,
+    /// Keys of stick, as they are given.
+    #[serde(flatten)]
+    pub given: Sticking,
+    /// Measure of the slip, for `mortar` only; `objective` if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slip: Option<Slip>,
+    /// Parameters of the law by key.
+    #[serde(flatten)]
+    pub parameters: BTreeMap<String, Parameter>,
+}
+
 impl Friction {
+    /// Names of the laws of the catalogue.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        LAWS.iter().map(|entry| entry.law.name)
+    }
+
     /// Stick and its stiffness; `None` for a law of the catalogue that cannot stick.
     pub fn sticking(&self) -> Option<Sticking> {
-        match *self {
-            Self::Coulomb(CoulombFriction { penalty, stick, midpoint, .. })
-            | Self::StaticDynamic(StaticDynamicFriction { penalty, stick, midpoint, .. }) => {
-                Some(Sticking { penalty, stick, midpoint })
+        entry(&self.law).is_none_or(FrictionEntry::sticks).then_some(self.given)
+    }
+
+    /// The parameter that is the largest traction over pressure and its value, for a law of the catalogue that has one.
+    pub fn coefficient(&self) -> Option<(&'static str, f64)> {
+        let key = entry(&self.law)?.coefficient?;
+        match self.parameters.get(key) {
+            Some(Parameter::Number(value)) => Some((key, *value)),
+            _ => None,
+        }
+    }
+}
+
+/// As [`Friction`], before it is known that the parameters fit a law of the catalogue.
+#[derive(Deserialize)]
+struct AnyFriction {
+    law: String,
+    #[serde(flatten)]
+    given: Sticking,
+    slip: Option<Slip>,
+    #[serde(flatten)]
+    parameters: BTreeMap<String, Parameter>,
+}
+
+impl TryFrom<AnyFriction> for Friction {
+    type Error = String;
+
+    fn try_from(friction: AnyFriction) -> Result<Self, String> {
+        let AnyFriction { law, given: sticking, slip, parameters } = friction;
+        if let Some(entry) = entry(&law) {
+            entry.law.with(given(&parameters)).map_err(|refusal| format!("law {law}: {refusal}"))?;
+            if let (false, Some(key)) = (entry.sticks(), sticking.key()) {
+                return Err(format!("law {law}: {key}: belongs to stick, and the law has none; remove it"));
             }
-            Self::Regularised(_) => None,
-            Self::Own(OwnFriction { penalty, stick, midpoint, .. }) => Some(Sticking { penalty, stick, midpoint }),
         }
+        Ok(Self { law, given: sticking, slip, parameters })
+    }
+}
+
+#[cfg(feature = "schema")]
+impl JsonSchema for Friction {
+    fn schema_name() -> Cow<'static, str> {
+        "Friction".into()
     }
 
-    /// Slip of `mortar`, if given.
-    pub fn slip(&self) -> Option<Slip> {
-        match self {
-            Self::Coulomb(p) => p.slip,
-            Self::StaticDynamic(p) => p.slip,
-            Self::Regularised(p) => p.slip,
-            Self::Own(p) => p.slip,
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        /// The key of all laws beside those of stick.
+        #[derive(JsonSchema)]
+        #[expect(dead_code, reason = "schema only")]
+        struct Measure {
+            /// Measure of the slip, for `mortar` only; `objective` if left out.
+            slip: Option<Slip>,
         }
-    }
-
-    pub(crate) fn with_slip(mut self, slip: Option<Slip>) -> Self {
-        match &mut self {
-            Self::Coulomb(p) => p.slip = slip,
-            Self::StaticDynamic(p) => p.slip = slip,
-            Self::Regularised(p) => p.slip = slip,
-            Self::Own(p) => p.slip = slip,
-        }
-        self
+        let mut properties = |schema: Schema| match schema.get("properties") {
+            Some(serde_json::Value::Object(properties)) => properties.clone(),
+            _ => serde_json::Map::new(),
+        };
+        let [sticking, measure] =
+            [Sticking::json_schema(generator), Measure::json_schema(generator)].map(&mut properties);
+        let laws: Vec<_> = LAWS
+            .iter()
+            .map(|entry| {
+                let of_stick = entry.sticks().then(|| sticking.clone()).into_iter().flatten();
+                catalogue::schema(&entry.law, measure.clone().into_iter().chain(of_stick).collect())
+            })
+            .collect();
+        json_schema!({ "description": "A friction law with its parameters.", "oneOf": laws })
     }
 }

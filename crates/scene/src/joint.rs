@@ -3,69 +3,53 @@
 #[cfg(feature = "schema")]
 use crate::Dimension;
 use crate::Series;
+use crate::chosen::{Chosen, Rows};
 use crate::coupling::Coupling;
-use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use stoss_multibody::{CoordinateKind, Directions, JOINTS, JointEntry};
 
 /// Name of the ground, which does not move.
 pub const GROUND: &str = "ground";
 
-named! {
-    /// Kinds of joints.
-    JointKind {
-        /// Ball joint (spherical): the point `at` is common.
-        Ball = "ball",
-        /// Hinge (revolute): common point and axis; the rotation about the axis is free.
-        Hinge = "hinge",
-        /// Slider (prismatic): common axis, no relative rotation; the translation along the axis is free.
-        Slider = "slider",
-        /// Cylindrical joint: common axis; rotation about it and translation along it are free.
-        Cylindrical = "cylindrical",
-        /// Universal (Cardan) joint: common point, and two axes, one fixed to each part, that stay perpendicular.
-        Universal = "universal",
-        /// Rigid connection: no relative motion.
-        Weld = "weld",
-        /// Rigid link: constant distance of two points.
-        Distance = "distance",
-        /// Planar joint: common plane; two translations in it and the rotation about its normal are free.
-        Planar = "planar",
+/// A kind of joint: a row of `stoss_multibody::JOINTS`.
+///
+/// # How to add one
+/// A row of that table; nothing here.
+pub type JointKind = Chosen<JointEntry>;
+
+impl Rows for JointEntry {
+    const ROWS: &'static [Self] = JOINTS;
+    const TITLE: [&'static str; 2] = ["JointKind", "Kinds of joints."];
+
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn about(&self) -> String {
+        let given = match self.directions {
+            Directions::None => "",
+            Directions::Axis => " Has an `axis`.",
+            Directions::Normal => " Its `axis` is the normal of the plane.",
+            Directions::Pair => " Has two `axes`.",
+        };
+        let coordinates: Vec<&str> = self.coordinates.iter().map(|of| noun(*of)).collect();
+        let coordinates = match &coordinates[..] {
+            [] => String::new(),
+            [one] => format!(" Coordinate: {one}."),
+            several => format!(" Coordinates: {}.", several.join(", then ")),
+        };
+        format!("{}{given}{coordinates}", self.about)
     }
 }
 
-impl JointKind {
-    /// True if the joint constrains rotations, so that both sides must have an orientation.
-    pub fn needs_orientation(self) -> bool {
-        !matches!(self, Self::Ball | Self::Distance)
+/// A coordinate in words.
+fn noun(kind: CoordinateKind) -> &'static str {
+    match kind {
+        CoordinateKind::Angle => "an angle",
+        CoordinateKind::Displacement => "a displacement",
     }
-
-    /// True if it has an `axis`.
-    pub fn has_axis(self) -> bool {
-        matches!(self, Self::Hinge | Self::Slider | Self::Cylindrical | Self::Planar)
-    }
-
-    /// The free relative coordinates, on which motors, limits, friction and springs can act: of `cylindrical` the angle and the displacement, of
-    /// `universal` the angle about the first axis and the one about the second.
-    pub fn coordinates(self) -> &'static [CoordinateKind] {
-        use CoordinateKind::{Angle, Displacement};
-        match self {
-            Self::Hinge => &[Angle],
-            Self::Slider => &[Displacement],
-            Self::Cylindrical => &[Angle, Displacement],
-            Self::Universal => &[Angle, Angle],
-            _ => &[],
-        }
-    }
-}
-
-/// Kind of a relative coordinate of a joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CoordinateKind {
-    /// An angle.
-    Angle,
-    /// A displacement.
-    Displacement,
 }
 
 /// `[[joint]]`: a joint between two parts, or between a part and the ground.
@@ -103,18 +87,18 @@ pub struct Joint {
     /// Position of the joint (three lengths); for `distance` two points, the first on the first part. A point mass or the end of a string must be at this point.
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
     pub at: JointPoint,
-    /// Direction of the axis of `hinge`, `slider` and `cylindrical`, or normal of `planar`; of any length but zero. Required for these kinds.
+    /// Direction of the axis, or normal, of kinds that have one, of any length but zero; required for them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub axis: Option<[f64; 3]>,
-    /// The two axes of `universal`, fixed to the first and the second part, perpendicular to 1e-6. Required for this kind.
+    /// The two axes of kinds that have two, fixed to the first and the second part, perpendicular to 1e-6; required for them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub axes: Option<[[f64; 3]; 2]>,
     /// Coupling of sets of deformable bodies to the point of the joint; `distributing` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
-    /// Motor: prescribed motion of the first coordinate (the angle of `hinge` and `cylindrical`, the displacement of `slider`, the angle of `universal` about its first axis); none if left out.
+    /// Motor: prescribed motion of the first coordinate; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub motor: Option<Motor>,
     /// Pretension of a bolt that is cut in two halves, which a `slider` along its axis connects; none if left out. Not with a motor, limits or friction.
@@ -134,7 +118,7 @@ pub struct Joint {
     /// Spring and damper on the first coordinate; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spring: Option<JointSpring>,
-    /// Motor, limits, friction and spring on the second coordinate: the displacement of `cylindrical`, the angle of `universal` about its second axis.
+    /// Motor, limits, friction and spring on the second coordinate; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second: Option<ActingOn>,
 }
@@ -165,7 +149,7 @@ impl Joint {
         let Self { motor, limits, friction, spring, .. } = self;
         let first = ActingOn { motor: motor.clone(), limits: *limits, friction: *friction, spring: *spring };
         let acting = [first, self.second.clone().unwrap_or_default()];
-        self.kind.coordinates().iter().copied().zip(acting).collect()
+        self.kind.coordinates.iter().copied().zip(acting).collect()
     }
 }
 

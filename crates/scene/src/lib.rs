@@ -19,7 +19,10 @@
 
 mod beam;
 mod body;
+mod catalogue;
+mod chosen;
 mod conditions;
+mod contact_method;
 mod coupling;
 mod event;
 mod expression;
@@ -53,28 +56,27 @@ mod watch;
 
 pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape, SectionStiffness, TubeSection};
 pub use body::{Body, Cell, Damping, Integration, Mass, Rotation, Rotations, RoundShape, RoundSurface, Volumetric};
+pub use catalogue::{Parameter, given};
+pub use chosen::{Chosen, Rows};
 pub use conditions::{
-    BoxRegion, Closing, ClosingFriction, Component, Constraint, Contact, ContactMethod, Edges, Enforcement,
-    GapAtClosing, Integrals, Load, LoadKind, OverlapAtStart, PlaneRegion, Prescribe, PrescribedRotation, Quadrature,
-    Reduction, Series, SetDefinition, SurfaceMass, Table, split_set,
+    BoxRegion, Closing, ClosingFriction, Component, Constraint, Contact, Edges, Enforcement, GapAtClosing, Integrals,
+    Load, LoadKind, OverlapAtStart, PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series,
+    SetDefinition, SurfaceMass, Table, split_set,
 };
+pub use contact_method::{ContactMethod, METHODS, MethodEntry};
 pub use coupling::Coupling;
 pub use event::{Event, EventCondition, Stage};
-pub use friction::{
-    CoulombFriction, Friction, MidpointFriction, OwnFriction, RegularisedFriction, Slip, StaticDynamicFriction, Stick,
-    Sticking,
-};
+pub use friction::{Friction, MidpointFriction, Slip, Stick, Sticking};
 pub use general::{
     Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time,
 };
 pub use general_contact::{GeneralContact, GeneralPair, Initial};
 pub use gravity::Gravity;
 pub use joint::{
-    ActingOn, CoordinateKind, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension,
-    Spring,
+    ActingOn, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension, Spring,
 };
 pub use left_out::{LeftOut, Omission};
-pub use material::{Material, Parameter};
+pub use material::Material;
 pub use mesh::{
     Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,
     Part, Refinement,
@@ -91,6 +93,7 @@ pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, Sp
 pub use schema::json_schema;
 pub use set_expression::{Formula, RegionKind, Relation, SetExpression, SetRegion};
 pub use source::Location;
+pub use stoss_multibody::{CoordinateKind, Directions};
 pub use string::{ElasticString, PointMass};
 pub use support::{Support, SupportPer};
 pub use sweep::{Sweep, SweepRange, SweepValues};

@@ -48,6 +48,13 @@ pub trait FrictionLaw: Send + Sync + std::fmt::Debug {
     fn is_elastic(&self) -> bool {
         true
     }
+    /// Traction over pressure of a point that slides steadily with a `speed` (length per time), at unit pressure.
+    fn coefficient(&self, speed: f64) -> f64 {
+        // A trial traction beyond every bound.
+        let trial = [1e100, 0.0];
+        self.traction(&FrictionInput { pressure: 1.0, trial, slip: [speed, 0.0], step_size: 1.0, slid: 0.0 }).traction
+            [0]
+    }
 }
 
 /// The trial traction, scaled back to a `bound` where it is beyond (return mapping, theory/friction#eq-return; thesis (5.110)-(5.112)).

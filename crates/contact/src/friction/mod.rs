@@ -1,7 +1,7 @@
 //! Friction of one contact point: laws and their time stepping (theory/friction).
 //!
 //! * [`FrictionLaw`]: tangential traction from pressure, trial traction, slip and step size. The catalogue: [`Coulomb`],
-//!   [`StaticDynamic`], [`Regularised`]. A law of one's own implements the trait and needs nothing else;
+//!   [`StaticDynamic`], [`Regularised`], in the rows [`LAWS`]. A law of one's own implements the trait and needs nothing else;
 //! * [`Friction`]: a law with its tangential stiffness, the way stick is enforced and the time stepping; [`Friction::step`] does the
 //!   step of one point and says what was stored and what was dissipated;
 //! * [`SurfaceVelocity`]: of a master surface that moves along itself;
@@ -10,12 +10,13 @@
 //! Vectors have two components in an orthonormal frame of the tangent plane. Tractions point *along the slip of the slave relative
 //! to the master*; the traction on the slave is the opposite. Not here: slip and its frame (a contact method's).
 //!
-//! To add a law: a file beside `coulomb.rs`, a `pub use` here, a line in the tests of `tests/friction.rs`, a scene variant.
+//! To add a law: a file beside `coulomb.rs`, a `pub use` here, a row in `registry.rs`, a line in the tests of `tests/friction.rs`.
 
 mod belt;
 mod coulomb;
 mod iteration;
 mod law;
+mod registry;
 mod regularised;
 mod smooth;
 mod static_dynamic;
@@ -25,6 +26,7 @@ pub use belt::SurfaceVelocity;
 pub use coulomb::Coulomb;
 pub use iteration::{AugmentationRound, ConvergedPoint, MAX_AUGMENTATIONS, PointIteration, Stiffening};
 pub use law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
+pub use registry::{FrictionEntry, LAWS, entry};
 pub use regularised::Regularised;
 pub use static_dynamic::StaticDynamic;
 pub use step::{Friction, FrictionPoint, FrictionStep, MidpointFriction, STICK_COMPLIANCE, Stick, stick_compliance};

@@ -34,12 +34,7 @@ impl Mesh {
     /// # Errors
     /// [`MeshError::CurvedBoundary`] if a curved boundary turns an element inside out.
     pub fn quadratic(&self) -> Result<Mesh, MeshError> {
-        self.upgraded(&curve::Curves::new(self), |kind| match kind.table().family {
-            _ if kind.is_quadratic() => kind,
-            Family::Hexahedron => CellKind::Hex20,
-            Family::Tetrahedron => CellKind::Tet10,
-            Family::Wedge => CellKind::Wedge15,
-        })
+        self.upgraded(&curve::Curves::new(self), CellKind::quadratic)
     }
 
     /// With linear elements replaced by quadratic ones of these kinds on the same corners.
@@ -132,11 +127,14 @@ fn finish(mut mesh: Mesh) -> Result<Mesh, MeshError> {
 
 /// The error for an element that cannot become one of a kind.
 fn cannot(element: usize, from: CellKind, to: CellKind) -> MeshError {
-    let can = match from {
-        CellKind::Hex8 => "",
-        CellKind::Wedge6 => ", only wedge6, wedge15, tet4, tet10",
-        CellKind::Tet4 => ", only tet4, tet10",
-        _ => ": only linear elements can be made others",
+    let into = |family| matches!((from.table().family, family), (Family::Hexahedron, _) | (_, Family::Tetrahedron));
+    let can = if from.is_quadratic() {
+        ": only linear elements can be made others".to_owned()
+    } else {
+        let kinds = CellKind::ALL
+            .into_iter()
+            .filter(|kind| kind.table().family == from.table().family || into(kind.table().family));
+        format!(", only {}", kinds.map(CellKind::name).collect::<Vec<_>>().join(", "))
     };
     parameter("cell", to.name(), format!("element {element} is a {from} and cannot become a {to}{can}"))
 }

@@ -1,9 +1,9 @@
-//! The equations of each kind of joint: functions that are at most quadratic in the vectors, lengths all of them.
+//! The kinds of joints as rows of a table: their equations, functions that are at most quadratic in the vectors, lengths all of them; what they leave free; what a scene gives for them.
 
 use super::coordinate::CoordinateKind;
 use crate::{Embedded, Frame};
 
-/// What a joint leaves free. Side b moves relative to side a; axes are those of the frames, `a_1` the first of side a.
+/// What a joint leaves free. Side b moves relative to side a; axes are those of the frames, `a_1` the first of side a. [`JointKind::entry`] is its row in [`JOINTS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JointKind {
     /// The points coincide: 3 equations `x_b - x_a = 0`.
@@ -27,6 +27,161 @@ pub enum JointKind {
     },
 }
 
+/// The equations between the points of both sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Points {
+    /// They coincide: `x_b - x_a = 0`.
+    Coincide,
+    /// `(x_b - x_a) . a_k = 0` for these axes of side a.
+    Across(&'static [usize]),
+    /// Their distance is constant.
+    Apart,
+}
+
+/// The directions that tell how a joint lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Directions {
+    /// None.
+    None,
+    /// An axis, `a_1`: what the joint holds lies along it.
+    Axis,
+    /// A normal, `a_1`: what the joint holds lies in the plane across it.
+    Normal,
+    /// Two axes at right angles, one fixed to each side: `a_1` and `b_2`.
+    Pair,
+}
+
+/// A row of the table of joints.
+#[derive(Debug)]
+pub struct JointEntry {
+    /// Name in scenes and messages.
+    pub name: &'static str,
+    /// What is common and what is free, a sentence.
+    pub about: &'static str,
+    /// What tells how it lies.
+    pub directions: Directions,
+    /// What it leaves free and can be measured, driven and braked: of a cylindrical joint the angle about `a_1` and the displacement along it, of a universal joint
+    /// the angle about `a_1` from side a to the cross and the one about `b_2` from the cross to side b.
+    pub coordinates: &'static [CoordinateKind],
+    /// The kind; a length in it is any.
+    kind: JointKind,
+    /// The equations of the points; they come first.
+    points: Points,
+    /// Axes `(i, j)` with `a_i . b_j = 0`: the other equations.
+    right: &'static [(usize, usize)],
+    /// Axes that are the same on both sides at the start.
+    common: &'static [usize],
+}
+
+/// Every kind of joint.
+pub const JOINTS: &[JointEntry] = &[
+    JointEntry {
+        name: "ball",
+        about: "Ball joint (spherical): the point `at` is common.",
+        directions: Directions::None,
+        coordinates: &[],
+        kind: JointKind::Ball,
+        points: Points::Coincide,
+        right: &[],
+        common: &[],
+    },
+    JointEntry {
+        name: "hinge",
+        about: "Hinge (revolute): common point and axis; the rotation about the axis is free.",
+        directions: Directions::Axis,
+        coordinates: &[CoordinateKind::Angle],
+        kind: JointKind::Hinge,
+        points: Points::Coincide,
+        right: &[(0, 1), (0, 2)],
+        common: &[0],
+    },
+    JointEntry {
+        name: "slider",
+        about: "Slider (prismatic): common axis, no relative rotation; the translation along the axis is free.",
+        directions: Directions::Axis,
+        coordinates: &[CoordinateKind::Displacement],
+        kind: JointKind::Slider,
+        points: Points::Across(&[1, 2]),
+        right: &[(0, 1), (0, 2), (1, 2)],
+        common: &[0, 1, 2],
+    },
+    JointEntry {
+        name: "cylindrical",
+        about: "Cylindrical joint: common axis; rotation about it and translation along it are free.",
+        directions: Directions::Axis,
+        coordinates: &[CoordinateKind::Angle, CoordinateKind::Displacement],
+        kind: JointKind::Cylindrical,
+        points: Points::Across(&[1, 2]),
+        right: &[(0, 1), (0, 2)],
+        common: &[0],
+    },
+    JointEntry {
+        name: "universal",
+        about: "Universal (Cardan) joint: common point, and two axes, one fixed to each part, that stay perpendicular.",
+        directions: Directions::Pair,
+        coordinates: &[CoordinateKind::Angle, CoordinateKind::Angle],
+        kind: JointKind::Universal,
+        points: Points::Coincide,
+        right: &[(0, 1)],
+        common: &[],
+    },
+    JointEntry {
+        name: "weld",
+        about: "Rigid connection: no relative motion.",
+        directions: Directions::None,
+        coordinates: &[],
+        kind: JointKind::Weld,
+        points: Points::Coincide,
+        right: &[(0, 1), (0, 2), (1, 2)],
+        common: &[0, 1, 2],
+    },
+    JointEntry {
+        name: "distance",
+        about: "Rigid link: constant distance of two points.",
+        directions: Directions::None,
+        coordinates: &[],
+        kind: JointKind::Distance { length: 1.0 },
+        points: Points::Apart,
+        right: &[],
+        common: &[],
+    },
+    JointEntry {
+        name: "planar",
+        about: "Planar joint: common plane; two translations in it and the rotation about its normal are free.",
+        directions: Directions::Normal,
+        coordinates: &[],
+        kind: JointKind::Planar,
+        points: Points::Across(&[0]),
+        right: &[(0, 1), (0, 2)],
+        common: &[0],
+    },
+];
+
+/// The row of that name, if there is one.
+pub fn joint_entry(name: &str) -> Option<&'static JointEntry> {
+    JOINTS.iter().find(|entry| entry.name == name)
+}
+
+impl JointEntry {
+    /// The kind, for points that are so far `apart` (a length), which counts only where a distance is kept.
+    pub fn kind(&self, apart: f64) -> JointKind {
+        match self.kind {
+            JointKind::Distance { .. } => JointKind::Distance { length: apart },
+            kind => kind,
+        }
+    }
+
+    /// True if it has a point on each side, and not one that is common.
+    pub fn has_two_points(&self) -> bool {
+        self.points == Points::Apart
+    }
+
+    /// True if it says something of rotations, so that both sides must have an orientation.
+    pub fn needs_orientation(&self) -> bool {
+        !self.right.is_empty()
+    }
+}
+
 /// Forms of a joint: `x_b - x_a`, the axes of a, those of b, and the three constant directions.
 pub(crate) const ARM: usize = 0;
 pub(crate) const A: [usize; 3] = [1, 2, 3];
@@ -47,42 +202,26 @@ impl Function {
 }
 
 impl JointKind {
+    /// Its row.
+    pub fn entry(self) -> &'static JointEntry {
+        let is_own = |entry: &&JointEntry| std::mem::discriminant(&entry.kind) == std::mem::discriminant(&self);
+        // cannot fail: every kind has a row, as a test says.
+        JOINTS.iter().find(is_own).unwrap_or(&JOINTS[0])
+    }
+
     /// Name for messages.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Ball => "ball",
-            Self::Hinge => "hinge",
-            Self::Slider => "slider",
-            Self::Cylindrical => "cylindrical",
-            Self::Universal => "universal",
-            Self::Planar => "planar",
-            Self::Weld => "weld",
-            Self::Distance { .. } => "distance",
-        }
+        self.entry().name
     }
 
     /// Number of its equations.
     pub fn equations(self) -> usize {
-        match self {
-            Self::Ball | Self::Planar => 3,
-            Self::Hinge | Self::Slider => 5,
-            Self::Cylindrical | Self::Universal => 4,
-            Self::Weld => 6,
-            Self::Distance { .. } => 1,
-        }
+        self.point_equations() + self.entry().right.len()
     }
 
-    /// What it leaves free and can be measured, driven and braked: of a cylindrical joint the angle about `a_1` and the displacement along it, of a universal joint
-    /// the angle about `a_1` from side a to the cross and the one about `b_2` from the cross to side b.
+    /// The coordinates of its row.
     pub fn coordinates(self) -> &'static [CoordinateKind] {
-        use CoordinateKind::{Angle, Displacement};
-        match self {
-            Self::Hinge => &[Angle],
-            Self::Slider => &[Displacement],
-            Self::Cylindrical => &[Angle, Displacement],
-            Self::Universal => &[Angle, Angle],
-            _ => &[],
-        }
+        self.entry().coordinates
     }
 
     /// The invariants of a coordinate: sine and cosine of an angle, or a displacement.
@@ -100,44 +239,32 @@ impl JointKind {
 
     /// Number of the first equations whose multipliers are components of the force between the points along orthonormal directions.
     pub(crate) fn point_equations(self) -> usize {
-        match self {
-            Self::Ball | Self::Hinge | Self::Universal | Self::Weld => 3,
-            Self::Slider | Self::Cylindrical => 2,
-            Self::Planar | Self::Distance { .. } => 1,
+        match self.entry().points {
+            Points::Coincide => 3,
+            Points::Across(axes) => axes.len(),
+            Points::Apart => 1,
         }
     }
 
     /// The equations; products of directions are multiplied by `length`.
     pub(crate) fn functions(self, length: f64) -> Vec<Function> {
-        let point = || E.map(|e| Function::of(1.0, ARM, e)).to_vec();
-        let along = |axes: &[usize]| axes.iter().map(|&k| Function::of(1.0, ARM, A[k])).collect::<Vec<_>>();
-        let right =
-            |pairs: &[(usize, usize)]| pairs.iter().map(|&(i, j)| Function::of(length, A[i], B[j])).collect::<Vec<_>>();
-        let axis: &[(usize, usize)] = &[(0, 1), (0, 2)];
-        let all: &[(usize, usize)] = &[(0, 1), (0, 2), (1, 2)];
-        let (mut functions, directions) = match self {
-            Self::Ball => (point(), Vec::new()),
-            Self::Hinge => (point(), right(axis)),
-            Self::Slider => (along(&[1, 2]), right(all)),
-            Self::Cylindrical => (along(&[1, 2]), right(axis)),
-            Self::Universal => (point(), right(&axis[..1])),
-            Self::Planar => (along(&[0]), right(axis)),
-            Self::Weld => (point(), right(all)),
-            Self::Distance { length } => {
-                (vec![Function { constant: -0.5 * length, products: vec![(0.5 / length, ARM, ARM)] }], Vec::new())
+        let row = self.entry();
+        let points: Vec<Function> = match (row.points, self) {
+            (Points::Coincide, _) => E.map(|e| Function::of(1.0, ARM, e)).to_vec(),
+            (Points::Across(axes), _) => axes.iter().map(|&k| Function::of(1.0, ARM, A[k])).collect(),
+            (Points::Apart, Self::Distance { length }) => {
+                vec![Function { constant: -0.5 * length, products: vec![(0.5 / length, ARM, ARM)] }]
             }
+            // A distance alone has points apart.
+            (Points::Apart, _) => Vec::new(),
         };
-        functions.extend(directions);
-        functions
+        let directions = row.right.iter().map(|&(i, j)| Function::of(length, A[i], B[j]));
+        points.into_iter().chain(directions).collect()
     }
 
     /// Axes that are the same on both sides.
     pub(crate) fn common_axes(self) -> &'static [usize] {
-        match self {
-            Self::Ball | Self::Universal | Self::Distance { .. } => &[],
-            Self::Hinge | Self::Cylindrical | Self::Planar => &[0],
-            Self::Slider | Self::Weld => &[0, 1, 2],
-        }
+        self.entry().common
     }
 }
 
@@ -147,4 +274,32 @@ pub(crate) fn forms(a: &Frame, b: &Frame) -> [Embedded; 10] {
     let [a1, a2, a3] = a.axes.clone();
     let [b1, b2, b3] = b.axes.clone();
     [b.point.plus(-1.0, &a.point), a1, a2, a3, b1, b2, b3, e(0), e(1), e(2)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_has_its_row() {
+        for entry in JOINTS {
+            let kind = entry.kind(0.7);
+            assert_eq!((kind.name(), kind.entry().name), (entry.name, entry.name));
+            assert_eq!(kind.functions(1.0).len(), kind.equations());
+            assert_eq!(kind.equations() + degrees_of_freedom(entry), 6, "{}", entry.name);
+        }
+        assert_eq!(joint_entry("distance").map(|entry| entry.kind(0.7)), Some(JointKind::Distance { length: 0.7 }));
+        assert!(joint_entry("glue").is_none());
+    }
+
+    /// What each kind leaves of six (theory/multibody#joints).
+    fn degrees_of_freedom(entry: &JointEntry) -> usize {
+        match entry.kind {
+            JointKind::Weld => 0,
+            JointKind::Hinge | JointKind::Slider => 1,
+            JointKind::Cylindrical | JointKind::Universal => 2,
+            JointKind::Ball | JointKind::Planar => 3,
+            JointKind::Distance { .. } => 5,
+        }
+    }
 }

@@ -64,6 +64,7 @@ const fn nodes<const N: usize>() -> [[f64; 3]; N] {
 
 pub(crate) static HEX8: CellTable = CellTable {
     name: "hex8",
+    about: "Trilinear hexahedra with 8 nodes.",
     family: Family::Hexahedron,
     nodes: &hex8::VERTICES,
     corners: 8,
@@ -90,6 +91,7 @@ pub(crate) static HEX8: CellTable = CellTable {
 
 pub(crate) static HEX20: CellTable = CellTable {
     name: "hex20",
+    about: "Quadratic (serendipity) hexahedra with 20 nodes: corners and edges.",
     family: Family::Hexahedron,
     nodes: &nodes::<20>(),
     corners: 8,
@@ -116,6 +118,7 @@ pub(crate) static HEX20: CellTable = CellTable {
 
 pub(crate) static HEX27: CellTable = CellTable {
     name: "hex27",
+    about: "Triquadratic hexahedra with 27 nodes: corners, edges, faces and centre.",
     family: Family::Hexahedron,
     nodes: &nodes::<27>(),
     corners: 8,

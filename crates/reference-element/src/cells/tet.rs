@@ -32,6 +32,7 @@ const NODES: [[f64; 3]; 10] = {
 
 pub(crate) static TET4: CellTable = CellTable {
     name: "tet4",
+    about: "Linear tetrahedra with 4 nodes. They lock in bending and with nearly incompressible materials.",
     family: Family::Tetrahedron,
     nodes: &CORNERS,
     corners: 4,
@@ -56,6 +57,7 @@ pub(crate) static TET4: CellTable = CellTable {
 
 pub(crate) static TET10: CellTable = CellTable {
     name: "tet10",
+    about: "Quadratic tetrahedra with 10 nodes.",
     family: Family::Tetrahedron,
     nodes: &NODES,
     corners: 4,

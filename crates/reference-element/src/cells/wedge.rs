@@ -35,6 +35,7 @@ const NODES: [[f64; 3]; 15] = {
 
 pub(crate) static WEDGE6: CellTable = CellTable {
     name: "wedge6",
+    about: "Linear wedges with 6 nodes.",
     family: Family::Wedge,
     nodes: &CORNERS,
     corners: 6,
@@ -60,6 +61,7 @@ pub(crate) static WEDGE6: CellTable = CellTable {
 
 pub(crate) static WEDGE15: CellTable = CellTable {
     name: "wedge15",
+    about: "Quadratic wedges with 15 nodes.",
     family: Family::Wedge,
     nodes: &NODES,
     corners: 6,

@@ -1,6 +1,6 @@
 //! Reads `[[beam]]`, and the axes of beams and strings.
 
-use super::material::poisson;
+use super::catalogue::poisson;
 use super::node::Node;
 use super::table::Table;
 use super::world::Setting;

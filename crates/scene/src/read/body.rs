@@ -17,7 +17,7 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
         table.required("mesh", "mesh = { generator = \"block\", size = [1, 1, 1], divisions = [4, 4, 4] }", mesh::mesh);
     let position = table.default("position", [0.0; 3], Node::vector);
     let rotation = table.default("rotation", Rotations::default(), rotations);
-    let cell = table.optional("cell", |n| n.choice(Cell::NAMES, Cell::from_name));
+    let cell = table.optional("cell", |n| n.choice(&Cell::names().collect::<Vec<_>>(), Cell::from_name));
     let round = table.default("round", Vec::new(), |n| n.list(round_surface));
     let integration =
         table.default("integration", Integration::Full, |n| n.choice(Integration::NAMES, Integration::from_name));

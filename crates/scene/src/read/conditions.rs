@@ -1,14 +1,16 @@
 //! Reads `[[set]]`, `[[contact]]`, `[[load]]`.
 
+use super::contact_method::of_method;
 use super::friction::friction;
 use super::node::{Node, is_name, known};
 use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name, contact_reference, is_line, meshed_part, set_reference};
+use crate::chosen::of_which;
 use crate::{
     BoxRegion, Closing, ClosingFriction, Constraint, Contact, ContactMethod, Coupling, Edges, Enforcement,
-    GapAtClosing, Integrals, Kind, Load, LoadKind, Multipliers, OverlapAtStart, PartKind, PlaneRegion, Quadrature,
-    Reduction, SetDefinition, SurfaceMass, split_set,
+    GapAtClosing, Integrals, Kind, Load, LoadKind, MethodEntry, Multipliers, OverlapAtStart, PartKind, PlaneRegion,
+    Quadrature, Reduction, SetDefinition, SurfaceMass, split_set,
 };
 use toml::de::DeValue;
 
@@ -67,16 +69,18 @@ fn plane_region(node: &Node<'_>) -> Option<PlaneRegion> {
 pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let name = table.optional("name", Node::name);
     let method =
-        table.required("method", "method = \"nts\"", |n| n.choice(ContactMethod::NAMES, ContactMethod::from_name));
+        table.required("method", "method = \"nts\"", |n| n.choice(&ContactMethod::names(), ContactMethod::from_name));
+    let has = |n: &Node<'_>, key| of_method(n, key, method);
     // The sides of a contact, first the method.
     let side = |n: &Node<'_>| {
         let reference = contact_reference(n, world)?;
-        let why = match method {
-            Some(ContactMethod::Mortar) => "mortar contact integrates over facets, and a beam or string has none",
-            Some(ContactMethod::Cat) => "`cat` is for surfaces: a beam or string has no facets",
-            _ => return Some(reference),
-        };
-        if is_line(&reference, world) { n.fail(why, "set `method` to \"nts\"") } else { Some(reference) }
+        match method {
+            Some(method) if !method.takes_lines && is_line(&reference, world) => n.fail(
+                format!("`{method}` is for surfaces, and a beam or string has no facets"),
+                format!("set `method` to one of {}", of_which::<MethodEntry>(|method| method.takes_lines)),
+            ),
+            _ => Some(reference),
+        }
     };
     let master_side = |n: &Node<'_>| {
         let reference = side(n)?;
@@ -101,22 +105,13 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         if constraint != Constraint::Standard && world.kind == Some(Kind::QuasiStatic) {
             return n.fail("is for dynamic scenes only", "use \"standard\", which closes the gap");
         }
-        if method == Some(ContactMethod::Mortar) {
-            return n.fail(
-                "is not for mortar contact: the gap of a closed node is zero at the end of each step, and a penetration at the start of a step does no work",
-                "remove it",
-            );
-        }
+        has(n, "constraint")?;
         Some(constraint)
     });
     let enforcement = table.default("enforcement", Enforcement::Multiplier, |n| {
         let enforcement = enforcement(n)?;
-        let has_it = match method {
-            Some(ContactMethod::Cat) => enforcement.is_multiplier(),
-            Some(ContactMethod::Mortar) => !matches!(enforcement, Enforcement::Augmented(_)),
-            _ => true,
-        };
-        if !has_it {
+        let has_it = |method: ContactMethod| method.enforcements.contains(&enforcement.name());
+        if !enforcement.is_multiplier() && !method.is_none_or(has_it) {
             return n.fail("is not for this method, which has pressures as multipliers", "remove it");
         }
         if matches!(enforcement, Enforcement::Penalty(_)) && constraint == Some(Some(Constraint::Modified)) {
@@ -125,7 +120,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         Some(enforcement)
     });
     let friction = table.optional("friction", |n| {
-        let friction = friction(n, method.map(|method| method == ContactMethod::Mortar), world.own_friction)?;
+        let friction = friction(n, method, world.own_friction)?;
         if constraint == Some(Some(Constraint::Modified)) {
             return n.fail("cannot be combined with the modified constraint", "set `constraint` to \"standard\"");
         }
@@ -135,28 +130,20 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         if matches!(friction, Some(None)) {
             return n.fail("has no effect without friction", "give the contact a `friction`, or remove it");
         }
-        if method == Some(ContactMethod::Cat) {
-            return n.fail("is for the methods `nts` and `mortar`", "write method = \"nts\"");
-        }
+        has(n, "surface_velocity")?;
         if matches!(between, Some(Some(_))) {
             let message = "needs to be told which surface moves: it is that of the master";
             return n.fail(message, "write `slave` and `master` instead of `between`");
         }
         series(n, 3)
     });
-    let of_cat = |n: &Node<'_>| {
-        if matches!(method, Some(ContactMethod::Nts | ContactMethod::Mortar)) {
-            return n.fail("is an option of the method `cat`", "remove it, or write method = \"cat\"");
-        }
-        Some(())
-    };
     let reduction = table.optional("reduction", |n| {
-        of_cat(n)?;
+        has(n, "reduction")?;
         n.choice(Reduction::NAMES, Reduction::from_name)
     });
     let flag = |key| {
         table.default(key, false, |n| {
-            of_cat(n)?;
+            has(n, key)?;
             n.boolean()
         })
     };
@@ -170,22 +157,16 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         ),
         _ => Some(()),
     };
-    let mortar_only = |n: &Node<'_>| match method {
-        Some(ContactMethod::Nts | ContactMethod::Cat) => {
-            n.fail("is for mortar contact only", "remove it, or set method = \"mortar\"")
-        }
-        _ => Some(()),
-    };
     let multipliers = table.optional("multipliers", |n| {
-        mortar_only(n)?;
+        has(n, "multipliers")?;
         n.choice(Multipliers::NAMES, Multipliers::from_name)
     });
     let quadrature = table.optional("quadrature", |n| {
-        mortar_only(n)?;
+        has(n, "quadrature")?;
         n.choice(Quadrature::NAMES, Quadrature::from_name)
     });
     let integrals = table.optional("integrals", |n| {
-        mortar_only(n)?;
+        has(n, "integrals")?;
         n.choice(Integrals::NAMES, Integrals::from_name)
     });
     let modified = constraint == Some(Some(Constraint::Modified));
@@ -199,9 +180,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         if world.kind == Some(Kind::QuasiStatic) {
             return n.fail("is for dynamic scenes only", "remove it");
         }
-        if method == Some(ContactMethod::Cat) {
-            return n.fail("is for the methods `nts` and `mortar`", "remove it, or write method = \"nts\"");
-        }
+        has(n, "surface_mass")?;
         if matches!(between, Some(Some(_))) {
             let message = "needs to be told which surface has no mass: it is that of the slave, if it is deformable";
             return n.fail(message, "write `slave` and `master` instead of `between`");
@@ -224,7 +203,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         || is_penalty
         || frozen
         || closing == Some(Some(Closing::Keep)) && !is_massless
-        || method == Some(ContactMethod::Cat) && closing == Some(None);
+        || method.is_some_and(|method| !method.has_impact) && closing == Some(None);
     let of_impact = |n: &Node<'_>| {
         if world.kind == Some(Kind::QuasiStatic) {
             return n.fail("is for dynamic scenes only", "remove it");
@@ -247,8 +226,8 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
     let gap = table.default("gap", GapAtClosing::Auto, |n| {
         of_impact(n)?;
         let gap = n.choice(GapAtClosing::NAMES, GapAtClosing::from_name)?;
-        if gap == GapAtClosing::Hold && method == Some(ContactMethod::Cat) {
-            return n.fail("is not for `cat`, which closes gaps", "remove it");
+        if let (GapAtClosing::Hold, Some(method)) = (gap, method.filter(|method| !method.has_impact)) {
+            return n.fail(format!("is not for `{method}`, which closes gaps"), "remove it");
         }
         Some(gap)
     });
@@ -257,7 +236,7 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         n.count()
     });
     let nearness = table.optional("nearness", |n| {
-        mortar_only(n)?;
+        has(n, "nearness")?;
         n.not_negative()
     });
     let apart = (modified, frozen);

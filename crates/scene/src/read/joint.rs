@@ -5,21 +5,23 @@ use super::node::{Node, known};
 use super::prescribe::series;
 use super::table::Table;
 use super::world::{World, action_name};
+use crate::chosen::of_which;
 use crate::vector::{norm, perpendicular, sub};
 use crate::{
-    ActingOn, CoordinateKind, Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Kind, Motor,
-    PartKind, Pretension, Spring, split_set,
+    ActingOn, Coupling, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Kind, Motor, PartKind,
+    Pretension, Spring, split_set,
 };
+use stoss_multibody::{CoordinateKind, Directions, JointEntry};
 use toml::de::DeValue;
 
 pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
     let name = table.required("name", "name = \"elbow\"", action_name);
-    let kind = table.required("kind", "kind = \"hinge\"", |n| n.choice(JointKind::NAMES, JointKind::from_name));
+    let kind = table.required("kind", "kind = \"hinge\"", |n| n.choice(&JointKind::names(), JointKind::from_name));
     let between = table.required("between", "between = [\"lever\", \"ground\"]", |n| {
         between(n, world, kind.filter(|kind| kind.needs_orientation()))
     });
     let at = match kind {
-        Some(JointKind::Distance) => {
+        Some(kind) if kind.has_two_points() => {
             table.required("at", "at = [[0, 0, 0], [0, 0, 1]]", two_points).map(JointPoint::Two)
         }
         Some(_) => table.required("at", "at = [0, 0, 0]", one_point).map(JointPoint::One),
@@ -30,31 +32,27 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
         }
     };
     let at = at.and_then(|at| in_place(table, between.as_ref(), at.both(), world).map(|()| at));
-    let axis = only_for(table, "axis", kind, JointKind::has_axis, "hinges, sliders, cylindrical and planar joints")
-        .and_then(|()| match kind {
-            Some(kind) if kind.has_axis() => table.required("axis", "axis = [0, 0, 1]", Node::direction).map(Some),
-            _ => table.optional("axis", Node::direction),
-        });
-    let universal = |kind| kind == JointKind::Universal;
-    let axes = only_for(table, "axes", kind, universal, "universal joints").and_then(|()| match kind {
-        Some(JointKind::Universal) => table.required("axes", "axes = [[1, 0, 0], [0, 1, 0]]", two_axes).map(Some),
+    let axis = only_for(table, "axis", kind, has_axis).and_then(|()| match kind {
+        Some(kind) if has_axis(&kind) => table.required("axis", "axis = [0, 0, 1]", Node::direction).map(Some),
+        _ => table.optional("axis", Node::direction),
+    });
+    let axes = only_for(table, "axes", kind, has_axes).and_then(|()| match kind {
+        Some(kind) if has_axes(&kind) => table.required("axes", "axes = [[1, 0, 0], [0, 1, 0]]", two_axes).map(Some),
         _ => table.optional("axes", two_axes),
     });
     let coupling = coupling(table, between.as_ref(), world);
-    let coordinate = kind.and_then(|kind| kind.coordinates().first().copied());
-    let on_first = |key| only_for(table, key, kind, |kind| !kind.coordinates().is_empty(), MOVING);
+    let coordinate = kind.and_then(|kind| kind.coordinates.first().copied());
+    let on_first = |key| only_for(table, key, kind, |kind| !kind.coordinates.is_empty());
     let motor = on_first("motor").and_then(|()| table.optional("motor", |n| motor(n, coordinate, kind)));
-    let pretension = only_for(table, "pretension", kind, |k| k == JointKind::Slider, "sliders")
+    let pretension = only_for(table, "pretension", kind, slides)
         .and_then(|()| table.optional("pretension", |n| pretension(n, table, world)));
     let limits = on_first("limits").and_then(|()| table.optional("limits", |n| limits(n, table.has("motor"))));
     let friction = on_first("friction").and_then(|()| table.optional("friction", |n| friction(n, coordinate)));
     let spring = on_first("spring").and_then(|()| table.optional("spring", joint_spring));
-    let second =
-        only_for(table, "second", kind, |kind| kind.coordinates().len() > 1, "cylindrical and universal joints")
-            .and_then(|()| {
-                let coordinate = kind.and_then(|kind| kind.coordinates().get(1).copied());
-                table.optional("second", |n| second(n, coordinate))
-            });
+    let second = only_for(table, "second", kind, |kind| kind.coordinates.len() > 1).and_then(|()| {
+        let coordinate = kind.and_then(|kind| kind.coordinates.get(1).copied());
+        table.optional("second", |n| second(n, coordinate))
+    });
     let has_limits = table.has("limits") || matches!(&second, Some(Some(second)) if second.limits.is_some());
     let restitution = table.optional("restitution", |n| {
         if world.kind == Some(Kind::QuasiStatic) {
@@ -84,20 +82,32 @@ pub(super) fn joint(table: &Table<'_>, world: &World<'_>) -> Option<Joint> {
     })
 }
 
-const MOVING: &str = "hinges, sliders, cylindrical and universal joints";
+fn has_axis(kind: &JointEntry) -> bool {
+    matches!(kind.directions, Directions::Axis | Directions::Normal)
+}
+
+fn has_axes(kind: &JointEntry) -> bool {
+    kind.directions == Directions::Pair
+}
+
+/// Whether a displacement is all that it leaves free.
+pub(super) fn slides(kind: &JointEntry) -> bool {
+    kind.coordinates == [CoordinateKind::Displacement]
+}
 
 /// Reports a key that the joint's kind does not have.
 fn only_for(
     table: &Table<'_>,
     key: &'static str,
     kind: Option<JointKind>,
-    has: impl Fn(JointKind) -> bool,
-    kinds: &str,
+    has: impl Fn(&JointEntry) -> bool,
 ) -> Option<()> {
     match kind {
-        Some(kind) if table.has(key) && !has(kind) => {
-            table.fail(key, format!("is for {kinds}, not for `{kind}`"), "remove it, or choose another kind of joint")
-        }
+        Some(kind) if table.has(key) && !has(&kind) => table.fail(
+            key,
+            format!("is for the kinds {}, not for `{kind}`", of_which(has)),
+            "remove it, or choose another kind of joint",
+        ),
         _ => {
             // The key is known, for the remedy of those that are not.
             let _ = table.get(key);
@@ -156,7 +166,7 @@ fn side(node: &Node<'_>, world: &World<'_>, oriented: Option<JointKind>) -> Opti
     {
         return node.fail(
             format!("`{name}` is {noun}, which has no orientation for the joint `{kind}`"),
-            "use the kind \"ball\" or \"distance\"",
+            format!("use one of the kinds {}", of_which::<JointEntry>(|kind| !kind.needs_orientation())),
         );
     }
     Some(text)
@@ -181,7 +191,8 @@ fn is_nested(node: &Node<'_>) -> bool {
 
 fn one_point(node: &Node<'_>) -> Option<[f64; 3]> {
     if is_nested(node) {
-        return node.fail("must be one point", "write for instance [0, 0, 1]; the kind \"distance\" has two");
+        let two = of_which(JointEntry::has_two_points);
+        return node.fail("must be one point", format!("write for instance [0, 0, 1]; two have the kinds {two}"));
     }
     node.vector()
 }
@@ -248,7 +259,9 @@ fn motor(node: &Node<'_>, coordinate: Option<CoordinateKind>, kind: Option<Joint
     let displacement = table.optional("displacement", |n| {
         if coordinate == Some(Angle) {
             let remedy = match kind {
-                Some(JointKind::Cylindrical) => "write second = { motor = { displacement = ... } }",
+                Some(kind) if kind.coordinates.get(1) == Some(&Displacement) => {
+                    "write second = { motor = { displacement = ... } }"
+                }
                 _ => "write `angle`",
             };
             return n.fail("the coordinate is an angle, not a displacement", remedy);

@@ -5,7 +5,9 @@
 
 mod beam;
 mod body;
+mod catalogue;
 mod conditions;
+mod contact_method;
 mod document;
 mod event;
 mod friction;

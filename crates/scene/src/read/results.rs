@@ -1,12 +1,15 @@
 //! Reads `[[probe]]`, `[output]`, `[watch]`, `[expect]`.
 
+use super::joint::slides;
 use super::node::{Node, known};
 use super::table::Table;
 use super::world::{KnownProbe, World, part_name, set_reference};
+use crate::chosen::of_which;
 use crate::{
-    CoordinateKind, Expect, ExpectedValue, Extremum, Field, FrameFormat, Interval, JointKind, Kind, OnFault, Outcome,
-    Output, PartKind, Probe, ProbeComponent, Quantity, Verdict, Watch,
+    Expect, ExpectedValue, Extremum, Field, FrameFormat, Interval, Kind, OnFault, Outcome, Output, PartKind, Probe,
+    ProbeComponent, Quantity, Verdict, Watch,
 };
+use stoss_multibody::{CoordinateKind, JointEntry};
 
 /// The probe, and its name with the components of its values, which `[expect]` needs even if the rest is bad.
 pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Option<KnownProbe>) {
@@ -115,18 +118,20 @@ fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Opti
     let name = node.text()?;
     match world.joints.iter().find(|(joint, _)| *joint == name) {
         Some((_, Some(kind)))
-            if quantity == Some(Quantity::JointAngle) && kind.coordinates().first() != Some(&CoordinateKind::Angle) =>
+            if quantity == Some(Quantity::JointAngle) && kind.coordinates.first() != Some(&CoordinateKind::Angle) =>
         {
             node.fail(
                 format!("is a joint `{kind}`, which has no angle"),
-                "choose a hinge, a cylindrical or a universal joint",
+                format!(
+                    "choose one of the kinds {}",
+                    of_which::<JointEntry>(|kind| kind.coordinates.first() == Some(&CoordinateKind::Angle))
+                ),
             )
         }
-        Some((_, Some(kind))) if quantity == Some(Quantity::JointDisplacement) && *kind != JointKind::Slider => node
-            .fail(
-                format!("is a joint `{kind}`, for whose displacement there is no probe"),
-                "choose a slider; a second coordinate is in joints.csv",
-            ),
+        Some((_, Some(kind))) if quantity == Some(Quantity::JointDisplacement) && !slides(kind) => node.fail(
+            format!("is a joint `{kind}`, for whose displacement there is no probe"),
+            format!("choose one of the kinds {}; a second coordinate is in joints.csv", of_which(slides)),
+        ),
         Some(_) => Some(name),
         None if !world.actions_complete => Some(name),
         None if world.joints.is_empty() => node.fail("the scene has no joint", "add a [[joint]] of this name"),

@@ -6,8 +6,8 @@ use super::round;
 use super::trace::{Needs, Traces};
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
-    Body as SceneBody, Generator, Integration, Mass, Material, MeshFile, MeshSource, Part as ScenePart,
-    Refinement as SceneRefinement, Rotation as SceneRotation, Rotations, Scene, SetDefinition, Volumetric,
+    Body as SceneBody, Cell, Generator, Integration, Mass, Material, MeshFile, MeshSource, Part as ScenePart,
+    Refinement as SceneRefinement, Rotation as SceneRotation, Rotations, Scene, SetDefinition, Volumetric, given,
 };
 use crate::solver::{Damping, Model};
 use std::collections::BTreeMap;
@@ -177,7 +177,7 @@ pub(super) fn options(body: &SceneBody) -> SolidOptions {
 /// The law of a material: of the catalogue, or of the program's own.
 fn law(material: &Material, laws: &OwnLaws) -> Result<Arc<dyn HyperelasticLaw>, ParameterError> {
     match stoss_materials::entry(&material.law) {
-        Some(entry) => Ok(entry.with(material.given())?),
+        Some(entry) => Ok(entry.with(given(&material.parameters))?),
         None => laws.make(material),
     }
 }
@@ -252,9 +252,9 @@ fn mesh(
     let key = format!("body[{b}]");
     let mut mesh = source_mesh(&body.mesh, &format!("{key}.mesh"), mesh_files, notes, problems)?;
     if let Some(cell) = body.cell {
-        let turned = match CellKind::from_name(cell.name()) {
-            Some(kind) => mesh.with_cells(kind),
-            None => mesh.quadratic(),
+        let turned = match cell {
+            Cell::Kind(kind) => mesh.with_cells(kind),
+            Cell::Quadratic => mesh.quadratic(),
         };
         mesh = turned
             .map_err(|error| {

@@ -1,14 +1,14 @@
 //! Contacts of a scene: surfaces found and examined, the method made where its module is built in.
 
 use super::condition::resolve;
-use super::missing::not_built_in;
+use super::methods::builder;
 use super::pair::{PairInput, finer};
 use super::phase::Phases;
 use super::sides::Sinking;
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
-use crate::scene::{Closing, ContactMethod, Enforcement, Scene, split_set};
+use crate::scene::{Closing, Enforcement, Scene, split_set};
 use crate::solver::Model;
 use stoss_reference_element::{FacePiece, FacetNodes};
 use stoss_term::Support;
@@ -142,17 +142,9 @@ pub(super) fn contacts(
             tied,
             is_massless,
         };
-        plans.extend(match item.method {
-            #[cfg(feature = "nts")]
-            ContactMethod::Nts | ContactMethod::Cat => super::nts::contact(&pair, model, problems, warnings),
-            #[cfg(feature = "mortar")]
-            ContactMethod::Mortar => super::mortar::contact(&pair, model, problems, warnings),
-            #[allow(unreachable_patterns, reason = "which methods are built in depends on the features")]
-            _ => {
-                not_built_in(pair.key, item, problems);
-                None
-            }
-        });
+        if let Some(build) = builder(item.method, &pair.key, problems) {
+            plans.extend(build(&pair, model, problems, warnings));
+        }
         seen.push((surfaces, item));
     }
     plans

@@ -4,18 +4,14 @@ use super::pair::PairInput;
 use super::{FrictionPlan, OwnLaws, ParameterError, Problems};
 use crate::scene;
 use std::sync::Arc;
-use stoss_contact::friction::{
-    Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
-};
+use stoss_contact::friction::{Friction, FrictionLaw, MidpointFriction, Stick, SurfaceVelocity, entry};
 use stoss_integrators::{GradientRule, SCHEMES};
 
 fn law(item: &scene::Friction, laws: &OwnLaws) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
-    Ok(match item {
-        scene::Friction::Coulomb(p) => Arc::new(Coulomb::new(p.mu)?),
-        scene::Friction::StaticDynamic(p) => Arc::new(StaticDynamic::new(p.mu_static, p.mu_dynamic, p.speed)?),
-        scene::Friction::Regularised(p) => Arc::new(Regularised::new(p.mu, p.speed)?),
-        scene::Friction::Own(own) => laws.make_friction(own)?,
-    })
+    match entry(&item.law) {
+        Some(entry) => Ok(entry.law.with(scene::given(&item.parameters))?),
+        None => laws.make_friction(item),
+    }
 }
 
 /// True for a rule of the constraint gradients under which there are friction and coordinate augmentation (theory/friction, theory/coordinate-augmentation: statics, end point,
@@ -77,8 +73,8 @@ pub(super) fn friction(
         Ok(law) => law,
         Err(ParameterError { key: parameter, message, remedy }) => {
             let (key, value) = match parameter.as_str() {
-                "" => (key, item.law()),
-                "law" => (format!("{key}.law"), item.law()),
+                "" => (key, item.law.as_str()),
+                "law" => (format!("{key}.law"), item.law.as_str()),
                 parameter => (format!("{key}.{parameter}"), ""),
             };
             problems.add(key, value, message, remedy);
@@ -86,16 +82,15 @@ pub(super) fn friction(
         }
     };
     if !law.is_elastic()
-        && let scene::Friction::Own(own) = item
-        && let Some(name) = own.sticking_key()
+        && let Some(name) = item.given.key()
     {
-        let message = format!("belongs to stick, and the law `{}` has none", own.law);
+        let message = format!("belongs to stick, and the law `{}` has none", item.law);
         problems.add(format!("{key}.{name}"), "", message, "remove it");
         return None;
     }
     let (penalty, stick, midpoint) = match item.sticking() {
         Some(s) => (s.penalty, s.stick(), s.midpoint()),
-        None => (None, scene::Stick::Penalty, scene::Sticking::DEFAULT_MIDPOINT),
+        None => (None, scene::Stick::Penalty, scene::MidpointFriction::B),
     };
     let stiffness = penalty.unwrap_or(DEFAULT_TANGENTIAL_STIFFNESS * complementarity);
     let label = pair.item.label();
@@ -107,10 +102,10 @@ pub(super) fn friction(
              end of the step), or leave `penalty` and `stick` out as well (multipliers)"
         ));
     }
-    let mortar = item.slip().is_some() || pair.item.method == scene::ContactMethod::Mortar;
+    let mortar = item.slip.is_some() || pair.item.method.has("slip");
     let plan = FrictionPlan {
-        law: item.law().to_owned(),
-        parameters: item.parameters(),
+        law: item.law.clone(),
+        parameters: item.parameters.clone(),
         stiffness: (law.is_elastic() && stick != scene::Stick::Multiplier).then_some(stiffness),
         default_stiffness: penalty.is_none(),
         stick: law.is_elastic().then(|| stick.name().to_owned()),
@@ -120,7 +115,7 @@ pub(super) fn friction(
             (false, _) => "step",
         }
         .to_owned(),
-        slip: mortar.then(|| item.slip().unwrap_or(scene::Slip::Objective).name().to_owned()),
+        slip: mortar.then(|| item.slip.unwrap_or(scene::Slip::Objective).name().to_owned()),
     };
     let stick = match stick {
         scene::Stick::Penalty => Stick::Penalty,

@@ -3,8 +3,12 @@
 use super::general_schemes::sorted;
 use super::placed::index;
 use super::{Placed, Problems};
-use crate::scene::{Edges, Friction, GeneralContact as Table, Scene, split_set};
+use crate::scene::{Edges, GeneralContact as Table, Scene, given, split_set};
 use std::collections::{BTreeMap, BTreeSet};
+use stoss_contact::friction::entry;
+
+/// A slip speed far beyond that of every law.
+const FAST: f64 = 1e100;
 
 /// Name in messages and tables.
 pub(super) const NAME: &str = "general";
@@ -15,26 +19,22 @@ pub(super) fn of_contacts(scene: &Scene, placed: &[Placed], warnings: &mut Vec<S
     for (c, contact) in scene.contacts.iter().enumerate().filter(|(_, contact)| contact.edges == Edges::General) {
         let [a, b] = contact.surfaces().map(|set| index(placed, split_set(set).map_or(set, |(part, _)| part)));
         let (Some(a), Some(b), Some(friction)) = (a, b, &contact.friction) else { continue };
-        let (mu, what) = match friction {
-            Friction::Coulomb(law) => (law.mu, None),
-            Friction::StaticDynamic(law) => (law.mu_dynamic, Some("`mu_dynamic` is used there at any speed")),
-            Friction::Regularised(law) => {
-                (law.mu, Some("`slip_velocity` of [general_contact] is used there in place of `speed`"))
-            }
-            Friction::Own(_) => {
-                let [a, b] = contact.surfaces().map(|set| split_set(set).map_or(set, |(part, _)| part));
-                warnings.push(format!(
-                    "contact[{c}].friction: general contact, which takes care of the edges, does not support the law `{}` and uses the `friction` of [general_contact] there; set one for the two bodies: \
-                     [general_contact] pairs = [{{ between = [\"{a}\", \"{b}\"], friction = 0.2 }}]",
-                    friction.law()
-                ));
-                continue;
-            }
-        };
-        if let Some(what) = what {
+        let law = entry(&friction.law).and_then(|entry| entry.law.with(given(&friction.parameters)).ok());
+        let Some(law) = law else {
+            let [a, b] = contact.surfaces().map(|set| split_set(set).map_or(set, |(part, _)| part));
             warnings.push(format!(
-                "contact[{c}].friction: general contact, which takes care of the edges, supports Coulomb's law only and not `{}`: {what}",
-                friction.law()
+                "contact[{c}].friction: general contact, which takes care of the edges, does not support the law `{}` and uses the `friction` of [general_contact] there; set one for the two bodies: \
+                 [general_contact] pairs = [{{ between = [\"{a}\", \"{b}\"], friction = 0.2 }}]",
+                friction.law
+            ));
+            continue;
+        };
+        let mu = law.coefficient(FAST);
+        if law.coefficient(0.0) != mu {
+            warnings.push(format!(
+                "contact[{c}].friction: general contact, which takes care of the edges, supports Coulomb's law only and not `{}`: its coefficient of fast slip, {mu}, is used there at any speed but those below \
+                 `slip_velocity` of [general_contact]",
+                friction.law
             ));
         }
         let entry = known.entry([a.min(b), a.max(b)]).or_insert(mu);

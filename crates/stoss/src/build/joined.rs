@@ -2,7 +2,7 @@
 
 use super::overlap::Locator;
 use super::{Joined, Placed};
-use crate::scene::{Joint, JointKind, Scene, split_set};
+use crate::scene::{Directions, Joint, Scene, split_set};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use stoss_mesh::BOUNDARY;
@@ -71,10 +71,12 @@ fn solid_angle(facet: &FacetNodes, x: &Vector3, reference: &[f64]) -> f64 {
 fn distance(joint: &Joint, x: &Vector3) -> f64 {
     let from = joint.at.both().map(|at| x - Vector3::from(at));
     let axis = joint.axis.and_then(|axis| Vector3::from(axis).try_normalize(0.0));
-    match (joint.kind, axis) {
-        (JointKind::Hinge | JointKind::Slider | JointKind::Cylindrical, Some(axis)) => from[0].cross(&axis).norm(),
-        (JointKind::Planar, Some(normal)) => from[0].dot(&normal).abs(),
-        _ => from[0].norm().min(from[1].norm()),
+    match (joint.kind.directions, axis) {
+        (Directions::Axis, Some(axis)) => from[0].cross(&axis).norm(),
+        (Directions::Normal, Some(normal)) => from[0].dot(&normal).abs(),
+        (Directions::Axis | Directions::Normal | Directions::Pair | Directions::None, _) => {
+            from[0].norm().min(from[1].norm())
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Laws that a program brings with it, hyperelastic ones and laws of friction, for scenes that name them.
 
-use crate::scene::{Friction, Material, OwnFriction, OwnNames, Parameter};
+use crate::scene::{Friction, Material, OwnNames, Parameter};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use stoss_contact::ContactError;
 use stoss_contact::friction::FrictionLaw;
 use stoss_continuum::HyperelasticLaw;
-use stoss_materials::Refusal;
+use stoss_registry::Refusal;
 
 /// What a constructor of a law gives: the law, or why the parameters are no material. An error that is a [`ParameterError`] is
 /// reported at its key.
@@ -55,7 +55,7 @@ impl OwnLaws {
         name: &str,
         constructor: impl Fn(&LawParameters<'_>) -> LawResult + Send + Sync + 'static,
     ) -> Result<Self, LawNameError> {
-        add(&mut self.materials, &names_of_catalogue(), name, Arc::new(constructor))?;
+        add(&mut self.materials, Material::names(), name, Arc::new(constructor))?;
         Ok(self)
     }
 
@@ -69,7 +69,7 @@ impl OwnLaws {
         name: &str,
         constructor: impl Fn(&LawParameters<'_>) -> FrictionLawResult + Send + Sync + 'static,
     ) -> Result<Self, LawNameError> {
-        add(&mut self.friction, Friction::NAMES, name, Arc::new(constructor))?;
+        add(&mut self.friction, Friction::names(), name, Arc::new(constructor))?;
         Ok(self)
     }
 
@@ -80,18 +80,14 @@ impl OwnLaws {
 
     /// The law of a material.
     pub(super) fn make(&self, material: &Material) -> Result<Arc<dyn HyperelasticLaw>, ParameterError> {
-        make(&self.materials, &names_of_catalogue(), &material.law, &material.parameters)
+        make(&self.materials, Material::names(), &material.law, &material.parameters)
     }
 
     /// The law of a friction.
     #[cfg_attr(not(any(feature = "nts", feature = "mortar")), expect(dead_code))]
-    pub(super) fn make_friction(&self, friction: &OwnFriction) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
-        make(&self.friction, Friction::NAMES, &friction.law, &friction.parameters)
+    pub(super) fn make_friction(&self, friction: &Friction) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
+        make(&self.friction, Friction::names(), &friction.law, &friction.parameters)
     }
-}
-
-fn names_of_catalogue() -> Vec<&'static str> {
-    Material::names().collect()
 }
 
 fn names<L: ?Sized>(laws: &BTreeMap<String, Constructor<L>>) -> impl Iterator<Item = &str> {
@@ -100,12 +96,12 @@ fn names<L: ?Sized>(laws: &BTreeMap<String, Constructor<L>>) -> impl Iterator<It
 
 fn add<L: ?Sized>(
     laws: &mut BTreeMap<String, Constructor<L>>,
-    catalogue: &[&str],
+    mut catalogue: impl Iterator<Item = &'static str>,
     name: &str,
     constructor: Constructor<L>,
 ) -> Result<(), LawNameError> {
     let good = |c: char| c.is_alphanumeric() || c == '-' || c == '_';
-    let reason = if catalogue.contains(&name) {
+    let reason = if catalogue.any(|known| known == name) {
         "the catalogue has a law of this name"
     } else if laws.contains_key(name) {
         "another law has this name"
@@ -120,12 +116,13 @@ fn add<L: ?Sized>(
 
 fn make<L: ?Sized>(
     laws: &BTreeMap<String, Constructor<L>>,
-    catalogue: &[&str],
+    catalogue: impl Iterator<Item = &'static str>,
     law: &str,
     given: &BTreeMap<String, Parameter>,
 ) -> Result<Arc<L>, ParameterError> {
     let Some(constructor) = laws.get(law) else {
-        let all: Vec<&str> = catalogue.iter().copied().chain(names(laws)).collect();
+        let mut all: Vec<&str> = catalogue.collect();
+        all.extend(names(laws));
         return Err(ParameterError::new("law", "is unknown", crate::scene::known(law, all)));
     };
     let parameters = LawParameters { law, given, asked: RefCell::default() };

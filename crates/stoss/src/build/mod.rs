@@ -25,6 +25,9 @@ mod joined;
 mod law;
 mod massless;
 mod mesh_files;
+#[cfg(any(feature = "nts", feature = "mortar"))]
+mod methods;
+#[cfg(not(any(feature = "nts", feature = "mortar")))]
 mod missing;
 #[cfg(feature = "mortar")]
 mod mortar;
@@ -285,7 +288,7 @@ fn named(scene: &Scene, prescribed: &BTreeMap<usize, Named>, parts: &multibody::
 /// Joints by name and place in the model's contacts.
 fn joints(scene: &Scene, places: &[Option<usize>]) -> Vec<JointPlace> {
     let joint = |(item, place): (&crate::scene::Joint, &Option<usize>)| {
-        let coordinates = item.kind.coordinates().len();
+        let coordinates = item.kind.coordinates.len();
         Some(JointPlace { name: item.name.clone(), place: (*place)?, coordinates })
     };
     scene.joints.iter().zip(places).filter_map(joint).collect()

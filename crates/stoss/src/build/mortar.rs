@@ -108,7 +108,7 @@ pub(super) fn contact(
             method = method.with_stiffness(complementarity);
             let mut plan = None;
             if let Some(friction) = &item.friction {
-                let slip = match friction.slip() {
+                let slip = match friction.slip {
                     Some(Slip::Direct) => SlipMeasure::Direct,
                     Some(Slip::Yang) => SlipMeasure::Yang,
                     Some(Slip::Objective) | None => SlipMeasure::Objective,

@@ -3,7 +3,7 @@
 use super::beside::beside;
 use super::pair::PairInput;
 use super::sides::{arch, are_curved_alike};
-use super::{ContactPlan, Problems};
+use super::{ContactPlan, FrictionPlan, Problems};
 use crate::scene::{Constraint, Enforcement as Enforced, OverlapAtStart};
 use crate::solver::{Coupling, Model};
 use stoss_contact::{ContactLine, Enforcement};
@@ -18,6 +18,51 @@ pub(super) fn contact(
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) -> Option<ContactPlan> {
+    Some(add(pair, model, made(pair, model, problems, warnings)?, |method| Box::new(method)))
+}
+
+/// As [`contact`], by coordinate augmentation.
+pub(super) fn augmented(
+    pair: &PairInput<'_>,
+    model: &mut Model,
+    problems: &mut Problems<'_>,
+    warnings: &mut Vec<String>,
+) -> Option<ContactPlan> {
+    let made = made(pair, model, problems, warnings)?;
+    if let Some(scheme) = super::friction::scheme_elsewhere(pair) {
+        let message = format!("is not available with the scheme `{scheme}`");
+        let schemes = super::friction::schemes_that_fit();
+        let remedy = format!("use `nts`, or one of the schemes {schemes}");
+        problems.add(format!("{}.method", pair.key), pair.item.method.name, message, remedy);
+        return None;
+    }
+    let options = augmentation(pair.item);
+    Some(add(pair, model, made, |method| Box::new(CoordinateAugmented::new(method, options))))
+}
+
+/// The method of a contact, and what it will be computed with.
+struct Made {
+    method: NodeToSurface,
+    constraint: Constraint,
+    friction: Option<FrictionPlan>,
+    complementarity: f64,
+}
+
+fn add(
+    pair: &PairInput<'_>,
+    model: &mut Model,
+    made: Made,
+    term: impl Fn(NodeToSurface) -> Box<dyn Term>,
+) -> ContactPlan {
+    let Made { method, constraint, friction, complementarity } = made;
+    let term = term(method);
+    let plan = pair.plan(&*term, constraint, friction);
+    let (name, restitution) = (pair.item.label(), pair.restitution());
+    model.contacts.push(Coupling { name, term, acts: true, complementarity, restitution });
+    plan
+}
+
+fn made(pair: &PairInput<'_>, model: &Model, problems: &mut Problems<'_>, warnings: &mut Vec<String>) -> Option<Made> {
     let item = pair.item;
     let constraint = item.constraint.unwrap_or(Constraint::Standard);
     let form = match constraint {
@@ -65,23 +110,7 @@ pub(super) fn contact(
             }
         };
     }
-    let term: Box<dyn Term> = match item.method {
-        crate::scene::ContactMethod::Cat => {
-            if let Some(scheme) = super::friction::scheme_elsewhere(pair) {
-                let message = format!("is not available with the scheme `{scheme}`");
-                let key = format!("{}.method", pair.key);
-                let schemes = super::friction::schemes_that_fit();
-                problems.add(key, "cat", message, format!("use `nts`, or one of the schemes {schemes}"));
-                return None;
-            }
-            Box::new(CoordinateAugmented::new(method, augmentation(item)))
-        }
-        _ => Box::new(method),
-    };
-    let plan = pair.plan(&*term, constraint, plan);
-    let restitution = pair.restitution();
-    model.contacts.push(Coupling { name: item.label(), term, acts: true, complementarity, restitution });
-    Some(plan)
+    Some(Made { method, constraint, friction: plan, complementarity })
 }
 
 /// Part of an overlap or an interference up to which gaps of nodes beside round faces may be wrong.
@@ -115,7 +144,7 @@ fn refuse_arches(pair: &PairInput<'_>, method: &NodeToSurface, model: &Model, pr
         );
         problems.add(
             format!("{}.method", pair.key),
-            pair.item.method.name(),
+            pair.item.method.name,
             message,
             "use `method = \"mortar\"`, which has the faces as they are",
         );

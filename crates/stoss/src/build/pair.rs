@@ -4,7 +4,7 @@ use super::phase::{Phase, Phases};
 use super::young;
 use super::{ContactPlan, FrictionPlan, OwnLaws, Placed, Problems};
 use crate::points::Points;
-use crate::scene::{Closing, Constraint, ContactMethod, Enforcement, GapAtClosing, Integrals, Scene, split_set};
+use crate::scene::{Closing, Constraint, Enforcement, GapAtClosing, Integrals, Scene, split_set};
 use crate::solver::Model;
 use std::collections::BTreeSet;
 use stoss_mesh::Mesh;
@@ -66,7 +66,7 @@ impl PairInput<'_> {
         ContactPlan {
             name: item.label(),
             slave: self.chosen.clone(),
-            method: item.method.name().to_owned(),
+            method: item.method.name.to_owned(),
             constraint: constraint.name().to_owned(),
             enforcement: match item.enforcement {
                 Enforcement::Multiplier => "multiplier".to_owned(),
@@ -117,8 +117,7 @@ impl PairInput<'_> {
                 let inside = reports.iter().filter(|r| r.gap.is_some_and(|g| g < -tolerance)).count();
                 let deepest = reports.iter().filter_map(|r| r.gap).fold(0.0, f64::min);
                 if inside > 0 && becomes != Overlap::Keep {
-                    let keeps = constraint == Constraint::Modified
-                        || (item.method == ContactMethod::Mortar && phase.has_rates());
+                    let keeps = constraint == Constraint::Modified || (item.method.integrates && phase.has_rates());
                     let then = match (becomes, keeps) {
                         (Overlap::Ramp, _) => "that gap closes until the end of the stage",
                         (_, true) => "they keep that gap",
@@ -200,8 +199,7 @@ impl PairInput<'_> {
             Some(closing) => closing == Closing::Impact,
             // The tangential impulses of the step go with its normal ones. Rigid bodies that touch have them right; the nodes of a mesh open and close as it slides.
             None => {
-                item.method != ContactMethod::Cat
-                    && (item.friction.is_none() || self.is_rigid() || item.restitution.is_some())
+                item.method.has_impact && (item.friction.is_none() || self.is_rigid() || item.restitution.is_some())
             }
         };
         (self.is_exact() && has_law && !self.is_massless).then(|| self.given_restitution().unwrap_or(0.0))
@@ -233,7 +231,7 @@ impl PairInput<'_> {
     pub fn hold(&self, model: &Model) -> Option<u32> {
         let holds = match self.item.gap {
             GapAtClosing::Auto => {
-                self.line.is_empty() && self.item.method != ContactMethod::Cat && self.courant(model) <= RESOLVED
+                self.line.is_empty() && self.item.method.has_impact && self.courant(model) <= RESOLVED
             }
             GapAtClosing::Close => false,
             GapAtClosing::Hold => true,

@@ -1,7 +1,7 @@
 //! Surfaces of linear cells that the scene calls round: facets of their own for contact, with vertices on the cylinder or sphere (theory/barrier#round).
 
 use super::{Problems, general_contact};
-use crate::scene::{ContactMethod, RoundShape, RoundSurface, Scene, split_set};
+use crate::scene::{RoundShape, RoundSurface, Scene, split_set};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_mesh::{Facet, Mesh};
 use stoss_reference_element::FacetNodes;
@@ -121,7 +121,7 @@ pub(super) fn warnings(scene: &Scene) -> Vec<String> {
         return Vec::new();
     }
     let knows = |body: &str| {
-        let others = scene.contacts.iter().filter(|contact| contact.method != ContactMethod::Mortar);
+        let others = scene.contacts.iter().filter(|contact| !contact.method.integrates);
         let mut surfaces = others.flat_map(|c| c.slave.iter().chain(&c.master).chain(c.between.iter().flatten()));
         surfaces.any(|surface| split_set(surface).is_some_and(|(of, _)| of == body))
     };

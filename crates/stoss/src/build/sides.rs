@@ -1,7 +1,7 @@
 //! How deep a curved master sinks in between the nodes of its slave, which decides on the slave where a scene leaves it open (theory/mortar#slave).
 
 use super::pair::area_vector;
-use crate::scene::{ContactMethod, Multipliers};
+use crate::scene::Multipliers;
 use std::collections::HashMap;
 use stoss_reference_element::{FacePiece, FacetNodes};
 
@@ -172,7 +172,7 @@ impl Sinking {
 
     /// What is doubtful about it, as a sentence without its subject; `exchanged` is what it would be with slave and master exchanged, if that is possible.
     pub fn warning(&self, item: &crate::scene::Contact, exchanged: Option<Self>) -> Option<String> {
-        let is_mortar = item.method == ContactMethod::Mortar;
+        let is_mortar = item.method.integrates;
         let is_dual = item.multipliers.is_some_and(|multipliers| multipliers != Multipliers::Standard);
         // Nodes alone are kept out: between them the master comes in by the whole height of its arch.
         let part: f64 = match (is_mortar, is_dual) {

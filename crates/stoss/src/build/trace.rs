@@ -4,7 +4,7 @@
 //! (theory/elements#contact), with vertices of its own in place of the nodes on edges.
 
 use super::round::{BEYOND, Corner, Finer, Place};
-use crate::scene::{ContactMethod, Scene};
+use crate::scene::Scene;
 use crate::solver::Model;
 use std::collections::BTreeMap;
 use stoss_mesh::{Facet, Mesh};
@@ -35,10 +35,10 @@ pub(crate) struct Needs {
 impl Needs {
     /// Those of a scene.
     pub fn of(scene: &Scene) -> Self {
-        let is_mortar = |contact: &crate::scene::Contact| contact.method == ContactMethod::Mortar;
+        let integrates = |contact: &crate::scene::Contact| contact.method.integrates;
         Self {
-            trace: !scene.contacts.iter().all(is_mortar) || super::general_contact(scene).is_some(),
-            faces: scene.contacts.iter().any(is_mortar) || !scene.ties.is_empty(),
+            trace: !scene.contacts.iter().all(integrates) || super::general_contact(scene).is_some(),
+            faces: scene.contacts.iter().any(integrates) || !scene.ties.is_empty(),
         }
     }
 }

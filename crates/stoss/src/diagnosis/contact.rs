@@ -3,7 +3,7 @@
 use super::case::Case;
 use super::redundant::is_prescribed_whole;
 use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
-use crate::scene::{ContactMethod, Friction, split_set};
+use crate::scene::split_set;
 use stoss_solver::FailureKind;
 
 /// Coefficient, in multiples of the one that just locks, from which on a wedge locks also where bodies give way.
@@ -129,12 +129,7 @@ struct Flank {
 
 impl Flank {
     fn of(case: &Case<'_>, contact: usize, item: &crate::scene::Contact) -> Option<Self> {
-        let (key, mu) = match &item.friction {
-            Some(Friction::Coulomb(law)) => ("mu", law.mu),
-            Some(Friction::StaticDynamic(law)) => ("mu_static", law.mu_static),
-            Some(Friction::Regularised(law)) => ("mu", law.mu),
-            _ => return None,
-        };
+        let (key, mu) = item.friction.as_ref()?.coefficient()?;
         let reports = case.simulation.contact_report(contact).ok()?;
         let closed: Vec<_> =
             reports.iter().zip(&case.simulation.active()[contact]).filter(|(_, active)| **active).collect();
@@ -282,7 +277,7 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
     }
     remedies.extend(case.smaller_step());
     if remedies.is_empty() {
-        let is_mortar = case.contacts().any(|(_, item)| item.label() == name && item.method == ContactMethod::Mortar);
+        let is_mortar = case.contacts().any(|(_, item)| item.label() == name && item.method.integrates);
         remedies.push(Remedy::words(match is_mortar {
             true => "refine the slave surface where it meets the master",
             false => "refine the slave surface where it meets the master, or set `method = \"mortar\"`, whose contact state varies less from node to node",

@@ -3,7 +3,7 @@
 use super::case::Case;
 use super::changes::Closing;
 use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
-use crate::scene::{Contact, ContactMethod, Friction, Stick, split_set};
+use crate::scene::{Contact, Friction, Stick, split_set};
 use stoss_solver::FailureKind;
 
 /// Last iterations that are looked at.
@@ -134,9 +134,9 @@ pub(super) fn slowly(case: &Case<'_>) -> Vec<Finding> {
         place.body.as_deref().is_some_and(|body| bodies.contains(&body))
     };
     let is_dynamic = case.simulation.plan().rule.has_inertia();
-    let mortar = case.contacts().find(|(c, item)| {
-        is_dynamic && item.method == ContactMethod::Mortar && touches(item) && Closing::of(case, *c).acts
-    });
+    let mortar = case
+        .contacts()
+        .find(|(c, item)| is_dynamic && item.method.integrates && touches(item) && Closing::of(case, *c).acts);
     let mut remedies = Vec::new();
     if let Some((c, _)) = mortar {
         let why = "its tangent is exact in dynamics; that of mortar integrals that move in the step is not";

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::{Cause, Change, Confidence, Finding, Remedy, Where};
-use crate::scene::{ContactMethod, Enforcement};
+use crate::scene::Enforcement;
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_solver::FailureKind;
 
@@ -83,7 +83,7 @@ pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
             list.push(held_twice(case, c, &of_supports, place.clone()));
         }
         let middles = near.iter().filter(|&&k| case.model().follows_its_face(points[k].node)).count();
-        if is_here && middles > 0 && item.method != ContactMethod::Mortar {
+        if is_here && middles > 0 && !item.method.integrates {
             let penalty = "or `enforcement = { penalty = k }`, with the modulus over the length of an element for `k`";
             list.push(Finding {
                 cause: Cause::RedundantConstraints,
@@ -149,7 +149,7 @@ fn shared_nodes(case: &Case<'_>, failed: usize) -> Option<Finding> {
 
 /// A pressure of mortar contact with multipliers that nothing else explains: hardly any of the slave around its node lies opposite the master.
 fn alone(case: &Case<'_>, failed: usize) -> Option<Finding> {
-    let (c, item) = case.contacts().find(|(c, item)| *c == failed && item.method == ContactMethod::Mortar)?;
+    let (c, item) = case.contacts().find(|(c, item)| *c == failed && item.method.integrates)?;
     let label = item.label();
     Some(Finding {
         cause: Cause::RedundantConstraints,

@@ -3,7 +3,7 @@
 use super::case::Case;
 use super::redundant::is_prescribed_whole;
 use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
-use crate::scene::{Contact, ContactMethod};
+use crate::scene::Contact;
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_reference_element::FacetNodes;
 use stoss_solver::FailureKind;
@@ -21,9 +21,7 @@ pub(super) fn at_rim(case: &Case<'_>) -> Vec<Finding> {
 }
 
 fn of_contact(case: &Case<'_>, c: usize, item: &Contact) -> Option<Finding> {
-    let ([Some(slave), Some(master)], true) =
-        ([&item.slave, &item.master], matches!(item.method, ContactMethod::Nts | ContactMethod::Cat))
-    else {
+    let ([Some(slave), Some(master)], true) = ([&item.slave, &item.master], !item.method.integrates) else {
         return None;
     };
     let reports = case.simulation.contact_report(c).ok()?;

@@ -1,6 +1,6 @@
 //! What scheme, loads, supports and contacts of a scene together promise of momenta and energy.
 
-use crate::scene::{Constraint, Contact, ContactMethod, Integrals, Mass, Scene, split_set};
+use crate::scene::{Constraint, Contact, Integrals, Mass, Scene, split_set};
 use stoss_integrators::Scheme;
 use stoss_solver::{LoadKind, Model, Simulation};
 use stoss_watch::{Closing, Promises};
@@ -66,9 +66,9 @@ pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&d
     let mut inclined = scene.prescriptions.iter().filter(|item| item.is_inclined());
     let moved = model.prescriptions.iter().any(stoss_solver::Prescription::moves)
         || inclined.any(|item| item.rows().iter().any(|row| row[1] != item.rows()[0][1]));
-    let gives_nothing = |contact: &Contact| match contact.method {
-        ContactMethod::Mortar => contact.integrals != Some(Integrals::Frozen),
-        _ => contact.constraint == Some(Constraint::Modified),
+    let gives_nothing = |contact: &Contact| match contact.method.integrates {
+        true => contact.integrals != Some(Integrals::Frozen),
+        false => contact.constraint == Some(Constraint::Modified),
     };
     Some(Promises {
         linear: driven.map(|driven| claims.linear_momentum && keeps_linear && !driven),

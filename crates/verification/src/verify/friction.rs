@@ -5,9 +5,7 @@ mod elements;
 use std::path::Path;
 use std::sync::Arc;
 
-use stoss_contact::friction::{
-    Coulomb, Friction as Rough, FrictionLaw, FrictionPoint, MidpointFriction, Regularised, StaticDynamic, Stick,
-};
+use stoss_contact::friction::{Friction as Rough, FrictionPoint, LAWS, MidpointFriction, Stick};
 use toml::{Table, Value};
 
 use super::check::{Bound, Check};
@@ -58,12 +56,8 @@ impl Suite for Friction {
 
 /// Derivatives of the force against differences, and the least dissipation of random paths.
 fn laws(findings: &mut Findings) -> Outcome<()> {
-    let laws: [Arc<dyn FrictionLaw>; 3] = [
-        Arc::new(Coulomb::new(0.4)?),
-        Arc::new(StaticDynamic::new(0.6, 0.3, 0.5)?),
-        Arc::new(Regularised::new(0.4, 0.2)?),
-    ];
-    for law in laws {
+    for entry in LAWS {
+        let law = entry.law.of_examples()?;
         for (name, stepping) in [("a", MidpointFriction::A), ("b", MidpointFriction::B), ("c", MidpointFriction::C)] {
             let rough = Rough::new(Arc::clone(&law), 40.0, Stick::Penalty, stepping)?;
             let mut random = Random(7);

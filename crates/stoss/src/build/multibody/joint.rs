@@ -5,14 +5,13 @@ use super::extent::extent;
 use super::redundant::weights as typical_weights;
 use crate::build::Problems;
 use crate::scene::{
-    ActingOn, CoordinateKind, Coupling, GROUND, Joint as SceneJoint, JointKind as SceneKind, PartKind, Scene, Series,
-    split_set,
+    ActingOn, CoordinateKind, Coupling, GROUND, Joint as SceneJoint, PartKind, Scene, Series, split_set,
 };
 use crate::solver::Model;
 use std::sync::Arc;
 use stoss_multibody::{
-    CoordinateFriction, CoordinateOptions, CoordinateSpring, Embedded, Frame, Joint, JointKind, PiecewiseLinear,
-    Pretension, Spring, SpringData, Weights, axes_along,
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, Embedded, Frame, Joint, PiecewiseLinear, Pretension,
+    Spring, SpringData, Weights, axes_along,
 };
 
 /// One side of a joint or spring: what moves, and a length and a mass that are typical of it.
@@ -139,19 +138,8 @@ fn joint(
     let smaller = |x: Option<f64>, y: Option<f64>| x.into_iter().chain(y).fold(f64::INFINITY, f64::min);
     let length = Some(smaller(a.length, b.length)).filter(|l| l.is_finite());
     let length = length.unwrap_or_else(|| extent(scene, &model.reference));
-    let kind = match item.kind {
-        SceneKind::Ball => JointKind::Ball,
-        SceneKind::Hinge => JointKind::Hinge,
-        SceneKind::Slider => JointKind::Slider,
-        SceneKind::Cylindrical => JointKind::Cylindrical,
-        SceneKind::Universal => JointKind::Universal,
-        SceneKind::Weld => JointKind::Weld,
-        SceneKind::Planar => JointKind::Planar,
-        SceneKind::Distance => {
-            let apart = (0..3).map(|i| (at_b[i] - at_a[i]).powi(2)).sum::<f64>().sqrt();
-            JointKind::Distance { length: apart }
-        }
-    };
+    let apart = (0..3).map(|i| (at_b[i] - at_a[i]).powi(2)).sum::<f64>().sqrt();
+    let kind = item.kind.kind(apart);
     let weights = match smaller(a.mass, b.mass) {
         mass if mass.is_finite() => Weights { mass, stiffness: 0.0 },
         _ => typical_weights(scene, model),

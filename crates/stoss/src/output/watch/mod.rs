@@ -261,7 +261,10 @@ impl RunWatch {
         for (k, (c, pair)) in pairs.enumerate() {
             let has_friction = pair.term.has_friction();
             let of_pair = &summary.pairs[c];
-            let is_mortar = self.described.get(k).is_some_and(|plan| plan.method == ContactMethod::Mortar.name());
+            let is_mortar = self
+                .described
+                .get(k)
+                .is_some_and(|plan| ContactMethod::from_name(&plan.method).is_some_and(|method| method.integrates));
             let is_round = |bodies: [usize; 2]| bodies.map(|body| !is_mortar && self.round.contains(&body));
             if pair.is_potential() {
                 let part = |body: u32| self.parts.get(body as usize).copied().flatten();

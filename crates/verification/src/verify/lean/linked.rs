@@ -37,6 +37,7 @@ use Ability::{Checkpoints, MeshFiles, Mortar, NodeToSurface, Program, Results, S
 /// A crate of ours that is not listed is for nothing.
 const CRATES: &[(&str, &[Ability])] = &[
     ("stoss", &[Simulate]),
+    ("stoss-registry", &[Simulate]),
     ("stoss-tensor", &[Simulate]),
     ("stoss-continuum", &[Simulate]),
     ("stoss-reference-element", &[Simulate]),
@@ -52,6 +53,7 @@ const CRATES: &[(&str, &[Ability])] = &[
     ("faer", &[Simulate]),
     ("stoss-scene", &[Scenes]),
     ("stoss-materials", &[Scenes]),
+    ("stoss-multibody", &[Scenes]),
     ("toml", &[Scenes]),
     ("stoss-contact-nts", &[NodeToSurface]),
     ("stoss-contact-mortar", &[Mortar]),

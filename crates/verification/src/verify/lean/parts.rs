@@ -2,7 +2,7 @@
 
 use crate::workspace::Outcome;
 use stoss_integrators::{ForceRule, GradientRule, entry};
-use stoss_scene::{ContactMethod, LoadKind, MeshSource, Scene};
+use stoss_scene::{LoadKind, MeshSource, Scene};
 use stoss_solver::{PhaseTime, Simulation};
 
 /// Everything that a run may or may not have. Asked for and found are both of this type, so that they can be compared
@@ -277,7 +277,7 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
 /// Features of the facade without which the scene does not run.
 pub fn features(scene: &Scene) -> Vec<&'static str> {
     let from_file = scene.bodies.iter().any(|body| matches!(body.mesh, MeshSource::File(_)));
-    let mortar = |contact: &stoss_scene::Contact| contact.method == ContactMethod::Mortar;
+    let mortar = |contact: &stoss_scene::Contact| contact.method.integrates;
     let wanted = [
         ("scene", true),
         ("nts", scene.contacts.iter().any(|contact| !mortar(contact))),
