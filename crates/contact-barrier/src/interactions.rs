@@ -11,6 +11,21 @@ pub struct Interaction {
     pub friction: f64,
 }
 
+/// Modulus of the layer between two rigid bodies, in weights of the lighter one over the smallest side of the box around it: at rest the layer keeps 0.93 of its thickness.
+const WEIGHTS: f64 = 100.0;
+
+impl Interaction {
+    /// Modulus of the layer between two bodies with these Young's moduli (infinite if rigid): `stiffness` times that of both in series. Infinite between rigid bodies.
+    pub fn modulus_of_layer(stiffness: f64, [a, b]: [f64; 2]) -> f64 {
+        stiffness / (1.0 / a + 1.0 / b)
+    }
+
+    /// Modulus of the layer between two rigid bodies, of the `weight` of the lighter one (a force) and the smallest side of the box around it (an `area`).
+    pub fn modulus_by_weight(weight: f64, area: f64) -> f64 {
+        WEIGHTS * weight / area
+    }
+}
+
 /// A table of all pairs of classes. A class is a body, or a part of a body's surface that is treated differently; facets of the same class may act on each other, too.
 #[derive(Clone, Debug, Default)]
 pub struct Interactions {

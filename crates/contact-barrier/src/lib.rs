@@ -10,7 +10,8 @@
 //! * [`Skin`]: vertices, edges, triangles and points of integration of all bodies, with their weights;
 //! * [`Interactions`]: who acts on whom, how stiff, with which friction;
 //! * [`check_initial`]: surfaces that cross before the first step, and the smallest distances;
-//! * [`Overlaps`]: bodies that overlap, and how far they have to be moved;
+//! * [`start`]: the skin for the start: its thickness, and surfaces that go inside where bodies touch;
+//! * [`Overlaps`]: bodies that overlap, and how far they have to be moved; [`separate`]: motions that take them apart;
 //! * [`GeneralContact`]: the sum, as a potential of the solver, with the collision detection that keeps iterates from passing through each other.
 //!
 //! Signs: a `gradient` is that of an energy, to be added to a residual; the force on the nodes is minus it.
@@ -28,8 +29,10 @@ mod pair;
 mod pattern;
 mod proximity;
 mod sensitivity;
+mod separate;
 mod skin;
 mod slip;
+mod start;
 mod tangent;
 
 pub use general::{GeneralContact, GeneralOptions};
@@ -40,6 +43,8 @@ pub use layer::Layer;
 pub use mollifier::EdgeMollifier;
 pub use overlap::{Overlaps, Relation, Separation};
 pub use pair::{PairForce, PairStart, PairTerm, StepForce};
+pub use separate::{SeparationFault, separate};
 pub use skin::{Skin, SkinFacet, is_closed};
 pub use slip::{Friction, FrictionForce, Stick};
+pub use start::{Bodies, Nearer, ONE_SIDED, Start, StartError, StartFault, THICKNESS, THINNEST, layer_edge, start};
 pub use tangent::Tangent;

@@ -12,6 +12,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod arches;
 pub mod augmented;
 pub mod crossing;
 mod dual;
@@ -25,6 +26,7 @@ mod options;
 mod slave;
 mod slot;
 
+pub use arches::Arches;
 pub use augmented::{AugmentedOptions, CoordinateAugmented, Reduction};
 pub use method::NodeToSurface;
 pub use options::{ConstraintForm, NodeToSurfaceOptions};

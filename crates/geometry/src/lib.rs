@@ -9,7 +9,8 @@
 //! * [`closest`]: distance of vertices, edges and triangles, with the weights of the closest points; [`safe_fraction`]: how far
 //!   a pair of them may move without contact;
 //! * [`Aabb`], [`MovingBox`], [`BoundingVolumeTree`]: boxes at rest and in motion, overlap, pairs, and nearest-first
-//!   queries without allocation.
+//!   queries without allocation;
+//! * [`Round`]: the cylinder or sphere through points.
 //!
 #![doc = include_str!("../README.md")]
 
@@ -21,6 +22,7 @@ mod patch;
 mod polynomial;
 mod primitive_distance;
 mod project;
+mod round;
 mod tree;
 
 pub use aabb::Aabb;
@@ -30,4 +32,5 @@ pub use closest::{ClosestPoint, PatchFeature};
 pub use patch::{Patch, SurfaceFrame};
 pub use primitive_distance::{ClosestPair, FreeDirections, PairFeature, PairKind, closest, combine};
 pub use project::Projection;
+pub use round::Round;
 pub use tree::BoundingVolumeTree;

@@ -9,6 +9,7 @@ mod friction;
 mod history;
 mod integrate;
 mod normal;
+mod prescribed;
 mod report;
 mod tunnelling;
 

@@ -14,6 +14,7 @@
 
 mod belt;
 mod coulomb;
+mod defaults;
 mod iteration;
 mod law;
 mod registry;

@@ -2,14 +2,14 @@
 
 use super::condition::resolve;
 use super::methods::builder;
-use super::pair::{PairInput, finer};
+use super::pair::PairInput;
 use super::phase::Phases;
-use super::sides::Sinking;
 use super::tie::Ties;
 use super::young;
 use super::{ContactPlan, OwnLaws, Placed, Problems};
-use crate::scene::{Closing, Enforcement, Scene, split_set};
+use crate::scene::{Closing, Enforcement, Multipliers, Scene, split_set};
 use crate::solver::Model;
+use stoss_contact::{Candidate, KeptOut, Sinking, choose_slave};
 use stoss_reference_element::{FacePiece, FacetNodes};
 use stoss_term::Support;
 
@@ -71,7 +71,13 @@ pub(super) fn contacts(
         let (mut surfaces, mut chosen) = ([first, second], None);
         if item.between.is_some() {
             let support = phases.first_with(&item.label()).support(model);
-            let (slave, reason) = choose_slave(model, &support, &surfaces);
+            let candidates = surfaces.each_ref().map(|side| Candidate {
+                facets: &side.facets,
+                pieces: &side.pieces,
+                is_prescribed: is_prescribed(&support, side),
+                young: young(model, side.part),
+            });
+            let (slave, reason) = choose_slave(&candidates, &model.reference);
             chosen = Some(format!("{} ({reason})", item.surfaces()[slave]));
             surfaces.rotate_left(slave);
         }
@@ -180,54 +186,28 @@ fn sinking(
     let may_be_slave = young(model, master.part).is_finite() && !is_prescribed(support, master);
     let here = Sinking::of(&slave.pieces, &master.pieces, &model.reference);
     let exchanged = may_be_slave.then(|| Sinking::of(&master.pieces, &slave.pieces, &model.reference));
-    Some(format!("{}: {}", item.label(), here.warning(item, exchanged)?))
-}
-
-/// Which of two sides becomes the slave, and why: a beam or string, one whose motion is not prescribed where the contact first acts, the one that is not rigid, the one between whose nodes the other
-/// sinks in less, the finer one by the mean area of its facets, the softer one by Young's modulus.
-fn choose_slave(model: &Model, support: &Support, sides: &[Side; 2]) -> (usize, String) {
-    let (side, reason) = choose(model, support, sides);
-    let sinks = || [0, 1].map(|k| Sinking::of(&sides[k].pieces, &sides[1 - k].pieces, &model.reference));
-    match reason {
-        Reason::Shape(reason) => (side, reason.to_owned()),
-        Reason::Mesh(reason) => match Sinking::better(&sinks()) {
-            Some(better) => {
-                let [least, most] = [better, 1 - better].map(|k| sinks()[k].depth);
-                (better, format!("the other one sinks in by {least:.3}, where it would by {most:.3}"))
-            }
-            None => (side, reason.to_owned()),
-        },
+    let is_dual = item.multipliers.is_some_and(|multipliers| multipliers != Multipliers::Standard);
+    let kept_out = match (item.method.integrates, is_dual) {
+        (false, _) => KeptOut::Nodes,
+        (true, false) => KeptOut::Means,
+        (true, true) => KeptOut::DualMeans,
+    };
+    let depth = here.by(kept_out)?;
+    let mut remedies = Vec::new();
+    if exchanged.is_some_and(|exchanged| exchanged.depth < 0.5 * here.depth) {
+        remedies.push("exchange slave and master");
     }
-}
-
-/// Why a side is the slave: by what the bodies are, or by their meshes.
-enum Reason {
-    Shape(&'static str),
-    Mesh(&'static str),
-}
-
-fn choose(model: &Model, support: &Support, sides: &[Side; 2]) -> (usize, Reason) {
-    use Reason::{Mesh, Shape};
-    if let Some(line) = sides.iter().position(Side::is_line) {
-        return (line, Shape("it has no facets"));
+    remedies.push("refine the slave");
+    if kept_out == KeptOut::Means {
+        remedies.push("take `multipliers = \"dual\"`, with which it is half of it");
     }
-    let prescribed = [0, 1].map(|k| is_prescribed(support, &sides[k]));
-    let moduli = sides.each_ref().map(|side| young(model, side.part));
-    if prescribed[0] != prescribed[1] {
-        return (usize::from(prescribed[0]), Shape("the other one is prescribed"));
-    }
-    let rigid = moduli.map(f64::is_infinite);
-    if rigid[0] != rigid[1] {
-        return (usize::from(rigid[0]), Shape("the other one is rigid"));
-    }
-    if let Some(finer) = finer(sides.each_ref().map(|side| &side.facets[..]), &model.reference) {
-        return (finer, Mesh("finer"));
-    }
-    match moduli[0].total_cmp(&moduli[1]) {
-        std::cmp::Ordering::Less => (0, Mesh("softer")),
-        std::cmp::Ordering::Greater => (1, Mesh("softer")),
-        std::cmp::Ordering::Equal => (0, Mesh("both are alike")),
-    }
+    Some(format!(
+        "{}: slave facets of {:.3} against a radius of {:.3}: the master may sink in between them by {depth:.3}; {}",
+        item.label(),
+        here.length,
+        here.radius,
+        remedies.join(", or ")
+    ))
 }
 
 /// True if all components of all nodes of a side are prescribed.

@@ -14,16 +14,10 @@ fn law(item: &scene::Friction, laws: &OwnLaws) -> Result<Arc<dyn FrictionLaw>, P
     }
 }
 
-/// True for a rule of the constraint gradients under which there are friction and coordinate augmentation (theory/friction, theory/coordinate-augmentation: statics, end point,
-/// midpoint).
-fn fits(rule: GradientRule) -> bool {
-    matches!(rule, GradientRule::EndPoint | GradientRule::Midpoint | GradientRule::DiscreteGradient)
-}
-
 /// Name of a scheme under which the contact acts, and which evaluates contact where there is neither friction nor coordinate augmentation.
 pub(super) fn scheme_elsewhere(pair: &PairInput<'_>) -> Option<String> {
     let label = pair.item.label();
-    let mut elsewhere = pair.phases.with(&label).filter(|phase| !fits(phase.rule()));
+    let mut elsewhere = pair.phases.with(&label).filter(|phase| !Friction::is_available(phase.rule()));
     elsewhere.find_map(|phase| Some(phase.integrator()?.scheme.clone()))
 }
 
@@ -32,7 +26,9 @@ pub(super) fn schemes_that_fit() -> String {
     let all = || SCHEMES.iter().filter_map(|entry| Some((entry.name, entry.with([]).ok()?)));
     let fit = || {
         all().filter(|(_, scheme)| {
-            scheme.claims().constraints && fits(scheme.rule(1.0).constraint.rule) && !scheme.augmented()
+            scheme.claims().constraints
+                && Friction::is_available(scheme.rule(1.0).constraint.rule)
+                && !scheme.augmented()
         })
     };
     let names = |gains: bool| {
@@ -44,15 +40,6 @@ pub(super) fn schemes_that_fit() -> String {
     };
     format!("{} (or, gaining energy in impacts, {})", names(false), names(true))
 }
-
-/// Tangential stiffness of friction in multiples of Young's modulus over an edge, if the scene gives none: as a spring, a sticking node moves by a tenth
-/// of what the elements beside it yield, and Newton's method still gets over the kink between stick and slip. Multipliers are weighed against slips
-/// with it.
-const DEFAULT_TANGENTIAL_STIFFNESS: f64 = 10.0;
-
-/// Weight of slips against multipliers in a static step that failed with the weight above, in multiples of Young's modulus over an edge, if the scene gives no stiffness: slips of
-/// an iterate must not outweigh what is known of the traction already.
-const CAREFUL_WEIGHT: f64 = 0.1;
 
 /// The friction of a contact, and what it is called in reports; reports what is wrong and returns `None` then. `complementarity`: Young's modulus
 /// of the softer body over an edge.
@@ -92,7 +79,7 @@ pub(super) fn friction(
         Some(s) => (s.penalty, s.stick(), s.midpoint()),
         None => (None, scene::Stick::Penalty, scene::MidpointFriction::B),
     };
-    let stiffness = penalty.unwrap_or(DEFAULT_TANGENTIAL_STIFFNESS * complementarity);
+    let stiffness = Friction::tangential_stiffness(penalty, complementarity);
     let label = pair.item.label();
     let at_end = pair.phases.with(&label).all(|phase| phase.rule() == GradientRule::EndPoint);
     if law.is_elastic() && !at_end && (stick, midpoint) == (scene::Stick::Penalty, scene::MidpointFriction::C) {
@@ -127,12 +114,8 @@ pub(super) fn friction(
         scene::MidpointFriction::B => MidpointFriction::B,
         scene::MidpointFriction::C => MidpointFriction::C,
     };
-    let made = Friction::new(law, stiffness, stick, midpoint);
+    let made = Friction::between_bodies(law, penalty, stick, midpoint, complementarity);
     let friction = made.map_err(|error| problems.add(key, "", error.to_string(), "correct the parameter")).ok()?;
-    let friction = friction.with_body_stiffness(DEFAULT_TANGENTIAL_STIFFNESS * complementarity);
-    // A stiffness that is given is the weight itself.
-    let friction =
-        if penalty.is_none() { friction.with_careful_weight(CAREFUL_WEIGHT * complementarity) } else { friction };
     let row = |row: Vec<f64>| (row[0], [row[1], row[2], row[3]]);
     let friction = match &pair.item.surface_velocity {
         Some(velocity) => {

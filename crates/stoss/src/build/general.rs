@@ -1,7 +1,7 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
 use super::general_schemes::{Bond, connected, owner, sorted};
-use super::general_skin::{Bodies, Made, skin};
+use super::general_skin::{Parts, skin};
 use super::general_table::{self, NAME};
 use super::interacting::{Classes, facets, interactions, without_joined_overlaps};
 use super::joined::held_of;
@@ -10,11 +10,8 @@ use super::{ContactPlan, FrictionPlan, Joined, Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split_set};
 use crate::solver::{Coupling, Model};
 use std::collections::BTreeSet;
-use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interactions};
+use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interactions, ONE_SIDED, Start};
 use stoss_mesh::BOUNDARY;
-
-/// Modulus of the layer between bodies of which one alone goes inside, in parts of that between two that share the inset.
-const ONE_SIDED: f64 = 0.5;
 
 /// Adds general contact to the model if the scene has it. Where it acts between parts whose joints end, nothing is left in `joined`.
 pub(super) fn general(
@@ -98,9 +95,9 @@ fn contact(
         let message = "general_contact: no two bodies can come into contact: see `include`, `exclude` and `self`, and which pairs [[contact]] and [[tie]] name";
         warnings.push(message.into());
     }
-    let inner = inner_pairs(scene, placed);
-    let bodies = Bodies { placed, model, rules: &rules };
-    let Made { skin, thickness, one_sided } = skin(table, &bodies, facets, inner, problems, warnings)?;
+    let inner: Vec<[u32; 2]> = inner_pairs(scene, placed).collect();
+    let parts = Parts { placed, model };
+    let Start { skin, thickness, one_sided, .. } = skin(table, &parts, &rules, facets, &inner, problems, warnings)?;
     one_sided_insets(&mut rules, placed, table, &one_sided);
     let has_friction = rules.has_friction();
     let points = skin.point_count() as u64;

@@ -10,69 +10,15 @@ use super::{Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Scene};
 use crate::solver::{Model, short};
 use std::collections::{BTreeMap, BTreeSet};
-use stoss_contact_barrier::{Facing, Interaction, Interactions, Overlaps, Relation, Skin, SkinFacet};
+use stoss_contact_barrier::{Interaction, Interactions, Overlaps, Relation, Skin, SkinFacet};
 use stoss_mesh::BOUNDARY;
 use stoss_reference_element::FacetNodes;
 use stoss_tensor::Vector3;
-
-/// Thickness of the layer in parts of the shortest edge, where the scene leaves it open.
-pub(super) const THICKNESS: f64 = 0.04;
-
-/// Modulus of the layer between two rigid bodies, in weights of the lighter one over the smallest side of the box around it: at rest the layer keeps 0.93 of its thickness.
-const WEIGHTS: f64 = 100.0;
 
 /// A place, with the digits that an edge of this length has.
 pub(super) fn point(x: [f64; 3], edge: f64) -> String {
     let [x, y, z] = x.map(|x| short(x, edge));
     format!("({x}, {y}, {z})")
-}
-
-/// A facet faces another one within so many times the longest side of its triangles.
-const FEW: f64 = 2.0;
-
-/// So far, in parts of the shortest edge, facets that touch may be behind each other.
-const BEHIND: f64 = 1e-4;
-
-/// Largest edge for the layer, in shortest edges of all: what faces nothing at the start may come into contact later.
-const COARSEST: f64 = 4.0;
-
-/// The edge that the layer is thin for, a length: the shortest one of facets that face another one within a few edges and of those beside them (the sides of the elements there), four times that of all facets at most; the latter where nothing faces anything.
-pub(super) fn layer_edge(
-    skin: &Skin,
-    facing: &Facing<'_>,
-    rules: &Interactions,
-    placed: &[Placed],
-    reference: &[f64],
-) -> f64 {
-    let of_all = shortest_edge(skin, rules, placed, reference, |_| true);
-    // What touches may be behind by round-off.
-    let found = facing.find(|t| FEW * facing.longest_side(t), BEHIND * of_all);
-    let facets = || found.values().flatten().map(|&t| &skin.facets()[skin.facet_of_triangle(t) as usize]);
-    let nodes: BTreeSet<u32> = facets().flat_map(|facet| facet.nodes.iter()).copied().collect();
-    let is_beside = |f: u32| skin.facets()[f as usize].nodes.iter().any(|node| nodes.contains(node));
-    let of_these = shortest_edge(skin, rules, placed, reference, is_beside);
-    if of_these.is_finite() { of_these.min(COARSEST * of_all) } else { of_all }
-}
-
-/// The shortest edge of those facets of deformable bodies that `counts` lets in; infinite if there is none. Facets of rigid ones may be slivers, and much smaller than what they touch: they count only where there is nothing else.
-pub(super) fn shortest_edge(
-    skin: &Skin,
-    rules: &Interactions,
-    placed: &[Placed],
-    reference: &[f64],
-    counts: impl Fn(u32) -> bool,
-) -> f64 {
-    let at = |node: u32, i: usize| reference[3 * node as usize + i];
-    let length = |a: u32, b: u32| (0..3).map(|i| (at(a, i) - at(b, i)).powi(2)).sum::<f64>();
-    let mut shortest = [f64::INFINITY; 2];
-    for (_, facet) in (0..).zip(skin.facets()).filter(|(f, _)| counts(*f)) {
-        let rigid = usize::from(placed[rules.body(facet.class) as usize].mesh().is_none());
-        for &[i, j] in facet.nodes.kind().sides() {
-            shortest[rigid] = shortest[rigid].min(length(facet.nodes[i], facet.nodes[j]));
-        }
-    }
-    let [deformable, rigid] = shortest;
-    if deformable.is_finite() { deformable.sqrt() } else { rigid.sqrt() }
 }
 
 /// Facets that take part, with classes: parts of bodies that named contacts, ties and joints pair differently.
@@ -193,7 +139,7 @@ pub(super) fn interactions(
         let movable = parts.iter().copied().filter(|&part| !is_held(part));
         let known = movable.filter_map(|part| weight_and_area(scene, &placed[part], model));
         let [weight, area] = known.min_by(|a, b| a[0].total_cmp(&b[0]))?;
-        Some(WEIGHTS * weight / area)
+        Some(Interaction::modulus_by_weight(weight, area))
     };
     let (mut unknown, mut left_out) = (BTreeSet::new(), BTreeSet::new());
     for (a, &p) in classes.iter().enumerate() {
@@ -211,8 +157,7 @@ pub(super) fn interactions(
                 }
                 continue;
             }
-            // In series: infinite between rigid bodies.
-            let in_series = table.stiffness / (1.0 / young(model, p) + 1.0 / young(model, q));
+            let in_series = Interaction::modulus_of_layer(table.stiffness, [p, q].map(|part| young(model, part)));
             let of_table =
                 || if in_series.is_finite() { Some(in_series) } else { table.modulus.or_else(|| by_weight(&[p, q])) };
             let modulus = own.and_then(|own| own.modulus).or_else(of_table).unwrap_or(f64::INFINITY);

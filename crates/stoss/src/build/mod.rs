@@ -50,15 +50,11 @@ mod plausible;
 mod probe;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod reference_gap;
-#[cfg(feature = "general")]
-mod rigid_inset;
 mod round;
 mod schedule;
 #[cfg(feature = "general")]
 mod separate;
 mod sets;
-#[cfg(any(feature = "nts", feature = "mortar"))]
-mod sides;
 mod sliding_support;
 mod supports;
 mod tie;

@@ -84,26 +84,14 @@ pub(super) fn contact(
                 problems.add(pair.key.clone(), item.label(), message, "exchange slave and master");
                 return None;
             }
-            let is_held_along_normals = |support: &Support| {
-                let mut slave_nodes = method.slave().nodes().iter().enumerate();
-                slave_nodes.all(|(a, &n)| method.is_held_along_normal(a, given(support, model, n)))
-            };
-            if acting.iter().any(is_held_along_normals) {
+            if acting.iter().any(|support| method.is_slave_held_along_normals(|n| given(support, model, n))) {
                 warnings.push(format!(
                     "{}: the motion of the whole slave surface along its normal is prescribed; where it has more nodes than the master beside it the \
                      pressures are not determined, and the contact resists more than the bodies do. Exchange slave and master",
                     item.label()
                 ));
             }
-            // A component that is prescribed on all of the slave but not on the master.
-            let is_dragged = acting.iter().any(|support| {
-                (0..3).any(|i| {
-                    let alone = |n: u32| std::array::from_fn(|k| k == i && given(support, model, n)[k]);
-                    let mut slave_nodes = method.slave().nodes().iter().enumerate();
-                    slave_nodes.all(|(a, &n)| method.is_held_across_normal(a, alone(n)))
-                        && method.master().nodes().iter().any(|&n| !alone(n)[i])
-                })
-            });
+            let is_dragged = acting.iter().any(|support| method.is_slave_dragged(|n| given(support, model, n)));
             let complementarity = pair.prepare(&mut method, Constraint::Standard, model, problems, warnings);
             method = method.with_stiffness(complementarity);
             let mut plan = None;

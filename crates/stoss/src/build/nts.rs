@@ -2,12 +2,11 @@
 
 use super::beside::beside;
 use super::pair::PairInput;
-use super::sides::{arch, are_curved_alike};
 use super::{ContactPlan, FrictionPlan, Problems};
 use crate::scene::{Constraint, Enforcement as Enforced, OverlapAtStart};
 use crate::solver::{Coupling, Model};
 use stoss_contact::{ContactLine, Enforcement};
-use stoss_contact_nts::{ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
+use stoss_contact_nts::{Arches, ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
 use stoss_mesh::BOUNDARY;
 use stoss_term::Term;
 
@@ -113,32 +112,14 @@ fn made(pair: &PairInput<'_>, model: &Model, problems: &mut Problems<'_>, warnin
     Some(Made { method, constraint, friction: plan, complementarity })
 }
 
-/// Part of an overlap or an interference up to which gaps of nodes beside round faces may be wrong.
-const ARCHES: f64 = 0.05;
-/// Part of the height of arches below which an overlap is that of rounded coordinates.
-const ROUND_OFF: f64 = 1.0e-3;
-/// Part of that height from which on gaps differ because of arches.
-const SHOWS: f64 = 0.1;
-
-/// Vertices of the facets of quadratic faces lie beside the faces by a third of the height of their arches (theory/elements#contact). In the mean over a face that is nothing; between round faces that lie on each
-/// other and do not match every gap is wrong by so much, and so is a press fit.
+/// Refuses a press fit, or an overlap, of round quadratic faces whose gaps differ because of the arches of their traces.
 fn refuse_arches(pair: &PairInput<'_>, method: &NodeToSurface, model: &Model, problems: &mut Problems<'_>) {
-    let beside = pair.pieces.iter().map(|pieces| arch(pieces, &model.reference)).sum::<f64>() / 3.0;
-    if beside == 0.0 || !are_curved_alike(pair.pieces, &model.reference) {
-        return;
-    }
-    let overlaps = pair.item.overlap != Some(OverlapAtStart::Keep);
-    // What is reported elsewhere is none.
-    let reports = method.report(&model.reference).unwrap_or_default();
-    let gaps = || reports.iter().filter_map(|report| report.gap).filter(|gap| gap.abs() < 2.0 * beside);
-    let deepest = gaps().fold(0.0, |deepest: f64, gap| deepest.max(-gap));
-    // Of meshes that match all gaps are alike.
-    let [low, high] = gaps().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], gap| [a.min(gap), b.max(gap)]);
-    let spread = 0.5 * (high - low);
     let interference = pair.item.interference.iter().flat_map(|d| d.rows()).map(|row| row[1]).fold(0.0, f64::max);
-    let (what, size) = if interference > 0.0 { ("interference", interference) } else { ("overlap", deepest) };
-    let counts = interference > 0.0 || overlaps && deepest > ROUND_OFF * beside;
-    if counts && spread > ARCHES * size && spread > SHOWS * beside {
+    let overlaps = pair.item.overlap != Some(OverlapAtStart::Keep);
+    if let Some(Arches { spread, overlap, .. }) =
+        Arches::spoil(pair.pieces, method, &model.reference, interference, overlaps)
+    {
+        let (what, size) = if interference > 0.0 { ("interference", interference) } else { ("overlap", overlap) };
         let message = format!(
             "takes vertices that lie beside these round quadratic faces by a third of the height of their arches: gaps differ by {spread:.3e} from their mean, and the {what} is {size:.3e}, so that pressures would be those of the arches"
         );

@@ -7,6 +7,7 @@ use crate::points::Points;
 use crate::scene::{Closing, Constraint, Enforcement, GapAtClosing, Integrals, Scene, split_set};
 use crate::solver::Model;
 use std::collections::BTreeSet;
+use stoss_contact::{PairScales, face_each_other, finer_side};
 use stoss_mesh::Mesh;
 use stoss_reference_element::{FacePiece, FacetNodes};
 use stoss_term::{Auxiliary, Hold, Overlap, Step, Support, Term};
@@ -141,14 +142,15 @@ impl PairInput<'_> {
             let names = bodies.map(|b| &placed[b].name);
             warnings.extend(overlap(&item.label(), [(names[0], slave), (names[1], master)]));
         }
-        // The softer body decides how the two terms of the complementarity function balance; between rigid ones what moves the lighter one by a length in a step.
-        // Pressures of a line are forces per length.
-        let softer = bodies.map(|b| young(model, b)).into_iter().fold(f64::INFINITY, f64::min);
         let length = method.length_scale();
-        if !self.line.is_empty() {
-            return softer.min(self.axial(model) / (length * length));
-        }
-        if softer.is_finite() { softer / length } else { self.inertia(model, length) / scene.time.step.powi(2) }
+        let scales = PairScales {
+            young: bodies.map(|b| young(model, b)),
+            length,
+            axial: (!self.line.is_empty()).then(|| self.axial(model)),
+            inertia: self.inertia(model, length),
+            step: scene.time.step,
+        };
+        scales.complementarity()
     }
 }
 
@@ -184,12 +186,6 @@ impl PairInput<'_> {
         self.line.is_empty() && self.bodies.iter().all(|&b| self.placed[b].mesh().is_none())
     }
 }
-
-/// Steps after which a gap that was held comes down, if the scene does not say.
-const SETTLE: u32 = 500;
-
-/// Gaps are closed, if the scene does not say, where a wave passes through more elements than this in a step: the motion is slow against waves, and a gap that is held is a part of the depth.
-const RESOLVED: f64 = 12.0;
 
 impl PairInput<'_> {
     /// Restitution of the law of impact, if the contact has it.
@@ -231,13 +227,13 @@ impl PairInput<'_> {
     pub fn hold(&self, model: &Model) -> Option<u32> {
         let holds = match self.item.gap {
             GapAtClosing::Auto => {
-                self.line.is_empty() && self.item.method.has_impact && self.courant(model) <= RESOLVED
+                self.line.is_empty() && self.item.method.has_impact && PairScales::holds_gaps(self.courant(model))
             }
             GapAtClosing::Close => false,
             GapAtClosing::Hold => true,
         };
         let can_hold = self.restitution().is_some() || self.is_massless && self.is_exact();
-        (holds && can_hold).then(|| self.item.settle.unwrap_or(SETTLE))
+        (holds && can_hold).then(|| self.item.settle.unwrap_or(PairScales::SETTLE))
     }
 
     /// Elements that a wave passes through in a step, in the solid where they are fewest; infinite without a solid.
@@ -247,7 +243,7 @@ impl PairInput<'_> {
         let step = dynamic.map_or(self.scene.time.step, Phase::step);
         let of = |&b: &usize| {
             let body = model.bodies.get(b)?;
-            Some((young(model, b) / body.density?).sqrt() * step / body.solid.characteristic_length())
+            Some(PairScales::courant(young(model, b), body.density?, body.solid.characteristic_length(), step))
         };
         self.bodies.iter().filter_map(of).fold(f64::INFINITY, f64::min)
     }
@@ -267,49 +263,8 @@ impl PairInput<'_> {
 impl PairInput<'_> {
     /// Whether the slave has smaller facets than the master.
     pub fn is_slave_finer(&self, model: &Model) -> bool {
-        finer(self.facets, &model.reference) == Some(0)
+        finer_side(self.facets, &model.reference) == Some(0)
     }
-}
-
-/// Sizes of facets that differ by less than this part are the same.
-const SAME_SIZE: f64 = 0.05;
-
-/// Which of two surfaces has the smaller facets, by their mean area; neither if they are alike.
-pub(super) fn finer(sides: [&[FacetNodes]; 2], reference: &[f64]) -> Option<usize> {
-    let size = sides.map(|facets| {
-        let areas = facets.iter().map(|facet| area_vector(facet, reference));
-        areas.map(|a| 0.5 * a.iter().map(|a| a * a).sum::<f64>().sqrt()).sum::<f64>() / facets.len() as f64
-    });
-    let differ = (size[0] - size[1]).abs() > SAME_SIZE * size[0].max(size[1]);
-    differ.then_some(usize::from(size[1] < size[0]))
-}
-
-/// Twice the area vector of a facet.
-pub(super) fn area_vector(facet: &FacetNodes, reference: &[f64]) -> [f64; 3] {
-    let x = facet.map(|node| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) });
-    let diagonal = |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|i| x[b][i] - x[a][i]) };
-    // Of a triangle the second one is an edge: half of the cross product is the area all the same.
-    let last = facet.len() - 1;
-    let (a, b) = (diagonal(0, 2), diagonal(1, if last == 3 { 3 } else { 0 }));
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// Cosine beyond a right angle from which on two facets see each other better than edge-on: 15 degrees.
-const EDGE_ON: f64 = 0.25;
-
-/// Whether a facet of the slave faces one of the master in the reference configuration, however far away.
-fn face_each_other([slave, master]: [&[FacetNodes]; 2], reference: &[f64]) -> bool {
-    let normals = |facets: &[FacetNodes]| -> Vec<[f64; 3]> {
-        let normal = |facet: &FacetNodes| {
-            let n = area_vector(facet, reference);
-            let length = n.iter().map(|n| n * n).sum::<f64>().sqrt();
-            n.map(|n| if length > 0.0 { n / length } else { 0.0 })
-        };
-        facets.iter().map(normal).collect()
-    };
-    let (slave, master) = (normals(slave), normals(master));
-    let sees = |n: &[f64; 3], m: &[f64; 3]| n.iter().zip(m).map(|(n, m)| n * m).sum::<f64>() < -EDGE_ON;
-    slave.iter().any(|n| master.iter().any(|m| sees(n, m)))
 }
 
 /// A warning if two bodies overlap: what is deeper behind a surface than the search looks has no partner there.

@@ -6,105 +6,12 @@ use super::tie::Ties;
 use super::{Placed, Problems};
 use crate::scene::{Initial, Scene, split_set};
 use crate::solver::Model;
-use stoss_contact_barrier::{Facing, Interaction, Interactions, Overlaps, Relation, Separation, Skin, SkinFacet};
-use stoss_mesh::BOUNDARY;
+use stoss_contact_barrier::{self as barrier, Interactions, SeparationFault, Skin, THICKNESS, layer_edge};
 use stoss_tensor::Vector3;
 
-/// A body is moved by no more than this part of the smallest extent of the box around it.
-const FARTHEST: f64 = 0.25;
-
-/// The gap that is left, in thicknesses of the layer: no force and no inset surfaces.
-const GAP: f64 = 1.01;
-
-/// Rounds of finding who lies in whom.
-const ROUNDS: usize = 50;
-
-/// Sweeps over the conditions of a round.
-const SWEEPS: usize = 10_000;
-
-/// Gaps are kept up to this part.
-const TOLERANCE: f64 = 1e-9;
-
-/// In words, how deep two bodies overlap.
-pub(super) fn depth(
-    skin: &Skin,
-    rules: &Interactions,
-    model: &Model,
-    placed: &[Placed],
-    [a, b]: [u32; 2],
-) -> Option<String> {
-    let overlaps = Overlaps::new(skin, rules, &model.reference);
-    let limit = overlaps.extents(a)[0].min(overlaps.extents(b)[0]);
-    let Separation { direction, length } = overlaps.separation([a, b], &Vector3::zeros(), 0.0, limit)?;
-    let by = interacting::point(direction.into(), 1.0);
-    let name = &placed[a as usize].name;
-    Some(format!("{} deep (the way out of `{name}` is along {by})", format_length(length)))
-}
-
-/// Whether two bodies are free of each other after a motion by no more than `limit`.
-pub(super) fn slight<'a>(
-    skin: &Skin,
-    rules: &Interactions,
-    model: &'a Model,
-    limit: f64,
-) -> impl Fn([u32; 2]) -> bool + use<'a> {
-    let overlaps = Overlaps::new(skin, rules, &model.reference);
-    move |[a, b]| a != b && overlaps.separation([a, b], &Vector3::zeros(), 0.0, limit).is_some()
-}
-
-/// Two bodies of which one lies in the other although no edge goes through a facet: wholly, or with common planes. Those for which `is_slight` holds are left out.
-pub(super) fn inside(
-    skin: &Skin,
-    rules: &Interactions,
-    model: &Model,
-    is_slight: &impl Fn([u32; 2]) -> bool,
-) -> Option<([u32; 2], Relation)> {
-    let overlaps = Overlaps::new(skin, rules, &model.reference);
-    let relation = |pair| (pair, overlaps.relation(pair, &Vector3::zeros(), 0.0));
-    let mut relations = rules.body_pairs().into_iter().map(relation);
-    relations.find(|(pair, relation)| !matches!(relation, Relation::Apart(_)) && !is_slight(*pair))
-}
-
-/// Two bodies of which one is wholly inside the other: of whole bodies, also where some of their surfaces are left out. [`inside`] knows only what acts.
-pub(super) fn enclosed(placed: &[Placed], rules: &Interactions, model: &Model) -> Option<[u32; 2]> {
-    let count = placed.len() as u32;
-    let facets_of = |part: u32| placed[part as usize].facets_of(BOUNDARY).unwrap_or_default();
-    let bounds = |part: u32| {
-        let x = |node: u32| Vector3::from_column_slice(&model.reference[3 * node as usize..3 * node as usize + 3]);
-        let none = [Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY)];
-        facets_of(part).iter().flatten().fold(none, |[low, high], &node| [low.inf(&x(node)), high.sup(&x(node))])
-    };
-    let boxes: Vec<[Vector3; 2]> = (0..count).map(bounds).collect();
-    let holds = |outer: u32, inner: u32| {
-        let ([low, high], [first, last]) = (boxes[outer as usize], boxes[inner as usize]);
-        (0..3).all(|i| first[i] >= low[i] && last[i] <= high[i] && first[i] <= last[i])
-    };
-    let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
-    let is_near = |[a, b]: &[u32; 2]| (holds(*a, *b) || holds(*b, *a)) && rules.acts_between([*a, *b]);
-    let pairs: Vec<[u32; 2]> = pairs.filter(is_near).collect();
-    if pairs.is_empty() {
-        return None;
-    }
-    let mut all = Interactions::none(&(0..count).map(|part| (part, 1.0)).collect::<Vec<_>>());
-    pairs.iter().for_each(|&[a, b]| all.set(a, b, Some(Interaction { modulus: 1.0, friction: 0.0 })));
-    let facets = (0..count)
-        .filter(|part| pairs.iter().any(|pair| pair.contains(part)))
-        .flat_map(|class| facets_of(class).into_iter().map(move |nodes| SkinFacet { nodes, class }));
-    let skin = Skin::new(facets.collect(), &model.reference, &|_| None);
-    let overlaps = Overlaps::new(&skin, &all, &model.reference);
-    pairs.into_iter().find(|pair| overlaps.is_enclosed(*pair))
-}
-
 /// A length as in other messages.
-fn format_length(length: f64) -> String {
+pub(super) fn format_length(length: f64) -> String {
     format!("{length:.3e}")
-}
-
-/// The surfaces of two bodies, one moved against the other, have to keep a distance along a direction.
-struct Condition {
-    bodies: [u32; 2],
-    direction: Vector3,
-    least: f64,
 }
 
 /// Moves bodies that overlap apart, if the scene asks for it: meshes and reference positions, so no stress arises. `lines` get what was done. False if that failed,
@@ -129,10 +36,10 @@ pub(super) fn separate(
         return true;
     }
     let skin = Skin::new(facets, &model.reference, &|_| None);
-    let facing = Facing::new(&skin, &rules, &model.reference);
-    let edge = interacting::layer_edge(&skin, &facing, &rules, placed, &model.reference);
-    let gap = GAP * table.thickness.unwrap_or(interacting::THICKNESS * edge);
-    let moves = match motions(scene, placed, first, model, &skin, &rules, gap) {
+    let is_rigid = |part: u32| placed[part as usize].mesh().is_none();
+    let edge = layer_edge(&skin, &rules, &is_rigid, &model.reference);
+    let thickness = table.thickness.unwrap_or(THICKNESS * edge);
+    let moves = match motions(scene, placed, first, model, &skin, &rules, thickness) {
         Ok(moves) => moves,
         Err((message, remedy)) => {
             problems.add("general_contact.initial".into(), table.initial, message, remedy);
@@ -164,9 +71,8 @@ fn motions(
     model: &Model,
     skin: &Skin,
     rules: &Interactions,
-    gap: f64,
+    thickness: f64,
 ) -> Result<Vec<Vector3>, (String, String)> {
-    let overlaps = Overlaps::new(skin, rules, &model.reference);
     let name = |body: u32| &placed[body as usize].name;
     let holds: Vec<Option<&str>> = (0..placed.len()).map(|p| hold(scene, placed, first, model, p)).collect();
     // How easily a body moves: one over its volume.
@@ -176,101 +82,49 @@ fn motions(
     let ease: Vec<f64> = (0..placed.len())
         .map(|p| volume(p).filter(|_| holds[p].is_none()).map_or(0.0, |volume| 1.0 / volume))
         .collect();
-    let farthest = |body: u32| match ease[body as usize] > 0.0 {
-        true => FARTHEST * overlaps.extents(body)[1],
-        false => 0.0,
-    };
-    let mut moves = vec![Vector3::zeros(); placed.len()];
-    let mut conditions: Vec<Condition> = Vec::new();
-    for _ in 0..ROUNDS {
-        let known = conditions.len();
-        for bodies in rules.body_pairs() {
-            let [a, b] = bodies;
-            let shift: Vector3 = moves[a as usize] - moves[b as usize];
-            match overlaps.relation(bodies, &shift, gap / GAP) {
-                Relation::Cross => {}
-                // What was near each other and was not moved stays so.
-                Relation::Apart(Some(_)) if shift != Vector3::zeros() => {}
-                Relation::Apart(_) => continue,
-                Relation::Inside => {
-                    let message = format!("`{}` and `{}`: one is wholly inside the other", name(a), name(b));
-                    return Err((message, "move one of them".into()));
-                }
-            }
-            if let [Some(first), Some(second)] = [holds[a as usize], holds[b as usize]] {
-                let message = format!(
-                    "`{}` and `{}` overlap, and neither may be moved: the first {first}, the second {second}",
-                    name(a),
-                    name(b)
-                );
-                return Err((message, "correct the scene there".into()));
-            }
-            let most = [a, b].map(farthest);
-            let limit = most[0] + most[1];
-            let found = overlaps.separation(bodies, &shift, gap, limit).ok_or_else(|| {
-                let may = [a, b].into_iter().zip(most).filter(|(_, most)| *most > 0.0);
-                let may = may.map(|(body, most)| format!("of `{}` by {}", name(body), format_length(most)));
-                let message = format!(
-                    "`{}` and `{}` overlap too deeply: no motion {}, a quarter of the smallest extent, separates them",
-                    name(a),
-                    name(b),
-                    may.collect::<Vec<_>>().join(" and ")
-                );
-                (message, "move one of them".to_owned())
-            })?;
-            let Separation { direction, length } = found;
-            conditions.push(Condition { bodies, direction, least: direction.dot(&shift) + length });
+    barrier::separate(skin, rules, &model.reference, &ease, thickness).map_err(|fault| match fault {
+        SeparationFault::Inside { bodies: [a, b] } => {
+            (format!("`{}` and `{}`: one is wholly inside the other", name(a), name(b)), "move one of them".into())
         }
-        if conditions.len() == known {
-            return Ok(moves);
+        SeparationFault::Held { bodies: [a, b] } => {
+            let [first, second] = [a, b].map(|body| holds[body as usize].unwrap_or("has no volume"));
+            let message = format!(
+                "`{}` and `{}` overlap, and neither may be moved: the first {first}, the second {second}",
+                name(a),
+                name(b)
+            );
+            (message, "correct the scene there".into())
         }
-        if let Some([a, b]) = least_motions(&conditions, &ease, gap, &mut moves) {
-            let message =
-                format!("there is no room for `{}` and `{}` between bodies that may not be moved", name(a), name(b));
-            return Err((message, "move bodies apart in the scene".into()));
+        SeparationFault::TooDeep { bodies: [a, b], most } => {
+            let may = [a, b].into_iter().zip(most).filter(|(_, most)| *most > 0.0);
+            let may = may.map(|(body, most)| format!("of `{}` by {}", name(body), format_length(most)));
+            let message = format!(
+                "`{}` and `{}` overlap too deeply: no motion {}, a quarter of the smallest extent, separates them",
+                name(a),
+                name(b),
+                may.collect::<Vec<_>>().join(" and ")
+            );
+            (message, "move one of them".to_owned())
         }
-        for (p, by) in moves.iter().enumerate() {
-            let most = farthest(p as u32);
-            if by.norm() > most * (1.0 + TOLERANCE) {
-                let message = format!(
-                    "`{}` would have to be moved by {}, more than {}, a quarter of its smallest extent",
-                    placed[p].name,
-                    format_length(by.norm()),
-                    format_length(most)
-                );
-                return Err((message, "move it, or the body that it overlaps".into()));
-            }
+        SeparationFault::NoRoom { bodies: [a, b] } => (
+            format!("there is no room for `{}` and `{}` between bodies that may not be moved", name(a), name(b)),
+            "move bodies apart in the scene".into(),
+        ),
+        SeparationFault::TooFar { body, by, most } => {
+            let message = format!(
+                "`{}` would have to be moved by {}, more than {}, a quarter of its smallest extent",
+                name(body),
+                format_length(by),
+                format_length(most)
+            );
+            (message, "move it, or the body that it overlaps".into())
         }
-    }
-    let message = format!("after {ROUNDS} rounds some bodies still overlap");
-    Err((message, "move bodies apart in the scene".into()))
-}
-
-/// The least motions that fulfil all conditions, by coordinate ascent in their multipliers (Hildreth); two bodies whose condition is not fulfilled, if they contradict each other.
-fn least_motions(conditions: &[Condition], ease: &[f64], gap: f64, moves: &mut [Vector3]) -> Option<[u32; 2]> {
-    moves.iter_mut().for_each(|by| *by = Vector3::zeros());
-    let mut multipliers = vec![0.0_f64; conditions.len()];
-    let mut worst = (0.0, None);
-    for _ in 0..SWEEPS {
-        worst = (0.0, None);
-        for (condition, multiplier) in conditions.iter().zip(&mut multipliers) {
-            let [a, b] = condition.bodies.map(|body| body as usize);
-            let ease = [ease[a], ease[b]];
-            let lack = condition.least - condition.direction.dot(&(moves[a] - moves[b]));
-            let change = (lack / (ease[0] + ease[1])).max(-*multiplier);
-            *multiplier += change;
-            moves[a] += condition.direction * (change * ease[0]);
-            moves[b] -= condition.direction * (change * ease[1]);
-            let moved = (change * (ease[0] + ease[1])).abs();
-            if moved > worst.0 {
-                worst = (moved, Some(condition.bodies));
-            }
+        SeparationFault::StillOverlap { rounds } => {
+            (format!("after {rounds} rounds some bodies still overlap"), "move bodies apart in the scene".into())
         }
-        if worst.0 <= TOLERANCE * gap {
-            return None;
-        }
-    }
-    worst.1
+        // What is new there is told in its words.
+        other => (other.to_string(), "move bodies apart in the scene".into()),
+    })
 }
 
 /// Why a part may not be moved, by what acts in the first stage, as the end of a sentence; nothing if it may.

@@ -3,10 +3,10 @@
 //! Mortar contact and ties take facets on the nodes of faces, and the faces behind them (theory/mortar#faces). Node-to-surface and general contact take the trace
 //! (theory/elements#contact), with vertices of its own in place of the nodes on edges.
 
-use super::round::{BEYOND, Corner, Finer, Place};
 use crate::scene::Scene;
 use crate::solver::Model;
 use std::collections::BTreeMap;
+use stoss_contact::round::{BEYOND, Corner, Finer, Place};
 use stoss_mesh::{Facet, Mesh};
 use stoss_reference_element::{FacePiece, FacetKind, FacetNodes, Nodal};
 

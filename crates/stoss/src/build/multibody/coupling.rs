@@ -3,7 +3,6 @@
 use super::Parts;
 use crate::build::Problems;
 use crate::build::condition::resolve;
-use crate::build::pair::area_vector;
 use crate::build::placed::Placed;
 use crate::scene::{Coupling, PartKind, Scene, split_set};
 use crate::solver::Model;
@@ -86,7 +85,7 @@ fn weights(placed: &Placed, name: &str, nodes: &[u32], reference: &[f64]) -> Vec
     let set = split_set(name).map_or(name, |(_, set)| set);
     let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
     for facet in placed.facets_of(set).unwrap_or_default() {
-        let area = area_vector(&facet, reference).iter().map(|a| a * a).sum::<f64>().sqrt();
+        let area = stoss_contact::facet_area_vector(&facet, reference).iter().map(|a| a * a).sum::<f64>().sqrt();
         for &node in facet.iter() {
             *areas.entry(node).or_default() += area / facet.len() as f64;
         }

@@ -1,8 +1,9 @@
 //! Surfaces a little below those of rigid bodies: their points are affine combinations of four nodes of the surface.
 
-use stoss_contact_barrier::{Interaction, Interactions, Skin, SkinFacet, check_initial, is_closed};
-use stoss_tensor::Vector3;
-use stoss_tensor::nalgebra::Matrix3;
+use crate::{Interaction, Interactions, Skin, SkinFacet, check_initial, is_closed};
+use nalgebra::Matrix3;
+
+type Vector3 = nalgebra::Vector3<f64>;
 
 /// A surface whose four nodes span a smaller volume than this part of its size cubed is flat.
 const FLAT: f64 = 1e-6;
