@@ -1,7 +1,8 @@
 //! Gaps beside round quadratic faces.
 
 use crate::NodeToSurface;
-use stoss_contact::{Report as _, arch, are_curved_alike};
+use stoss_contact::{arch, are_curved_alike};
+use stoss_term::{Term as _};
 use stoss_reference_element::FacePiece;
 
 /// Part of an overlap or an interference up to which gaps of nodes beside round faces may be wrong.

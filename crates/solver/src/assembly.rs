@@ -663,7 +663,7 @@ impl System {
                     let first = self.slot_equation[pair][slot as usize] as usize;
                     for group in &mut groups[first..first + self.slot_width[pair] as usize] {
                         if *group == NONE {
-                            let named = model.contacts[pair].method.slot_node(slot as usize);
+                            let named = model.contacts[pair].term.slot_node(slot as usize);
                             *group = named.or(nodes.first().copied()).map_or(NONE, label);
                         }
                     }
