@@ -2,8 +2,8 @@
 
 use crate::NodeToSurface;
 use stoss_contact::{arch, are_curved_alike};
-use stoss_term::{Term as _};
 use stoss_reference_element::FacePiece;
+use stoss_term::Term as _;
 
 /// Part of an overlap or an interference up to which gaps of nodes beside round faces may be wrong.
 const ARCHES: f64 = 0.05;

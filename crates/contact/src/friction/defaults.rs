@@ -1,8 +1,9 @@
 //! Friction between two bodies: the stiffness that follows from theirs.
 
 use super::{Friction, FrictionLaw, MidpointFriction, Stick};
-use crate::{ContactError, GradientRule};
+use crate::ContactError;
 use std::sync::Arc;
+use stoss_term::GradientRule;
 
 /// Tangential stiffness of friction in multiples of Young's modulus over an edge, if none is given: as a spring, a sticking node moves by a tenth
 /// of what the elements beside it yield, and Newton's method still gets over the kink between stick and slip. Multipliers are weighed against slips
