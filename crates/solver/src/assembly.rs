@@ -3,7 +3,8 @@
 
 use crate::anchor::Anchor;
 use crate::books::Works;
-use crate::embedding::{Followed, Transform};
+use crate::contributions::{Contributions, StencilList};
+use crate::embedding::Transform;
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
 use crate::numbering::Numbering;
@@ -14,9 +15,9 @@ use crate::{Body, Load, Model, PhaseTime, StepError};
 use std::ops::Range;
 use std::sync::Arc;
 use stoss_fe_solid::{TangentTarget, Volumetric, Workspace};
-use stoss_integrators::{Buffers, EndPoint, Step};
+use stoss_integrators::Buffers;
 use stoss_linalg::{EquationPlace, LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
-use stoss_term::{At, Auxiliary, Term as _};
+use stoss_term::{Auxiliary, Term as _};
 
 /// Part of what a mass moves in a step under a force.
 const RIGID_COMPLIANCE: f64 = 1e-3;
@@ -140,153 +141,6 @@ pub(crate) struct System {
     pub stiffness_force: f64,
     /// Sum of shear modulus times volume of the bodies, and of force scale times length of the parts: the energy of a strain of one.
     pub strain_energy_scale: f64,
-}
-
-/// Lists of equation numbers, flat.
-#[derive(Debug, Default, Clone)]
-pub(crate) struct StencilList {
-    starts: Vec<usize>,
-    entries: Vec<u32>,
-}
-
-impl StencilList {
-    fn push(&mut self, fill: impl FnOnce(&mut Vec<u32>)) {
-        self.starts.push(self.entries.len());
-        fill(&mut self.entries);
-    }
-    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
-        (0..self.starts.len()).map(|k| {
-            let end = self.starts.get(k + 1).copied().unwrap_or(self.entries.len());
-            &self.entries[self.starts[k]..end]
-        })
-    }
-}
-
-/// Nodes and slots of contact contributions.
-#[derive(Debug, Default, PartialEq)]
-struct Contributions {
-    /// Pair, number of nodes and number of slots.
-    heads: Vec<[u32; 3]>,
-    /// Nodes, then slots, of one after the other.
-    entries: Vec<u32>,
-}
-
-impl Contributions {
-    /// In the order in which the methods visit them.
-    fn active(model: &Model, active: &[Vec<bool>]) -> Self {
-        let mut list = Self::default();
-        for (c, pair) in model.couplings() {
-            pair.term.stencils(&active[c], &mut |nodes, slots| list.push(model, c, nodes, slots));
-        }
-        list
-    }
-
-    /// With carriers in place of embedded nodes.
-    fn push(&mut self, model: &Model, pair: usize, nodes: &[u32], slots: &[u32]) {
-        let mut expanded = Vec::new();
-        let nodes = if model.embedding.touches(nodes) {
-            model.embedding.expand(nodes, &mut expanded);
-            &expanded
-        } else {
-            nodes
-        };
-        self.heads.push([pair as u32, nodes.len() as u32, slots.len() as u32]);
-        self.entries.extend_from_slice(nodes);
-        self.entries.extend_from_slice(slots);
-    }
-
-    /// Pair, nodes, slots.
-    fn iter(&self) -> impl Iterator<Item = (usize, &[u32], &[u32])> + Clone {
-        let mut start = 0;
-        self.heads.iter().map(move |&[pair, nodes, slots]| {
-            let (middle, end) = (start + nodes as usize, start + (nodes + slots) as usize);
-            let item = (pair as usize, &self.entries[start..middle], &self.entries[middle..end]);
-            start = end;
-            item
-        })
-    }
-
-    fn append(&mut self, other: &Self) {
-        self.heads.extend_from_slice(&other.heads);
-        self.entries.extend_from_slice(&other.entries);
-    }
-
-    /// Equations of each: those of the displacements, then those of the pressures, then those of the auxiliaries, slot by slot.
-    fn stencils(&self, system: &System) -> StencilList {
-        let mut list = StencilList::default();
-        for (pair, nodes, slots) in self.iter() {
-            let (equations, width) = (&system.slot_equation[pair], system.slot_width[pair]);
-            list.push(|out| {
-                system.numbering.node_equations(nodes, out);
-                out.extend(slots.iter().map(|&slot| equations[slot as usize]));
-                for &slot in slots {
-                    let first = equations[slot as usize];
-                    out.extend((1..width).map(|k| if first == NONE { NONE } else { first + k }));
-                }
-            });
-        }
-        list
-    }
-}
-
-/// Iterate of a step.
-#[derive(Debug, Clone)]
-pub(crate) struct Iterate {
-    /// Positions.
-    pub q: Vec<f64>,
-    /// What is added to the positions at the beginning of the step, see [`EndPoint`].
-    pub increment: Vec<f64>,
-    /// What carriers had, in both, when their nodes followed them.
-    pub followed: [Followed; 2],
-    pub pressures: Vec<Vec<f64>>,
-    /// Further unknowns of the slots; empty for pairs without.
-    pub auxiliaries: Vec<Vec<f64>>,
-    pub active: Vec<Vec<bool>>,
-}
-
-impl Iterate {
-    /// Puts a component to a place.
-    pub fn place(&mut self, component: usize, position: f64, q_n: &[f64]) {
-        self.q[component] = position;
-        self.increment[component] = position - q_n[component];
-    }
-
-    /// Moves a component by its increment.
-    pub fn displace(&mut self, component: usize, increment: f64, q_n: &[f64]) {
-        self.increment[component] = increment;
-        self.q[component] = q_n[component] + increment;
-    }
-
-    /// Puts everything to where it was at the beginning of the step.
-    pub fn go_back(&mut self, q_n: &[f64], embedding: &crate::Embedding) {
-        self.q.copy_from_slice(q_n);
-        self.increment.fill(0.0);
-        self.followed = [embedding.followed(&self.q), embedding.followed(&self.increment)];
-    }
-
-    /// Lets the embedded nodes follow the others.
-    pub fn follow(&mut self, embedding: &crate::Embedding) {
-        let [of_q, of_increment] = &mut self.followed;
-        embedding.follow_changes(&mut self.q, of_q);
-        embedding.follow_changes(&mut self.increment, of_increment);
-    }
-
-    /// What the constraints of a coupling are evaluated at in a step.
-    pub fn at<'a>(&'a self, coupling: usize, step: &Step<'a>) -> At<'a> {
-        let (rule, auxiliaries) = (step.rule.constraint.rule, &self.auxiliaries[coupling]);
-        let (multipliers, active) = (&self.pressures[coupling], &self.active[coupling]);
-        At {
-            time: step.state_n.time,
-            dt: step.dt,
-            rates: step.rule.has_inertia(),
-            auxiliaries,
-            ..At::constraint([&step.state_n.q, &self.q], rule, multipliers, active)
-        }
-    }
-
-    pub fn end_point(&self) -> EndPoint<'_> {
-        EndPoint { q: &self.q, increment: &self.increment }
-    }
 }
 
 /// Label of a node for the linear solver: itself, or the cluster of a vector of a part.
@@ -670,7 +524,7 @@ impl System {
                 }
             }
         }
-        let contact = contributions.stencils(self);
+        let contact = contributions.stencils(&self.numbering, &self.slot_equation, &self.slot_width);
         let pattern = SparsityPattern::from_stencils(n, self.stencils.iter().chain(contact.iter()))?;
         let pattern = Arc::new(pattern.with_groups(groups)?.with_first_multiplier(free));
         self.solid_to_global.clear();
@@ -705,7 +559,7 @@ impl System {
                 return Err(LinalgError::EntryNotInPattern { stencil, row: NONE, column: NONE }.into());
             }
         }
-        let stencils = present.stencils(self);
+        let stencils = present.stencils(&self.numbering, &self.slot_equation, &self.slot_width);
         self.contact_map = ScatterMap::new(&self.pattern, stencils.iter())?;
         self.inactive_diagonal.clear();
         self.set_closed_diagonal(model, active)?;

@@ -1,6 +1,7 @@
 //! Names in messages for the unknowns that the linear algebra knows by the number of an equation.
 
-use crate::assembly::{Iterate, System};
+use crate::assembly::System;
+use crate::iterate::Iterate;
 use crate::words::short;
 use crate::{Model, Place, StepError, Unknown};
 use stoss_linalg::{LinalgError, NONE};

@@ -1,7 +1,8 @@
 //! One step as a problem for Newton's method.
 
-use crate::assembly::{Iterate, System, has_condensed, with_nodes};
+use crate::assembly::{System, has_condensed, with_nodes};
 use crate::diagnosis::{blocked, linear_error};
+use crate::iterate::Iterate;
 use crate::system::FeSystem;
 use crate::{Coupling, Load, Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;

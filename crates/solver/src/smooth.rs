@@ -4,8 +4,9 @@
 //! where the next solution is not found near the last one; an attempt with a set takes it from there to the end: the result is a solution of the equations without both.
 
 use crate::anchor::Anchor;
-use crate::assembly::{Iterate, System};
+use crate::assembly::System;
 use crate::failure::AttemptLog;
+use crate::iterate::Iterate;
 use crate::problem::{StepProblem, start_auxiliaries};
 use crate::rows::{COMPLIANCE_SMOOTHED, Rows};
 use crate::step::{Attempt, StepInput, attempt};

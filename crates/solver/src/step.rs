@@ -1,8 +1,9 @@
 //! One attempted step: predictor, Newton with a fixed active set, active-set update, repeat.
 
-use crate::assembly::{Iterate, System};
+use crate::assembly::System;
 use crate::diagnosis::{largest_residual, slot_name, slot_place};
 use crate::failure::AttemptLog;
+use crate::iterate::Iterate;
 use crate::problem::{StepProblem, start_auxiliaries};
 use crate::{Coupling, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;

@@ -80,7 +80,7 @@ fn must_not_panic(file: &str) -> bool {
         && !file.starts_with("crates/testkit/")
         && !file.starts_with("crates/verification/")
         && !file.ends_with("/tests.rs")
-        && !file.contains("/src/tests/")
+        && !file.contains("/tests/")
 }
 
 /// True if `word` occurs and is not a part of a longer name.

@@ -1,7 +1,7 @@
 //! Solutions by iteration: conjugate gradients or GMRES, preconditioned by smoothed aggregation, with multipliers by a block triangle.
 //!
 //! Vanek, Mandel and Brezina, *Algebraic multigrid by smoothed aggregation for second and fourth order elliptic problems*, Computing 56 (1996); Adams, Brezina, Hu and
-//! Tuminaro, *Parallel multigrid smoothing: polynomial versus Gauss-Seidel*, J. Comput. Phys. 188 (2003). What is chosen here and why: `docs/theory/linear-solvers.md`, section 11.
+//! Tuminaro, *Parallel multigrid smoothing: polynomial versus Gauss-Seidel*, J. Comput. Phys. 188 (2003). What is chosen here and why: theory/linear-solvers#iteration.
 //!
 //! | file | what |
 //! |---|---|

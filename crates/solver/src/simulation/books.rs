@@ -2,8 +2,8 @@
 
 use super::Simulation;
 use super::impact::Impact;
-use crate::assembly::Iterate;
 use crate::books::{Books, Posting, is_measured, work_at, work_of};
+use crate::iterate::Iterate;
 use crate::{Balance, StepError};
 use std::ops::Range;
 use stoss_integrators::{ForceRule, StepRule};

@@ -2,7 +2,7 @@
 
 use super::Simulation;
 use super::impact::Mean;
-use crate::assembly::Iterate;
+use crate::iterate::Iterate;
 use crate::rotation::cross;
 use crate::step::Attempt;
 use crate::{ContactSummary, Model, PairSummary, Phase, StepError};

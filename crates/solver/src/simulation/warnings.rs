@@ -113,7 +113,7 @@ impl Simulation {
             return;
         }
         let reason = format!(
-            "{HANDED_OVER} but by factorisation until the end of this step, which takes more time and memory: {reason}. Every step tries anew; `linear = \"multifrontal\"` in [solver] leaves the \
+            "{HANDED_OVER} but by factorisation until the end of this step, which takes more time and memory: {reason}. Every step tries again; `linear = \"multifrontal\"` in [solver] leaves the \
              attempts out. This warning is given once in a run, the number of such steps is in `linear_solver_counts` of the summary"
         );
         self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));

@@ -12,7 +12,7 @@ mod sliding;
 
 use super::Simulation;
 use crate::StepError;
-use crate::assembly::Iterate;
+use crate::iterate::Iterate;
 use complementarity::{DenseCompliance, OperatorCompliance};
 use friction::{Cone, with_friction};
 use law::{EnergyOnLine, Impulses, Rates, impulses};

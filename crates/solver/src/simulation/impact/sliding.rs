@@ -3,7 +3,7 @@
 use super::Closed;
 use super::rows::Row;
 use crate::StepError;
-use crate::assembly::Iterate;
+use crate::iterate::Iterate;
 use crate::simulation::Simulation;
 use stoss_integrators::StepRule;
 use stoss_term::StepConfiguration;
