@@ -190,6 +190,10 @@ impl LinearSolver for AutoSolver {
         Ok(self.iterate(values, rhs, solution, tolerance, Curvature::Positive)?.is_some())
     }
 
+    fn is_definite(&mut self, values: &[f64]) -> Option<bool> {
+        if self.iterates { self.iterative.is_definite(values) } else { None }
+    }
+
     fn take_reason(&mut self) -> Option<String> {
         self.iterative.take_reason()
     }

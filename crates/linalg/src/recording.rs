@@ -94,6 +94,10 @@ impl LinearSolver for RecordingSolver {
         self.inner.solve_definite(values, rhs, solution, tolerance)
     }
 
+    fn is_definite(&mut self, values: &[f64]) -> Option<bool> {
+        self.inner.is_definite(values)
+    }
+
     fn take_reason(&mut self) -> Option<String> {
         self.inner.take_reason()
     }

@@ -193,6 +193,12 @@ pub trait LinearSolver: Send + Debug {
         Ok(false)
     }
 
+    /// Whether the symmetric matrix with these values has no direction of negative curvature, as far as an iteration can tell that has solved nearby ones since [`LinearSolver::forget`].
+    /// `None` for those that do not iterate (default): they count negative eigenvalues.
+    fn is_definite(&mut self, _values: &[f64]) -> Option<bool> {
+        None
+    }
+
     /// Why the iteration has left the systems since the last [`LinearSolver::forget`] to the direct solver, if it has and nobody asked yet. `None` by default.
     fn take_reason(&mut self) -> Option<String> {
         None

@@ -22,8 +22,8 @@ impl StepProblem<'_> {
     /// Independent directions in which the energy falls at a solution, from the tangent there, and in which it falls also if contact by potentials resists approach as it does but does not
     /// turn: a layer between surfaces has a negative curvature along them of the order of pressure over distance, which is none of a body.
     pub fn unstable_directions(&mut self) -> usize {
-        // Where the last factors had none there is none here: they belong to an iterate nearby.
-        if self.system.excess == 0 || !self.counts_directions() {
+        // Where the last factors had none there is none here: they belong to an iterate nearby. An iteration has none, and looks.
+        if !self.counts_directions() || (self.system.excess == 0 && !self.iteration_finds_any()) {
             return 0;
         }
         let count = self.negative(None);
@@ -39,6 +39,14 @@ impl StepProblem<'_> {
         // The next step starts with the factors of this one.
         self.negative(None);
         count
+    }
+
+    /// Whether a solver that iterates sees a direction in which the energy falls.
+    fn iteration_finds_any(&mut self) -> bool {
+        let s = &mut *self.system;
+        let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
+        let solver = &mut s.solver;
+        self.timings.measure(Phase::Solve, || solver.is_definite(values)) == Some(false)
     }
 
     /// Excess of negative eigenvalues of the tangent, or of these values on its pattern; zero if it has no factors.

@@ -10,6 +10,7 @@ use super::refusal::Refusal;
 use super::saddle::{Border, Saddle};
 use super::sums::norm;
 use crate::refinement::{check_finite, check_length};
+use crate::vector::pseudo_random;
 use crate::{EquationPlace, LinalgError, MatrixKind, Place, SolverStatistics, SparsityPattern};
 use std::sync::Arc;
 
@@ -38,6 +39,9 @@ const MASS_DOMINATED: f64 = 1.0;
 /// A hierarchy is renewed if a solution takes more iterations than its first one would have taken to the same residual, times this, plus [`EXTRA`].
 const GROWTH: f64 = 1.5;
 const EXTRA: f64 = 3.0;
+
+/// Relative residual of the solution that looks for a direction of negative curvature: small enough that a motion with a small part of the usual stiffness shows.
+const PROBE_TOLERANCE: f64 = 1e-8;
 
 /// The true residual may be this many times that of the recurrence.
 const TRUE_RESIDUAL: f64 = 2.0;
@@ -111,6 +115,8 @@ pub(crate) struct IterativeSolver {
     /// Whether the preconditioner has become too old.
     is_stale: bool,
     renews: bool,
+    /// Whether a direction of negative curvature was met since the preconditioner was made.
+    is_indefinite: bool,
     /// Whether the last solution took many iterations.
     was_slow: bool,
     last_rhs: Option<f64>,
@@ -209,6 +215,12 @@ impl IterativeSolver {
         let is_fresh = self.preconditioner.is_none() || self.is_stale || self.renews;
         if is_fresh {
             self.set_up(true)?;
+            if curvature == Curvature::Positive {
+                self.probe();
+            }
+        }
+        if curvature == Curvature::Positive && self.is_indefinite {
+            return Ok(None);
         }
         let mut report = self.iterate(tolerance, curvature);
         let mut total = report.iterations;
@@ -221,6 +233,7 @@ impl IterativeSolver {
         }
         self.statistics.iterations += u64::from(total);
         if negative(&report) {
+            self.is_indefinite = true;
             return Ok(None);
         }
         if !report.reached(TRUE_RESIDUAL * tolerance) {
@@ -236,6 +249,35 @@ impl IterativeSolver {
         Ok(Some(total))
     }
 
+    /// Whether the symmetric matrix with these values has no direction of negative curvature, as far as an iteration can tell; `None` if it has no preconditioner.
+    pub fn is_definite(&mut self, values: &[f64]) -> Option<bool> {
+        let pattern = self.pattern.clone().filter(|pattern| !self.refused && pattern.nnz() == values.len())?;
+        self.preconditioner.as_ref()?;
+        self.layout.set_values(&pattern, values, &mut self.k, &mut self.border);
+        if self.border.len() > 0 {
+            return None;
+        }
+        self.probe();
+        Some(!self.is_indefinite)
+    }
+
+    /// Solves for a right-hand side that has a part of everything. (That of a straight column under its load has none of the motion in which it buckles.)
+    fn probe(&mut self) {
+        if self.border.len() > 0 || self.kind == MatrixKind::General {
+            return;
+        }
+        let rhs = std::mem::take(&mut self.b);
+        self.b.resize(self.layout.len(), 0.0);
+        for &place in &self.layout.place {
+            self.b[place as usize] = pseudo_random(place as usize);
+        }
+        let report = self.iterate(PROBE_TOLERANCE, Curvature::Positive);
+        self.statistics.iterations += u64::from(report.iterations);
+        self.is_indefinite |= report.negative;
+        self.b = rhs;
+        self.x.fill(0.0);
+    }
+
     /// The relative residual to solve to.
     fn forcing(&mut self, size: f64, tolerance: f64) -> f64 {
         if self.border.len() > 0 {
@@ -247,7 +289,7 @@ impl IterativeSolver {
 
     fn set_up(&mut self, may_be_one_level: bool) -> Result<(), Refusal> {
         self.statistics.set_ups += 1;
-        (self.first, self.is_stale, self.preconditioner) = (None, false, None);
+        (self.first, self.is_stale, self.is_indefinite, self.preconditioner) = (None, false, false, None);
         let Layout { positions, free, labels, .. } = &self.layout;
         let k = &self.k;
         self.preconditioner = Some(if may_be_one_level && self.border.len() == 0 && is_mass_dominated(k) {
@@ -306,7 +348,7 @@ impl IterativeSolver {
     pub fn forget(&mut self) {
         self.preconditioner = None;
         (self.first, self.last_rhs) = (None, None);
-        (self.is_stale, self.was_slow, self.refused) = (false, false, false);
+        (self.is_stale, self.is_indefinite, self.was_slow, self.refused) = (false, false, false, false);
     }
 
     /// Whether nothing is solved until [`IterativeSolver::forget`].

@@ -204,6 +204,35 @@ fn what_nothing_holds_and_what_is_indefinite_is_left_to_the_direct_solver() {
     assert!(auto.solve_nearby(values, rhs, &mut x, 1e-8).unwrap().is_some());
 }
 
+/// A column whose softest motion has a small negative stiffness, under a load that has nothing of that motion.
+#[test]
+fn a_direction_that_the_load_does_not_have_is_seen() {
+    let column = Body { cells: [4, 4, 48], size: [1.0, 1.0, 12.0], ..CUBE };
+    let mut column = system(&[column], clamped, &[]);
+    // Along the axis, the same in a cross-section.
+    for (b, place) in column.rhs.iter_mut().zip(&column.places) {
+        *b = if matches!(place, crate::EquationPlace::Node { component: 2, .. }) { -1.0 } else { 0.0 };
+    }
+    let run = |system: &System| {
+        let mut solver = prepared(system, MatrixKind::Symmetric);
+        let mut x = vec![0.0; system.rhs.len()];
+        let solved = solver.solve(&system.matrix.values, &system.rhs, &mut x, 1e-8, Curvature::Positive).unwrap();
+        (solved.is_some(), solver.has_refused(), solver.is_definite(&system.matrix.values))
+    };
+    assert_eq!(run(&column), (true, false, Some(true)));
+    // It bends with 3 E I / L^3 = 0.145 at its top: springs of -0.16 in all in both directions across.
+    let n = column.matrix.n();
+    for e in (n - 75..n).filter(|e| e % 3 != 2) {
+        let at = column.matrix.pattern.position(e as u32, e as u32).unwrap();
+        column.matrix.values[at] -= 0.16 / 25.0;
+    }
+    let mut direct = MultifrontalSolver::new();
+    direct.analyse(column.pattern(), MatrixKind::Symmetric).unwrap();
+    direct.factorise(&column.matrix.values).unwrap();
+    assert_eq!(direct.negative_eigenvalues(), Some(2));
+    assert_eq!(run(&column), (false, false, Some(false)));
+}
+
 #[test]
 fn bad_input_is_an_error() {
     let mut system = system(&[cube(10)], clamped, &[]);
