@@ -11,12 +11,12 @@ use crate::numbering::Numbering;
 use crate::rows::{ClosedDiagonal, Rows};
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
-use crate::{Body, Load, Model, PhaseTime, StepError};
+use crate::{Load, Model, PhaseTime, StepError};
 use std::ops::Range;
 use std::sync::Arc;
 use stoss_fe_solid::{TangentTarget, Volumetric, Workspace};
 use stoss_integrators::Buffers;
-use stoss_linalg::{EquationPlace, LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
+use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
 use stoss_term::{Auxiliary, Term as _};
 
 /// Part of what a mass moves in a step under a force.
@@ -377,42 +377,6 @@ impl System {
             if force > 0.0 { force / length } else { 1.0 }
         };
         RIGID_COMPLIANCE / stiffness
-    }
-
-    /// Tells the linear solver where the equations of the present pattern are, with the nodes at `q`.
-    pub fn place_equations(&mut self, model: &Model, q: &[f64]) {
-        let Self { numbering, pattern, slot_equation, slot_width, solver, .. } = self;
-        let free = numbering.free.len();
-        let mut multipliers = vec![EquationPlace::Other; pattern.n() - free];
-        for (pair, (equations, &width)) in slot_equation.iter().zip(&*slot_width).enumerate() {
-            for (slot, &first) in equations.iter().enumerate().filter(|(_, first)| **first != NONE) {
-                let place = EquationPlace::Multiplier { pair: pair as u32, slot: slot as u32 };
-                multipliers[first as usize - free..][..width as usize].fill(place);
-            }
-        }
-        let place = |equation: usize| {
-            let Some(&component) = numbering.free.get(equation) else { return multipliers[equation - free] };
-            let (node, first) = (component / 3, 3 * (component as usize / 3));
-            // Bodies have their nodes one after the other, parts come after them.
-            let body = model.bodies.partition_point(|body| body.nodes.end <= node);
-            match model.bodies.get(body).filter(|body| body.nodes.contains(&node)) {
-                Some(_) => EquationPlace::Node {
-                    body: body as u32,
-                    node,
-                    component: (component % 3) as u8,
-                    position: [q[first], q[first + 1], q[first + 2]],
-                },
-                None => EquationPlace::Other,
-            }
-        };
-        solver.place(&mut (0..pattern.n()).map(place));
-    }
-
-    /// Free components of nodes of bodies.
-    pub fn elastic_components(&self, model: &Model) -> usize {
-        let is_free = |component: &u32| self.numbering.equation[*component as usize] != NONE;
-        let of_body = |body: &Body| (3 * body.nodes.start..3 * body.nodes.end).filter(is_free).count();
-        model.bodies.iter().map(of_body).sum()
     }
 
     /// Number of equations at present: free components, active pressures with their auxiliaries.

@@ -41,6 +41,7 @@ mod model;
 mod moment;
 mod numbering;
 mod place;
+mod places;
 mod problem;
 mod record;
 mod rotation;
