@@ -3,6 +3,7 @@
 mod blocks;
 mod contact;
 mod friction;
+mod prescribed;
 mod sheets;
 mod tie;
 mod transfer;

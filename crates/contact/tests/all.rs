@@ -4,5 +4,6 @@ mod active_set;
 mod closest;
 mod common;
 mod friction;
+mod slave;
 mod sliding;
 mod surface;

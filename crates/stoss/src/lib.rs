@@ -42,6 +42,7 @@ pub use stoss_mesh_io as mesh_io;
 pub use stoss_multibody as multibody;
 pub use stoss_newton as newton;
 pub use stoss_reference_element as reference_element;
+pub use stoss_registry as registry;
 #[cfg(feature = "scene")]
 pub use stoss_scene as scene;
 pub use stoss_solver as solver;
@@ -78,3 +79,10 @@ pub mod run;
 pub mod sweep;
 #[cfg(feature = "output")]
 mod terms;
+
+/// The recipes whose code is executed.
+#[cfg(all(doctest, feature = "output"))]
+mod recipes {
+    #[doc = include_str!("../../../docs/how-to-add/friction-law.md")]
+    struct FrictionLaw;
+}

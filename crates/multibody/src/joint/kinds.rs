@@ -117,7 +117,7 @@ pub const JOINTS: &[JointEntry] = &[
     },
     JointEntry {
         name: "universal",
-        about: "Universal (Cardan) joint: common point, and two axes, one fixed to each part, that stay perpendicular.",
+        about: "Universal (Cardan) joint: common point, and two axes, one fixed to each part, that stay perpendicular; it turns about both.",
         directions: Directions::Pair,
         coordinates: &[CoordinateKind::Angle, CoordinateKind::Angle],
         kind: JointKind::Universal,

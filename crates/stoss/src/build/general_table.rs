@@ -3,7 +3,7 @@
 use super::general_schemes::sorted;
 use super::placed::index;
 use super::{Placed, Problems};
-use crate::scene::{Edges, GeneralContact as Table, Scene, given, split_set};
+use crate::scene::{Edges, GeneralContact as Table, Parameter, Scene, given, split_set};
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_contact::friction::entry;
 
@@ -31,9 +31,11 @@ pub(super) fn of_contacts(scene: &Scene, placed: &[Placed], warnings: &mut Vec<S
         };
         let mu = law.coefficient(FAST);
         if law.coefficient(0.0) != mu {
+            let key = friction.parameters.iter().find(|(_, value)| **value == Parameter::Number(mu));
+            let key = key.map_or(String::new(), |(key, _)| format!("`{key}` = "));
             warnings.push(format!(
-                "contact[{c}].friction: general contact, which takes care of the edges, supports Coulomb's law only and not `{}`: its coefficient of fast slip, {mu}, is used there at any speed but those below \
-                 `slip_velocity` of [general_contact]",
+                "contact[{c}].friction: general contact, which takes care of the edges, supports Coulomb's law only and not `{}`: {key}{mu}, the coefficient of fast slip, is used there; below which speed it falls \
+                 is said by `slip_velocity` of [general_contact]",
                 friction.law
             ));
         }
