@@ -32,10 +32,10 @@ pub(crate) struct System {
     pub solid_map: ScatterMap,
     /// First stencil of each body in `solid_map`; last entry: first of the loads that follow.
     pub first_stencil: Vec<usize>,
-    /// First stencil of each load.
+    /// First stencil of each load; last entry: that behind them.
     pub first_load_stencil: Vec<usize>,
-    /// First stencil of the parts' forces.
-    pub first_part_stencil: usize,
+    /// First stencil of each part; last entry: that behind them.
+    pub first_part_stencil: Vec<usize>,
     pub mass_values: Vec<f64>,
     pub solid_values: Vec<f64>,
     /// Pattern with the constraints that are or may become active, where each entry of the solids' pattern goes, and the scatter map of the
@@ -223,11 +223,14 @@ impl System {
                 load.stencils(&[], &mut |nodes, _| solids.push(|out| numbering.node_equations(nodes, out)));
             }
         }
+        first_load_stencil.push(solids.starts.len());
         let has_dead_loads = model.loads.iter().any(|load| !load.follows());
-        let first_part_stencil = solids.starts.len();
+        let mut first_part_stencil = Vec::with_capacity(model.parts.len() + 1);
         for part in &model.parts {
+            first_part_stencil.push(solids.starts.len());
             part.stencils(&[], &mut |vectors, _| solids.push(|out| numbering.node_equations(vectors, out)));
         }
+        first_part_stencil.push(solids.starts.len());
         let part_masses: Vec<PartMass> =
             if dynamic { model.parts.iter().map(|part| PartMass::new(&**part)).collect() } else { Vec::new() };
         for &(i, j, _) in part_masses.iter().flat_map(|mass| &mass.entries) {

@@ -227,13 +227,13 @@ pub(crate) fn largest_residual(
     // What touches there says more than what holds it, and a support along a normal no more than one along an axis.
     let mut contact: Option<(&str, bool, bool)> = None;
     for (c, pair) in model.couplings() {
-        let is_bilateral = pair.always_holds();
-        if is_bilateral && (contact.is_some_and(|(_, bilateral, _)| !bilateral) || is_sliding_support(pair)) {
+        let holds = pair.always_holds();
+        if holds && (contact.is_some_and(|(_, bilateral, _)| !bilateral) || is_sliding_support(pair)) {
             continue;
         }
         pair.term.stencils(&iterate.active[c], &mut |nodes, _| {
             if nodes.contains(&node) {
-                contact = Some((pair.name.as_str(), is_bilateral, pair.keeps_apart()));
+                contact = Some((pair.name.as_str(), holds, pair.keeps_apart()));
             }
         });
     }

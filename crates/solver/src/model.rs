@@ -229,7 +229,7 @@ impl Model {
         self.contacts.iter_mut().enumerate().filter(|(_, pair)| pair.acts)
     }
 
-    /// Whether each term is in the list that asks it for what it does: forces follow another rule of the scheme than constraints and what acts in their place.
+    /// Whether each term is in the list that asks it for what it does (forces follow another rule of the scheme than constraints and what acts in their place), and acts on nodes that can move.
     pub(crate) fn check_places(&self) -> Result<(), String> {
         let is_force = |term: &dyn Term| {
             term.slot_count() == 0
@@ -243,13 +243,50 @@ impl Model {
                 part.name()
             ));
         }
-        match self.contacts.iter().find(|pair| is_force(&*pair.term)) {
-            Some(pair) => Err(format!(
+        if let Some(pair) = self.contacts.iter().find(|pair| is_force(&*pair.term)) {
+            return Err(format!(
                 "{} has neither constraints nor acts in their place: it belongs in `Model::parts`, not in `Model::contacts`",
                 pair.name
-            )),
-            None => Ok(()),
+            ));
         }
+        let owned = self.owned_nodes();
+        for part in &self.parts {
+            let mut wrong = None;
+            part.stencils(&[], &mut |nodes, _| {
+                wrong = wrong.or_else(|| nodes.iter().copied().find(|&node| owned.get(node as usize) != Some(&true)));
+            });
+            let Some(node) = wrong else { continue };
+            let name = part.name();
+            return Err(if node as usize >= owned.len() {
+                format!("{name} acts on node {node}, but the model has {} nodes", owned.len())
+            } else if self.embedding.has(node) {
+                format!("{name} acts on node {node}, which others carry: it must act on these, with their weights")
+            } else {
+                format!(
+                    "{name} acts on node {node}, which belongs to no body and to no term with vectors of its own, so that it cannot move"
+                )
+            });
+        }
+        Ok(())
+    }
+
+    /// Which nodes have equations, or had them if they were not prescribed: those of elements and those that terms own.
+    fn owned_nodes(&self) -> Vec<bool> {
+        let mut owned = vec![false; self.node_count()];
+        let of_bodies = self.bodies.iter().flat_map(|body| body.solid.elements().iter().flatten().copied());
+        for node in of_bodies.chain(self.parts.iter().flat_map(|part| part.own_vectors())) {
+            if let Some(owned) = owned.get_mut(node as usize) {
+                *owned = true;
+            }
+        }
+        for prescription in &self.prescriptions {
+            prescription
+                .nodes
+                .iter()
+                .filter_map(|&node| owned.get_mut(node as usize).map(|of| *of = true))
+                .for_each(drop);
+        }
+        owned
     }
 
     /// Part of the motion of all nodes from `q` by `increment` on which surfaces stay apart that must; 1 without such.

@@ -9,7 +9,7 @@ use std::ops::Range;
 use stoss_fe_solid::{SolidStep, TangentTarget};
 use stoss_integrators::{DampingTangent, ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::{ScatterMap, vector};
-use stoss_term::{At, Auxiliary, Fault, Term};
+use stoss_term::{At, Auxiliary, Fault, Term, Undefined};
 
 /// Evaluations with a tangent in a step in which the equations of constraints between rigid bodies are written for the multipliers themselves and not for their increments.
 const FROM_ZERO: u32 = 2;
@@ -50,9 +50,9 @@ struct Sink<'a> {
 }
 
 impl Sink<'_> {
-    /// Adds all contributions of a term.
-    fn add(&mut self, term: &dyn Term, at: &At<'_>) -> Result<(), Fault> {
-        self.work = 0.0;
+    /// Adds all contributions of a term, which has these stencils.
+    fn add(&mut self, term: &dyn Term, at: &At<'_>, stencils: Range<usize>) -> Result<(), Fault> {
+        (self.work, self.stencil) = (0.0, stencils.start);
         term.assemble(at, self.tangent.is_some(), &mut |local| {
             for (&node, r) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                 let first = 3 * node as usize;
@@ -65,7 +65,15 @@ impl Sink<'_> {
                 self.map.add(self.stencil, self.weighted, self.values);
             }
             self.stencil += 1;
-        })
+        })?;
+        if self.stencil == stencils.end {
+            return Ok(());
+        }
+        let (name, made, named) = (term.name().to_owned(), self.stencil - stencils.start, stencils.len());
+        let reason = format!(
+            "it has assembled {made} contributions, and `stencils` names {named}: all of them are needed in every step"
+        );
+        Err(Fault::other(Undefined { term: name, reason }))
     }
 }
 
@@ -94,11 +102,10 @@ impl FeSystem<'_> {
         }
         let (out, map, values) = (&mut follower[..], &*solid_map, &mut solid_values[..]);
         let mut sink = Sink { out, sign: -1.0, map, values, tangent, weighted, stencil: 0, work: 0.0 };
-        let loads = self.model.loads.iter().zip(&acting.loads).zip(&*first_load_stencil);
+        let loads = self.model.loads.iter().zip(&acting.loads).zip(first_load_stencil.windows(2));
         // What is off keeps its place in the pattern.
-        for ((load, _), &first) in loads.filter(|((load, acts), _)| **acts && load.follows()) {
-            sink.stencil = first;
-            sink.add(load, &at)?;
+        for ((load, _), ends) in loads.filter(|((load, acts), _)| **acts && load.follows()) {
+            sink.add(load, &at, ends[0]..ends[1])?;
         }
         Ok(())
     }
@@ -236,15 +243,14 @@ impl FeSystem<'_> {
     ) -> Result<(), StepError> {
         let at = self.force_at(step, rule);
         let System { solid_map, solid_values, weighted, acting, works, first_part_stencil, .. } = &mut *self.system;
-        let (map, values, stencil) = (&*solid_map, &mut solid_values[..], *first_part_stencil);
+        let (map, values, stencil) = (&*solid_map, &mut solid_values[..], 0);
         let mut sink = Sink { out, sign: 1.0, map, values, tangent, weighted, stencil, work: 0.0 };
-        for ((part, &acts), work) in self.model.parts.iter().zip(&acting.parts).zip(&mut works.parts) {
+        let parts = self.model.parts.iter().zip(&acting.parts).zip(first_part_stencil.windows(2));
+        for (((part, &acts), ends), work) in parts.zip(&mut works.parts) {
             *work = 0.0;
             if acts {
-                sink.add(&**part, &at)?;
+                sink.add(&**part, &at, ends[0]..ends[1])?;
                 *work = sink.work;
-            } else {
-                part.stencils(&[], &mut |_, _| sink.stencil += 1);
             }
         }
         Ok(())

@@ -424,7 +424,7 @@ impl Simulation {
             work += varying[c] * (next.q[c] - self.state.q[c]);
         }
         // Nothing is judged by it in statics.
-        let closes = |pair: &Coupling| !pair.bilateral().is_some();
+        let closes = |pair: &Coupling| pair.acts && !pair.always_holds();
         let has_contact = contact.is_some() && self.model.contacts.iter().any(closes);
         let work_of_contact = (!quasi_static && has_contact).then(|| -> f64 {
             let System { support, buffers, .. } = &self.system;
