@@ -140,10 +140,3 @@ pub enum SolidError {
         area: f64,
     },
 }
-
-/// An element that is inverted, or whose law has no stress, has no force at these positions.
-impl From<SolidError> for stoss_term::Fault {
-    fn from(error: SolidError) -> Self {
-        Self::undefined(error)
-    }
-}

@@ -207,8 +207,9 @@ pub enum SimulationError {
     Checkpoint(#[from] CheckpointError),
 }
 
+/// An element that is inverted, or whose law has no stress, has no force at these positions.
 impl From<SolidError> for StepError {
     fn from(error: SolidError) -> Self {
-        Self::Term(error.into())
+        Self::Term(Fault::undefined(error))
     }
 }

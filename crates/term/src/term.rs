@@ -6,7 +6,7 @@ use crate::{
 };
 use std::ops::Range;
 
-/// Whatever adds to the residual of a step: a solid, a beam, a spring, a load, a joint, a tie, a contact.
+/// Whatever adds to the residual of a step: a beam, a spring, a load, a joint, a tie, a contact. (Solids hand their elements to the solver in blocks, by threads.)
 ///
 /// Its unknowns are vectors in space that all terms share (nodes, centres, directors: three components each, numbered together), and multipliers of its own: one a *slot*, and
 /// [`auxiliaries`](Self::auxiliaries). The number of slots is constant for a run; slots that are not active contribute nothing.

@@ -48,7 +48,7 @@ const CRATES: &[(&str, &[Ability])] = &[
     ("stoss-integrators", &[Simulate]),
     ("stoss-solver", &[Simulate]),
     ("stoss-contact", &[Simulate]),
-    ("stoss-part", &[Simulate]),
+    ("stoss-term", &[Simulate]),
     ("stoss-geometry", &[Simulate]),
     ("faer", &[Simulate]),
     ("stoss-scene", &[Scenes]),
