@@ -281,7 +281,7 @@ pub struct OwnNames<'a> {
 
 /// As [`parse`] for a program with laws of its own: `material = { law = "mine", ... }` with a name from `own_laws` is read as
 /// a [`Material`] of that name, with any keys whose values are numbers or lists of numbers; so is `friction = { law = "mine", ... }` as
-/// [`Friction::Own`]. A name of the catalogue keeps its meaning.
+/// a [`Friction`] of that name. A name of the catalogue keeps its meaning.
 ///
 /// # Errors
 /// As [`parse`].

@@ -191,7 +191,7 @@ velocity = [1.0, 2.0, 0.5]
 angular_velocity = [12.0, 4.0, 10.0]
 "#;
     let mut simulation = simulation(text);
-    let first = simulation.balance().clone();
+    let first = *simulation.balance();
     while !simulation.finished() {
         simulation.advance().unwrap();
     }
