@@ -53,7 +53,7 @@ pub struct GeneralOptions {
 /// does exactly the work `V(q_n) - V(q_np1)` and leaves both momenta, theory/barrier#gradient; under [`GradientRule::EndPoint`] it is the gradient at the end. Nothing passes through anything as long as each iterate is reached
 /// from the last by a motion that [`Potential::longest_step`] admits. What carries over from step to step are the contacts in their layers, and the springs of those that stick.
 ///
-/// [`Potential::energy`] is that of the contacts of the step that was begun last: nothing before the first one.
+/// [`Term::energy`] is that of the contacts of the step that was begun last: nothing before the first one.
 #[derive(Debug)]
 pub struct GeneralContact {
     name: String,

@@ -7,7 +7,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum StartFault {
-    /// The thickness is less than [`THINNEST`] of the shortest edge: no step size is small enough for so thin a layer.
+    /// The thickness is less than [`crate::THINNEST`] of the shortest edge: no step size is small enough for so thin a layer.
     TooThin {
         /// What is given.
         thickness: f64,
