@@ -71,10 +71,8 @@ impl Unknowns {
 }
 
 /// The residual of a term.
-fn residual(term: &mut dyn Term, at: &At<'_>, like: &Unknowns, renew: bool) -> Result<Unknowns, Fault> {
-    if renew {
-        term.renew(at, false)?;
-    }
+fn residual(term: &mut dyn Term, at: &At<'_>, like: &Unknowns) -> Result<Unknowns, Fault> {
+    term.renew(at, false)?;
     let mut sum = like.zeros();
     term.assemble(at, false, &mut |local| sum.scatter(local, &local.residual))?;
     Ok(sum)
@@ -89,7 +87,7 @@ pub struct Derivative {
     pub kink: f64,
 }
 
-/// Compares tangent and residual along `direction` over the distance `h`.
+/// Compares tangent and residual along `direction` over the distance `h`. Both are zero of a term that has no contribution there.
 ///
 /// # Errors
 /// Where the term cannot be evaluated.
@@ -115,8 +113,8 @@ pub fn derivative(term: &mut dyn Term, at: &At<'_>, direction: &Unknowns, h: f64
     if count == 0 {
         return Ok(Derivative { deviation: 0.0, kink: 0.0 });
     }
-    let middle = residual(term, at, &here, true)?;
-    let mut side = |h: f64| residual(term, &here.add(h, &along).at(at), &here, true);
+    let middle = residual(term, at, &here)?;
+    let mut side = |h: f64| residual(term, &here.add(h, &along).at(at), &here);
     let (plus, minus) = (side(h)?, side(-h)?);
     let difference = plus.add(-1.0, &minus).scaled(0.5 / h);
     let size = product.norm().max(difference.norm()).max(f64::MIN_POSITIVE);
