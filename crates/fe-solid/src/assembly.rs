@@ -1,17 +1,18 @@
-//! The loop over the elements of a block: threads, order of addition, buffers. Not what is added.
+//! The loop over the elements of a block: threads, order, buffers. Not what becomes of their contributions.
 //!
-//! With one thread each element is computed and added at once. With more, a run of elements is computed into buffers
-//! while the previous run is added by one thread. Either way the additions happen in element order, so the sums have
+//! With one thread each element is computed and handed out at once. With more, a run of elements is computed into buffers
+//! while the previous run is handed out by one thread. Either way that happens in element order, so sums have
 //! the same bits for any number of threads.
 
 use crate::{
     element::Failure,
-    kernel::{self, LocalTangent, NodalVectors, TangentFactors},
+    kernel::{LocalTangent, NodalVectors, TangentFactors},
     scratch::Scratch,
 };
 use rayon::prelude::*;
 use std::ops::Range;
 use stoss_linalg::ScatterMap;
+use stoss_term::Local;
 
 /// Portions of a run, for each thread.
 const PORTIONS: usize = 4;
@@ -34,6 +35,26 @@ pub struct TangentTarget<'a> {
     pub values: &'a mut [f64],
 }
 
+/// Takes the contribution of a stencil of the body.
+pub(crate) type Visit<'a> = dyn FnMut(usize, &Local) + Send + 'a;
+
+/// What adds contributions to the arrays of a caller, `weight` times to the force.
+pub(crate) fn adder<'a>(
+    weight: f64,
+    force: &'a mut [f64],
+    mut target: Option<TangentTarget<'a>>,
+) -> impl FnMut(usize, &Local) + Send + 'a {
+    move |stencil, local| {
+        for (&node, r) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
+            let at = 3 * node as usize;
+            force[at..at + 3].iter_mut().zip(r).for_each(|(force, r)| *force += weight * r);
+        }
+        if let Some(target) = &mut target {
+            target.map.add(target.first_stencil + stencil, &local.tangent, target.values);
+        }
+    }
+}
+
 /// Buffers of [`crate::SolidBody::assemble`]. One for each body or one for all; empty at first.
 #[derive(Debug, Default)]
 pub struct Workspace {
@@ -52,55 +73,68 @@ impl Workspace {
     }
 }
 
-/// What a thread computes at once: the forces and tangents of a few elements, and room for the factors of a tangent. Lists of numbers, because
+/// What a thread computes at once: a few elements, and room for the factors of a tangent, a list of numbers because
 /// elements of different kinds use it one after the other.
 #[derive(Debug, Default)]
 struct Portion {
-    forces: Vec<f64>,
-    tangents: Vec<f64>,
-    factors: Vec<f64>,
+    locals: Vec<Local>,
     failures: Vec<Option<Failure>>,
-}
-
-/// A portion for elements of one kind. Without tangents the last two are empty.
-struct View<'a, const N: usize, const G: usize> {
-    forces: &'a mut [NodalVectors<N>],
-    failures: &'a mut [Option<Failure>],
-    tangents: &'a mut [LocalTangent<N>],
-    factors: &'a mut [TangentFactors<N, G>],
+    factors: Vec<f64>,
 }
 
 impl Portion {
     fn memory_bytes(&self) -> usize {
-        (self.forces.capacity() + self.tangents.capacity() + self.factors.capacity()) * size_of::<f64>()
+        let floats = |local: &Local| local.residual.capacity() + local.tangent.capacity();
+        let floats = self.factors.capacity() + self.locals.iter().map(floats).sum::<usize>();
+        floats * size_of::<f64>()
+            + self.locals.capacity() * size_of::<Local>()
             + self.failures.capacity() * size_of::<Option<Failure>>()
     }
 
-    /// Room for elements of a kind; nothing is lost, and nothing is allocated if there is room.
+    /// Room for elements of a kind; nothing is allocated if there is room.
     fn reserve<const N: usize, const G: usize>(&mut self, elements: usize, with_tangent: bool) {
-        let grow = |list: &mut Vec<f64>, length: usize| {
-            if list.len() < length {
-                list.resize(length, 0.0);
-            }
-        };
-        grow(&mut self.forces, elements * 3 * N);
-        if self.failures.len() < elements {
+        if self.locals.len() < elements {
+            self.locals.resize_with(elements, Local::default);
             self.failures.resize(elements, None);
         }
-        if with_tangent {
-            grow(&mut self.tangents, elements * 9 * N * N);
-            grow(&mut self.factors, 27 * G * N);
+        let factors = if with_tangent { 27 * G * N } else { 0 };
+        if self.factors.len() < factors {
+            self.factors.resize(factors, 0.0);
         }
     }
+}
 
-    fn view<const N: usize, const G: usize>(&mut self) -> View<'_, N, G> {
-        View {
-            forces: self.forces.as_chunks_mut().0.as_chunks_mut().0,
-            failures: &mut self.failures,
-            tangents: self.tangents.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0,
-            factors: self.factors.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0,
+/// An element as a contribution, with a tangent if `tangent` has its factor; none is computed where that is zero.
+fn evaluate<const N: usize, const G: usize>(
+    evaluator: &impl ElementEvaluator<N, G>,
+    (element, nodes): (usize, &[u32; N]),
+    tangent: Option<f64>,
+    local: &mut Local,
+    factors: &mut [f64],
+) -> Result<(), Failure> {
+    local.nodes.clear();
+    local.nodes.extend_from_slice(nodes);
+    local.residual.resize(3 * N, 0.0);
+    let mut force = [[0.0; N]; 3];
+    let wanted = match tangent {
+        None => None,
+        Some(factor) => {
+            local.tangent.resize(9 * N * N, 0.0);
+            if factor == 0.0 {
+                local.tangent.fill(0.0);
+                None
+            } else {
+                let tangent = local.tangent.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0;
+                let factors = factors.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0.as_chunks_mut().0;
+                Some((&mut tangent[0], &mut factors[0]))
+            }
         }
+    };
+    evaluator.evaluate(element, &mut force, wanted)?;
+    for (node, r) in local.residual.chunks_exact_mut(3).enumerate() {
+        (r[0], r[1], r[2]) = (force[0][node], force[1][node], force[2][node]);
     }
+    Ok(())
 }
 
 /// Computes one element's force and, with `Some`, tangent (both overwritten).
@@ -113,68 +147,39 @@ pub(crate) trait ElementEvaluator<const N: usize, const G: usize>: Sync {
     ) -> Result<(), Failure>;
 }
 
-/// The elements of a block and where they go.
+/// How the elements of a block are evaluated, and where they go.
 pub(crate) struct AssemblyTarget<'a, 'b> {
-    /// Number of the block's first element in the body.
+    /// Number of the block's first stencil in the body.
     pub first: usize,
     /// The iterate before, see [`crate::SolidBody::assemble_after`].
     pub before: Option<&'a [f64]>,
-    pub force_weight: f64,
-    pub force: &'a mut [f64],
-    pub target: &'a mut Option<TangentTarget<'b>>,
+    /// Factor of the tangent, if it is wanted.
+    pub tangent: Option<f64>,
+    pub visit: &'a mut Visit<'b>,
     pub workspace: &'a mut Workspace,
 }
 
-/// Adds one element to the global arrays.
-fn add<const N: usize>(
-    nodes: &[u32; N],
-    element: usize,
-    local: (&NodalVectors<N>, Option<&LocalTangent<N>>),
-    force_weight: f64,
-    force: &mut [f64],
-    target: &mut Option<TangentTarget<'_>>,
-) {
-    for (node, &global) in nodes.iter().enumerate() {
-        let at = 3 * global as usize;
-        let out = &mut force[at..at + 3];
-        for i in 0..3 {
-            out[i] += force_weight * local.0[i][node];
-        }
-    }
-    if let (Some(target), Some(tangent)) = (target, local.1) {
-        target.map.add(target.first_stencil + element, kernel::flat(tangent), target.values);
-    }
-}
-
-/// Evaluates and adds all elements of a block. On failure returns the first failing element in element order; the global arrays
-/// then hold a partial sum.
+/// Evaluates all elements of a block and hands them out in their order. On failure returns the first failing element in this order.
 pub(crate) fn assemble<const N: usize, const G: usize>(
     nodes: &[[u32; N]],
     evaluator: &impl ElementEvaluator<N, G>,
     to: AssemblyTarget<'_, '_>,
 ) -> Result<(), (usize, Failure)> {
-    let AssemblyTarget {
-        first: number,
-        before: _,
-        force_weight,
-        force,
-        target,
-        workspace: Workspace { computing, adding, .. },
-    } = to;
+    let AssemblyTarget { first: number, before: _, tangent, visit, workspace: Workspace { computing, adding, .. } } =
+        to;
     let threads = rayon::current_num_threads();
-    let (grain, want_tangent) = (grain(N), target.is_some());
+    let grain = grain(N);
     if threads == 1 || nodes.len() <= grain {
         if computing.is_empty() {
             computing.push(Portion::default());
         }
-        computing[0].reserve::<N, G>(1, want_tangent);
-        let View { forces, tangents, factors, .. } = computing[0].view::<N, G>();
-        let local_force = &mut forces[0];
+        computing[0].reserve::<N, G>(1, tangent.is_some());
+        let Portion { locals, factors, .. } = &mut computing[0];
+        let local = &mut locals[0];
         for (element, nodes) in nodes.iter().enumerate() {
-            let wanted = if want_tangent { Some((&mut tangents[0], &mut factors[0])) } else { None };
-            evaluator.evaluate(element, local_force, wanted).map_err(|failure| (element, failure))?;
-            let local = (&*local_force, tangents.first());
-            add(nodes, number + element, local, force_weight, force, target);
+            let done = evaluate(evaluator, (element, nodes), tangent, local, factors);
+            done.map_err(|failure| (element, failure))?;
+            visit(number + element, local);
         }
         return Ok(());
     }
@@ -184,27 +189,24 @@ pub(crate) fn assemble<const N: usize, const G: usize>(
         if buffers.len() < portions {
             buffers.resize_with(portions, Portion::default);
         }
-        buffers.iter_mut().for_each(|portion| portion.reserve::<N, G>(grain, want_tangent));
+        buffers.iter_mut().for_each(|portion| portion.reserve::<N, G>(grain, tangent.is_some()));
     }
     let compute = |elements: Range<usize>, buffers: &mut [Portion]| {
-        buffers.par_iter_mut().enumerate().for_each(|(k, portion)| {
-            let View { forces, failures, tangents, factors } = portion.view::<N, G>();
+        buffers.par_iter_mut().enumerate().for_each(|(k, Portion { locals, failures, factors })| {
             let from = elements.start + grain * k;
             for (k, element) in (from..(from + grain).min(elements.end)).enumerate() {
-                let wanted = if want_tangent { Some((&mut tangents[k], &mut factors[0])) } else { None };
-                failures[k] = evaluator.evaluate(element, &mut forces[k], wanted).err();
+                failures[k] = evaluate(evaluator, (element, &nodes[element]), tangent, &mut locals[k], factors).err();
             }
         });
     };
-    let mut add_run = |elements: Range<usize>, buffers: &mut [Portion]| {
-        for (k, portion) in buffers.iter_mut().enumerate() {
-            let View { forces, failures, tangents, .. } = portion.view::<N, G>();
+    let mut hand_out = |elements: Range<usize>, buffers: &mut [Portion]| {
+        for (k, Portion { locals, failures, .. }) in buffers.iter_mut().enumerate() {
             let from = elements.start + grain * k;
             for (k, element) in (from..(from + grain).min(elements.end)).enumerate() {
                 if let Some(failure) = failures[k] {
                     return Err((element, failure));
                 }
-                add(&nodes[element], number + element, (&forces[k], tangents.get(k)), force_weight, force, target);
+                visit(number + element, &locals[k]);
             }
         }
         Ok(())
@@ -213,13 +215,13 @@ pub(crate) fn assemble<const N: usize, const G: usize>(
     let mut previous = 0..0;
     for first in (0..nodes.len()).step_by(portions * grain) {
         let current = first..(first + portions * grain).min(nodes.len());
-        let ((), added) = rayon::join(
+        let ((), handed) = rayon::join(
             || compute(current.clone(), &mut computing[..current.len().div_ceil(grain)]),
-            || add_run(previous.clone(), &mut adding[..previous.len().div_ceil(grain)]),
+            || hand_out(previous.clone(), &mut adding[..previous.len().div_ceil(grain)]),
         );
-        added?;
+        handed?;
         std::mem::swap(computing, adding);
         previous = current;
     }
-    add_run(previous.clone(), &mut adding[..previous.len().div_ceil(grain)])
+    hand_out(previous.clone(), &mut adding[..previous.len().div_ceil(grain)])
 }

@@ -204,7 +204,7 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure> {
         let nodes = elements(nodes);
-        let factor = to.target.as_ref().map_or(1.0, |target| target.factor);
+        let factor = to.tangent.unwrap_or(1.0);
         let before = to.before;
         assembly::assemble(nodes, &BlockStep { block: self, material, nodes, step, before, factor }, to)
     }

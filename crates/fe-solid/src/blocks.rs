@@ -9,14 +9,12 @@ use crate::{
 use stoss_mesh::CellBlock;
 use stoss_reference_element::{CellKind, Integration};
 
-/// The block of these cells. A new kind of cell needs a line here. `offset`: global number of the first node; `first_stencil`: number of the first stencil beside those of the
-/// elements, if the block has some.
+/// The block of these cells. A new kind of cell needs a line here. `offset`: global number of the first node.
 pub(crate) fn of_cells(
     cells: &CellBlock,
     reference: &[[f64; 3]],
     options: SolidOptions,
     offset: u32,
-    first_stencil: usize,
 ) -> Result<Box<dyn ElementBlock>, BlockError> {
     use Integration::{Full, Reduced};
     Ok(match (cells.kind(), options.integration) {
@@ -28,7 +26,7 @@ pub(crate) fn of_cells(
             let block = Block::<4, 1>::new(cells, reference, options)?;
             match options.volumetric {
                 Volumetric::Displacement => Box::new(block),
-                Volumetric::Mixed => Box::new(NodalTetrahedra::new(block, cells.nodes(), offset, first_stencil)),
+                Volumetric::Mixed => Box::new(NodalTetrahedra::new(block, cells.nodes(), offset)),
             }
         }
         (CellKind::Tet10, Full) => Box::new(Block::<10, 8>::new(cells, reference, options)?),

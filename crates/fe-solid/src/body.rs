@@ -2,14 +2,14 @@
 
 use crate::{
     ForceRule, MassKind, MassMatrix, SolidError, SolidOptions, SolidStep, ViscousRate, Volumetric,
-    assembly::{AssemblyTarget, TangentTarget, Workspace},
+    assembly::{AssemblyTarget, TangentTarget, Visit, Workspace, adder},
     blocks,
     element::{Failure, FailureKind},
     element_block::{BlockError, ElementBlock, ElementFailure, Material},
     mass::{self, Carried},
     viscous::Viscosity,
 };
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use stoss_continuum::{HyperelasticLaw, VolumetricSplit};
 use stoss_mesh::{CellBlock, Elements, Mesh};
 use stoss_reference_element::{CellKind, Integration};
@@ -29,6 +29,8 @@ pub struct SolidBody {
     options: SolidOptions,
     /// The parts of the law, in a mixed body.
     split: Option<VolumetricSplit>,
+    /// Of those who bring none.
+    workspace: Mutex<Workspace>,
 }
 
 impl Clone for SolidBody {
@@ -42,6 +44,7 @@ impl Clone for SolidBody {
             blocks: self.blocks.iter().map(|block| block.boxed()).collect(),
             options: self.options,
             split: self.split.clone(),
+            workspace: Mutex::default(),
         }
     }
 }
@@ -85,13 +88,12 @@ impl SolidBody {
             }
         }
         let mut blocks = Vec::with_capacity(mesh.elements.blocks().len());
-        let mut stencils = mesh.elements.len();
         for cells in mesh.elements.blocks() {
             let first = cells.first() as usize;
-            let mut block = blocks::of_cells(cells, &mesh.nodes, options, node_offset, stencils);
+            let mut block = blocks::of_cells(cells, &mesh.nodes, options, node_offset);
             if let Err(BlockError::NoRule) = block {
                 let options = SolidOptions { integration: Integration::Full, ..options };
-                block = blocks::of_cells(cells, &mesh.nodes, options, node_offset, stencils);
+                block = blocks::of_cells(cells, &mesh.nodes, options, node_offset);
             }
             // Where the rule of the mass has points of its own.
             let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
@@ -101,7 +103,6 @@ impl SolidBody {
                 }
                 BlockError::NoRule => unreachable!("every kind of cell has a full rule"),
             })?;
-            stencils += block.stencil_count();
             blocks.push(block);
         }
         let mut elements = Elements::new();
@@ -115,6 +116,7 @@ impl SolidBody {
             blocks,
             options,
             split,
+            workspace: Mutex::default(),
         })
     }
 
@@ -148,11 +150,20 @@ impl SolidBody {
         &self.elements
     }
 
-    /// Global nodes of each stencil of the tangent: those of the elements in their order, then those of nodes with averages of their own, which
+    /// Global nodes of each stencil of the tangent, block by block: those of the elements in their order, then those of nodes with averages of their own, which
     /// mixed tet4 have.
     pub fn stencils(&self) -> impl Iterator<Item = &[u32]> + Clone {
-        let more = self.blocks.iter().flat_map(|block| (0..block.stencil_count()).map(move |k| block.stencil(k)));
-        self.elements.iter().chain(more)
+        self.elements.blocks().iter().zip(&self.blocks).flat_map(|(cells, block)| {
+            let more = (0..block.stencil_count()).map(move |k| block.stencil(k));
+            cells.iter().chain(more)
+        })
+    }
+
+    /// Number of the first stencil of each block.
+    pub(crate) fn first_stencils(&self) -> impl Iterator<Item = usize> {
+        let counts = self.elements.blocks().iter().zip(&self.blocks);
+        let counts = counts.map(|(cells, block)| cells.len() + block.stencil_count());
+        counts.scan(0, |next, count| Some(std::mem::replace(next, *next + count)))
     }
 
     /// Global number of the body's first node.
@@ -248,6 +259,21 @@ impl SolidBody {
         workspace: &mut Workspace,
     ) -> Result<(), SolidError> {
         self.check_length("the force", force)?;
+        // A force that does not depend on q_np1 has no tangent: nothing is to be computed or added.
+        let target = tangent.filter(|_| step.rule.reads_end());
+        let factor = target.as_ref().map(|target| target.factor);
+        self.visit(before, step, factor, workspace, &mut adder(force_weight, force, target))
+    }
+
+    /// Hands out every contribution in the order of [`Self::stencils`], with its number, and with a tangent if `tangent` has its factor: what [`Self::assemble_after`] adds.
+    pub(crate) fn visit(
+        &self,
+        before: Option<&[f64]>,
+        step: SolidStep<'_>,
+        tangent: Option<f64>,
+        workspace: &mut Workspace,
+        visit: &mut Visit<'_>,
+    ) -> Result<(), SolidError> {
         if let Some(before) = before {
             self.check_length("the positions before", before)?;
         }
@@ -257,16 +283,20 @@ impl SolidBody {
         if step.rule.reads_start() {
             self.check_length("the positions q_n", step.q_n)?;
         }
-        // A force that does not depend on q_np1 has no tangent: nothing is to be computed or added.
-        let mut target = tangent.filter(|_| step.rule.reads_end());
         if step.rule == ForceRule::DiscreteGradient && !self.blocks.iter().all(|block| block.has_begun()) {
             return Err(SolidError::StepNotBegun { body: self.name.clone() });
         }
+        let mut first = self.first_stencils();
         self.for_each_block(|block, cells| {
-            let first = cells.first() as usize;
-            let to = AssemblyTarget { first, before, force_weight, force, target: &mut target, workspace };
+            let first = first.next().unwrap_or_default();
+            let to = AssemblyTarget { first, before, tangent, visit: &mut *visit, workspace };
             block.assemble(self.material(), cells.nodes(), step, to)
         })
+    }
+
+    /// Calls with the body's own buffers.
+    pub(crate) fn with_workspace<T>(&self, call: impl FnOnce(&mut Workspace) -> T) -> T {
+        call(&mut self.workspace.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Adds the nodal forces of `S_v = b C_0 : E'` to `force` and, if a target is given, `target.factor` times their derivative with respect to the
@@ -281,7 +311,6 @@ impl SolidBody {
         rate: ViscousRate<'_>,
         force: &mut [f64],
         tangent: Option<TangentTarget<'_>>,
-        workspace: &mut Workspace,
     ) -> Result<(), SolidError> {
         self.check_length("the force", force)?;
         self.check_length("the positions", rate.q)?;
@@ -292,11 +321,14 @@ impl SolidBody {
             moduli: [rate.factor * moduli.lame_lambda(), rate.factor * moduli.shear],
             factor: tangent.as_ref().map_or(1.0, |target| target.factor),
         };
-        let mut tangent = tangent;
-        self.for_each_block(|block, cells| {
-            let first = cells.first() as usize;
-            let to = AssemblyTarget { first, before: None, force_weight: 1.0, force, target: &mut tangent, workspace };
-            block.add_viscous_force(cells.nodes(), viscosity, to)
+        let factor = tangent.as_ref().map(|target| target.factor);
+        let (mut first, mut add) = (self.first_stencils(), adder(1.0, force, tangent));
+        self.with_workspace(|workspace| {
+            self.for_each_block(|block, cells| {
+                let first = first.next().unwrap_or_default();
+                let to = AssemblyTarget { first, before: None, tangent: factor, visit: &mut add, workspace };
+                block.add_viscous_force(cells.nodes(), viscosity, to)
+            })
         })
     }
 
@@ -353,13 +385,16 @@ impl SolidBody {
 
     /// The mass of the body for a reference density.
     pub fn mass(&self, density: f64, kind: MassKind) -> MassMatrix {
-        MassMatrix::new(self.elements.clone(), self.reference(), density, kind, None)
+        self.mass_of((density, kind), None)
     }
 
     /// The same with nodes that others carry.
     pub(crate) fn mass_with(&self, density: f64, kind: MassKind, carried: &Carried) -> MassMatrix {
-        let carried = Some((carried, self.stencils().count()));
-        MassMatrix::new(self.elements.clone(), self.reference(), density, kind, carried)
+        self.mass_of((density, kind), Some((carried, self.stencils().count())))
+    }
+
+    fn mass_of(&self, of: (f64, MassKind), carried: Option<(&Carried, usize)>) -> MassMatrix {
+        MassMatrix::new(self.elements.clone(), self.reference(), of, self.first_stencils(), carried)
     }
 
     /// Reference positions of the nodes, and the number of the first one.

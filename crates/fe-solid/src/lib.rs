@@ -42,6 +42,7 @@ mod point;
 mod recovery;
 mod rule;
 mod scratch;
+mod term;
 mod viscous;
 
 pub use assembly::{TangentTarget, Workspace};

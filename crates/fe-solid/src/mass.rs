@@ -46,6 +46,8 @@ macro_rules! with_nodes {
 #[derive(Clone, Debug)]
 struct MassBlock {
     kind: CellKind,
+    /// Number of the stencil of its first element in the body.
+    first_stencil: usize,
     values: Vec<f64>,
 }
 
@@ -253,13 +255,7 @@ impl MassBlock {
     }
 
     /// Adds `target.factor M_IJ A` of each element to the global values.
-    fn add_to_tangent<const N: usize>(
-        &self,
-        mass: MassKind,
-        first: usize,
-        matrix: &[[f64; 3]; 3],
-        target: &mut TangentTarget<'_>,
-    ) {
+    fn add_to_tangent<const N: usize>(&self, mass: MassKind, matrix: &[[f64; 3]; 3], target: &mut TangentTarget<'_>) {
         let mut local = [[[[0.0; 3]; N]; 3]; N];
         let mut add = |element: usize, mass: &dyn Fn(usize, usize) -> Option<f64>| {
             for node in 0..N {
@@ -272,7 +268,7 @@ impl MassBlock {
                     }
                 }
             }
-            target.map.add(target.first_stencil + first + element, kernel::flat(&local), target.values);
+            target.map.add(target.first_stencil + self.first_stencil + element, kernel::flat(&local), target.values);
         };
         match mass {
             MassKind::Consistent => {
@@ -293,12 +289,16 @@ impl MassMatrix {
     pub(crate) fn new(
         elements: Arc<Elements>,
         (reference, offset): (&[[f64; 3]], u32),
-        density: f64,
-        kind: MassKind,
+        (density, kind): (f64, MassKind),
+        first_stencils: impl Iterator<Item = usize>,
         carried: Option<(&Carried, usize)>,
     ) -> Self {
-        let mut blocks: Vec<MassBlock> =
-            elements.blocks().iter().map(|cells| MassBlock { kind: cells.kind(), values: Vec::new() }).collect();
+        let block = |(cells, first_stencil): (&CellBlock, usize)| MassBlock {
+            kind: cells.kind(),
+            first_stencil,
+            values: Vec::new(),
+        };
+        let mut blocks: Vec<MassBlock> = elements.blocks().iter().zip(first_stencils).map(block).collect();
         let mut pairs = BTreeMap::new();
         let (mut element, mut block) = (0, 0);
         for_each_element(&elements, (reference, offset), kind, density, |nodes, mass| {
@@ -421,9 +421,8 @@ impl MassMatrix {
 
     /// Adds `target.factor * M_IJ A` with a matrix `A` between the components to the global values; same stencils as the body's tangent.
     fn add_blocks_to_tangent(&self, matrix: &[[f64; 3]; 3], mut target: TangentTarget<'_>) {
-        for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
-            let first = cells.first() as usize;
-            with_nodes!(block.kind, N => block.add_to_tangent::<N>(self.kind, first, matrix, &mut target));
+        for block in &self.blocks {
+            with_nodes!(block.kind, N => block.add_to_tangent::<N>(self.kind, matrix, &mut target));
         }
         for (k, &([i, j], m)) in self.pairs.iter().enumerate() {
             let stencil = target.first_stencil + self.first_pair + k;

@@ -84,15 +84,13 @@ pub(crate) struct NodalTetrahedra {
     patches: Patches,
     /// `J_n` of each element; empty unless the rule of the step is energy-momentum.
     jacobians: Vec<f64>,
-    /// Number of the first node's stencil in the body.
-    first_stencil: usize,
 }
 
 impl NodalTetrahedra {
     /// `offset`: global number of the mesh's first node.
-    pub fn new(block: Block<4, 1>, nodes: &[u32], offset: u32, first_stencil: usize) -> Self {
+    pub fn new(block: Block<4, 1>, nodes: &[u32], offset: u32) -> Self {
         let patches = Patches::new(nodes.as_chunks().0, offset, |element| block.element_volume(element));
-        Self { block, patches, jacobians: Vec::new(), first_stencil }
+        Self { block, patches, jacobians: Vec::new() }
     }
 
     fn weight(&self, element: usize) -> f64 {
@@ -152,7 +150,7 @@ impl NodalTetrahedra {
         to: AssemblyTarget<'_, '_>,
         scratch: &mut Scratch,
     ) -> Result<(), ElementFailure> {
-        let AssemblyTarget { first, before, force_weight, force, target, workspace } = to;
+        let AssemblyTarget { first, before, tangent, visit, workspace } = to;
         let end = |element: usize| gather(&nodes[element], step.q_np1);
         let (level, theta) = match step.rule {
             ForceRule::DiscreteGradient => (TimeLevel::End, 1.0),
@@ -187,13 +185,17 @@ impl NodalTetrahedra {
             conserving,
             jacobians: &scratch.jacobians,
             pressures: &scratch.pressures,
-            factor: theta * target.as_ref().map_or(1.0, |target| target.factor),
+            factor: theta * tangent.unwrap_or(1.0),
         };
-        assembly::assemble(nodes, &element, AssemblyTarget { first, before, force_weight, force, target, workspace })?;
-        let Some(target) = target else { return Ok(()) };
-        let Scratch { nodal, tangent, works, changes, .. } = scratch;
+        assembly::assemble(nodes, &element, AssemblyTarget { first, before, tangent, visit: &mut *visit, workspace })?;
+        let Scratch { nodal, local, works, changes, .. } = scratch;
         for node in 0..self.patches.len() {
             let stencil = self.patches.stencil(node);
+            local.begin(stencil, false);
+            if tangent.is_none() {
+                visit(first + nodes.len() + node, local);
+                continue;
+            }
             for list in [&mut *works, &mut *changes] {
                 list.clear();
                 list.resize(stencil.len(), [0.0; 3]);
@@ -212,11 +214,11 @@ impl NodalTetrahedra {
                 }
             }
             let scale = element.factor * nodal[node].1 / self.patches.volumes[node];
-            tangent.clear();
+            local.tangent.clear();
             for row in works.as_flattened() {
-                tangent.extend(changes.as_flattened().iter().map(|column| scale * row * column));
+                local.tangent.extend(changes.as_flattened().iter().map(|column| scale * row * column));
             }
-            target.map.add(target.first_stencil + self.first_stencil + node, tangent, target.values);
+            visit(first + nodes.len() + node, local);
         }
         Ok(())
     }
@@ -384,9 +386,9 @@ impl ElementBlock for NodalTetrahedra {
         step: SolidStep<'_>,
         to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure> {
-        let AssemblyTarget { first, before, force_weight, force, target, workspace } = to;
+        let AssemblyTarget { first, before, tangent, visit, workspace } = to;
         let mut scratch = std::mem::take(&mut workspace.nodal);
-        let to = AssemblyTarget { first, before, force_weight, force, target, workspace: &mut *workspace };
+        let to = AssemblyTarget { first, before, tangent, visit, workspace: &mut *workspace };
         let volume = material.volume();
         let result = self.assemble_with(material, volume, nodes.as_chunks().0, step, to, &mut scratch);
         workspace.nodal = scratch;

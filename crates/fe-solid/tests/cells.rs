@@ -460,7 +460,7 @@ fn any_number_of_threads_gives_the_same_bits() {
                         let step = SolidStep { q_n: &q_n, q_np1: &q_np1, rule };
                         body.assemble(step, 1.3, &mut force, Some(target), &mut workspace).unwrap();
                         let target = TangentTarget { map: &map, first_stencil: 0, factor: 0.7, values: &mut values };
-                        body.add_viscous_force(rate, &mut force, Some(target), &mut workspace).unwrap();
+                        body.add_viscous_force(rate, &mut force, Some(target)).unwrap();
                         let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect::<Vec<u64>>();
                         results.push((bits(&force), bits(&values)));
                     }
@@ -485,7 +485,7 @@ fn viscous_forces_of_all_cells() {
             let rate = ViscousRate { q, v: &v, factor: 0.3, slopes: [1.0, 4.0] };
             let target = values.map(|values| TangentTarget { map: &map, first_stencil: 0, factor: 1.0, values });
             let mut force = vec![0.0; q.len()];
-            body.add_viscous_force(rate, &mut force, target, &mut Workspace::default()).unwrap();
+            body.add_viscous_force(rate, &mut force, target).unwrap();
             assert!(dot(&force, &v) > 0.0);
             force
         };

@@ -1,13 +1,13 @@
 //! The viscous force: power, momenta, rigid motions, tangent, and the limit of small strains.
 use crate::common::*;
-use stoss_fe_solid::{ForceRule, SolidBody, SolidStep, TangentTarget, ViscousRate, Workspace};
+use stoss_fe_solid::{ForceRule, SolidBody, SolidStep, TangentTarget, ViscousRate};
 
 const FACTOR: f64 = 0.3;
 
 fn viscous(body: &SolidBody, q: &[f64], v: &[f64]) -> Vec<f64> {
     let mut force = vec![0.0; q.len()];
     let rate = ViscousRate { q, v, factor: FACTOR, slopes: [0.0; 2] };
-    body.add_viscous_force(rate, &mut force, None, &mut Workspace::default()).unwrap();
+    body.add_viscous_force(rate, &mut force, None).unwrap();
     force
 }
 
@@ -16,7 +16,7 @@ fn viscous_tangent(body: &SolidBody, q: &[f64], v: &[f64], slopes: [f64; 2]) -> 
     let mut values = vec![0.0; pattern.nnz()];
     let target = TangentTarget { map: &map, first_stencil: 0, factor: 1.0, values: &mut values };
     let rate = ViscousRate { q, v, factor: FACTOR, slopes };
-    body.add_viscous_force(rate, &mut vec![0.0; q.len()], Some(target), &mut Workspace::default()).unwrap();
+    body.add_viscous_force(rate, &mut vec![0.0; q.len()], Some(target)).unwrap();
     dense(&pattern, &values)
 }
 

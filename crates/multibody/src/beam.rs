@@ -344,7 +344,7 @@ impl Term for Beam {
         self.points.chunks_exact(self.axis.order()).for_each(|element| visit(element[0].strains.vectors(), &[]));
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = at.rule.force() else { return Ok(()) };
         let gradient = GradientAt::of(rule);
         let (mut kernel, mut local) = (Kernel::default(), Local::default());

@@ -162,7 +162,7 @@ impl Term for ConstraintSet {
         }
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
         let At { multipliers, active, .. } = *at;
         let theta = gradient_fraction(step.rule);

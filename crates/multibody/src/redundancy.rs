@@ -113,7 +113,7 @@ struct Row {
 pub fn analyse(
     sets: &[&dyn Equations],
     q: &[f64],
-    is_free: impl Fn(u32) -> bool,
+    is_free: impl Fn(u32) -> bool + Sync,
 ) -> Result<Redundancy, RedundancyError> {
     let mut connected = Connected::default();
     let mut rows = Vec::new();
@@ -192,7 +192,7 @@ fn collect(
     set: usize,
     constraint: &dyn Equations,
     q: &[f64],
-    is_free: &impl Fn(u32) -> bool,
+    is_free: &(impl Fn(u32) -> bool + Sync),
     rows: &mut Vec<Row>,
     connected: &mut Connected,
 ) -> Result<(), Fault> {

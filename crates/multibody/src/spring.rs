@@ -115,7 +115,7 @@ impl Term for Spring {
         visit(self.squared.vectors(), &[]);
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = at.rule.force() else { return Ok(()) };
         let gradient = GradientAt::of(rule);
         self.check(at, gradient)?;

@@ -197,7 +197,7 @@ impl Term for ElasticString {
         self.points.chunks_exact(self.order + 1).for_each(|element| visit(element[0].stretch.vectors(), &[]));
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = at.rule.force() else { return Ok(()) };
         let gradient = GradientAt::of(rule);
         let fractions: &[f64] = match gradient {

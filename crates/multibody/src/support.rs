@@ -111,7 +111,7 @@ impl Term for ElasticSupport {
         self.items.iter().for_each(|item| visit(&item.vectors, &[]));
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = at.rule.force() else { return Ok(()) };
         // Of a quadratic energy the gradient at the midpoint is the discrete one.
         let theta = match rule {

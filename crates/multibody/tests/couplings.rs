@@ -46,7 +46,7 @@ impl Term for Cloud {
     fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         self.springs.iter().for_each(|s| visit(s.vectors(), &[]));
     }
-    fn assemble(&self, step: &At<'_>, want: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, step: &At<'_>, want: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = step.rule.force() else { return Ok(()) };
         let at = match rule {
             ForceRule::Configuration { theta } => GradientAt::Configuration(theta),

@@ -68,7 +68,7 @@ impl Term for Couple {
     fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         visit(&self.directors, &[]);
     }
-    fn assemble(&self, step: &At<'_>, want: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, step: &At<'_>, want: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = step.rule.force() else { return Ok(()) };
         assert_eq!(rule, ForceRule::END_POINT);
         let mut local = Local { nodes: self.directors.to_vec(), ..Local::default() };

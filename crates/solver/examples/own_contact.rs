@@ -67,7 +67,7 @@ impl Term for PenaltyPlane {
     fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         self.near.iter().for_each(|&local| visit(&[self.surface.nodes()[local]], &[]));
     }
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = at.rule.constraint() else { return Ok(()) };
         let mut local = Local::default();
         for &node in &self.near {

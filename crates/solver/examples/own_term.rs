@@ -66,7 +66,7 @@ impl Term for Charges {
     fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         visit(&[self.first, self.first + 1], &[]);
     }
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = at.rule.force() else { return Ok(()) };
         let (s, d, theta, ds) = self.force(at, rule)?;
         let mut local = Local { nodes: self.own_vectors().collect(), ..Local::default() };

@@ -14,7 +14,7 @@ use crate::switches::Acting;
 use crate::{Load, Model, PhaseTime, StepError};
 use std::ops::Range;
 use std::sync::Arc;
-use stoss_fe_solid::{TangentTarget, Volumetric, Workspace};
+use stoss_fe_solid::{TangentTarget, Volumetric};
 use stoss_integrators::Buffers;
 use stoss_linalg::{LinalgError, LinearSolver, NONE, ScatterMap, SparsityPattern};
 use stoss_term::{Auxiliary, Term as _};
@@ -30,12 +30,10 @@ pub(crate) struct System {
     /// Pattern of the solids alone, its scatter map (bodies' elements in order, then what loads follow, then parts).
     pub solid_pattern: Arc<SparsityPattern>,
     pub solid_map: ScatterMap,
-    /// First stencil of each body in `solid_map`; last entry: first of the loads that follow.
-    pub first_stencil: Vec<usize>,
-    /// First stencil of each load; last entry: that behind them.
-    pub first_load_stencil: Vec<usize>,
-    /// First stencil of each part; last entry: that behind them.
-    pub first_part_stencil: Vec<usize>,
+    /// Stencils of each body, then of each part, in `solid_map`.
+    pub force_stencils: Vec<Range<usize>>,
+    /// Stencils of each load there.
+    pub load_stencils: Vec<Range<usize>>,
     pub mass_values: Vec<f64>,
     pub solid_values: Vec<f64>,
     /// Pattern with the constraints that are or may become active, where each entry of the solids' pattern goes, and the scatter map of the
@@ -64,7 +62,6 @@ pub(crate) struct System {
     pub solver: Box<dyn LinearSolver>,
     /// Made when a scheme first asks for it.
     pub mass_solver: Option<MassSolver>,
-    pub workspaces: Vec<Workspace>,
     pub stencils: StencilList,
     /// Label of the group of each vector that a part owns, from the first of them on.
     groups: Vec<u32>,
@@ -201,36 +198,22 @@ impl System {
         }
         let numbering = Numbering::new(components, |c| blocked[c]);
         let mut solids = StencilList::default();
-        let mut first_stencil = Vec::new();
+        let mut force_stencils = Vec::with_capacity(model.bodies.len() + model.parts.len());
         let mut body_masses = Vec::new();
         for body in &model.bodies {
-            first_stencil.push(solids.starts.len());
-            for stencil in body.solid.stencils() {
-                solids.push(|out| numbering.node_equations(stencil, out));
-            }
+            force_stencils.push(solids.push_term(&body.solid, &numbering));
             if let (true, Some(density)) = (dynamic, body.density) {
                 let mass = body.mass(density);
                 mass.stencils().for_each(|stencil| solids.push(|out| numbering.node_equations(stencil, out)));
                 body_masses.push(mass);
             }
         }
-        first_stencil.push(solids.starts.len());
+        force_stencils.extend(model.parts.iter().map(|part| solids.push_term(&**part, &numbering)));
+        // What does not follow has no tangent.
+        let mut of_load = |load: &Load| if load.follows() { solids.push_term(load, &numbering) } else { 0..0 };
+        let load_stencils = model.loads.iter().map(&mut of_load).collect();
         let has_followers = model.loads.iter().any(Load::follows);
-        let mut first_load_stencil = Vec::new();
-        for load in &model.loads {
-            first_load_stencil.push(solids.starts.len());
-            if load.follows() {
-                load.stencils(&[], &mut |nodes, _| solids.push(|out| numbering.node_equations(nodes, out)));
-            }
-        }
-        first_load_stencil.push(solids.starts.len());
         let has_dead_loads = model.loads.iter().any(|load| !load.follows());
-        let mut first_part_stencil = Vec::with_capacity(model.parts.len() + 1);
-        for part in &model.parts {
-            first_part_stencil.push(solids.starts.len());
-            part.stencils(&[], &mut |vectors, _| solids.push(|out| numbering.node_equations(vectors, out)));
-        }
-        first_part_stencil.push(solids.starts.len());
         let part_masses: Vec<PartMass> =
             if dynamic { model.parts.iter().map(|part| PartMass::new(&**part)).collect() } else { Vec::new() };
         for &(i, j, _) in part_masses.iter().flat_map(|mass| &mass.entries) {
@@ -264,7 +247,7 @@ impl System {
             if body.density.is_some()
                 && let Some(mass) = of_bodies.next()
             {
-                let (map, values, first_stencil) = (&solid_map, &mut mass_values[..], first_stencil[b]);
+                let (map, values, first_stencil) = (&solid_map, &mut mass_values[..], force_stencils[b].start);
                 mass.add_to_tangent(1.0, TangentTarget { map, first_stencil, factor: 1.0, values });
                 mass_length += mass.total() / (body.nodes.len().max(1) as f64) * h;
             }
@@ -301,7 +284,6 @@ impl System {
             solid_to_global: Vec::new(),
             values: Vec::new(),
             solid_values: vec![0.0; nnz],
-            workspaces: model.bodies.iter().map(|_| Workspace::default()).collect(),
             stencils: solids,
             touched: Vec::new(),
             support: if model.contacts.is_empty() { Vec::new() } else { own.clone() },
@@ -314,7 +296,7 @@ impl System {
             force_scale: 0.0,
             gap_measure: 0.0,
             auxiliary_square: 0.0,
-            works: Works::new(model.bodies.len(), model.parts.len(), model.contacts.len()),
+            works: Works::new(model.bodies.len() + model.parts.len(), model.contacts.len()),
             contact_time: PhaseTime::default(),
             shift: Vec::new(),
             weighted: Vec::new(),
@@ -322,8 +304,6 @@ impl System {
             expanded: Vec::new(),
             groups,
             first_grouped,
-            first_part_stencil,
-            first_load_stencil,
             mass_solver: None,
             rhs: vec![0.0; n],
             increment: vec![0.0; n],
@@ -338,7 +318,8 @@ impl System {
             masses,
             solid_pattern,
             solid_map,
-            first_stencil,
+            force_stencils,
+            load_stencils,
             mass_values,
             slot_width: (model.contacts.iter())
                 .map(|pair| 1 + Auxiliary::equations(pair.term.auxiliaries()) as u32)

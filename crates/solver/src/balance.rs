@@ -20,7 +20,7 @@ pub struct Balance {
     /// Energy dissipated since the start, non-decreasing: by friction, dampers and the damping of bodies, and the kinetic energy that is dropped when a static stage
     /// follows a dynamic one.
     pub dissipation: f64,
-    /// The part of `dissipation` by the damping of bodies ([`crate::Damping`]).
+    /// The part of `dissipation` in bodies: by their damping ([`crate::Damping`]) and their materials.
     pub damping: f64,
     /// External work since the start: of loads that vary in time and of prescribed motion, and the jumps of `potential`, `contact` and `kinetic` where loads and
     /// couplings are switched on or off and where a dynamic stage sets velocities.

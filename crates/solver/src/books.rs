@@ -75,14 +75,14 @@ impl Books {
 /// Work of forces in the step that was evaluated last, before the weights of the scheme.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Works {
-    pub bodies: Vec<f64>,
-    pub parts: Vec<f64>,
+    /// Of bodies, then of parts.
+    pub forces: Vec<f64>,
     pub couplings: Vec<f64>,
 }
 
 impl Works {
-    pub fn new(bodies: usize, parts: usize, couplings: usize) -> Self {
-        Self { bodies: vec![0.0; bodies], parts: vec![0.0; parts], couplings: vec![0.0; couplings] }
+    pub fn new(forces: usize, couplings: usize) -> Self {
+        Self { forces: vec![0.0; forces], couplings: vec![0.0; couplings] }
     }
 }
 

@@ -76,7 +76,7 @@ pub struct Checkpoint {
     pub mean_pressures: Vec<Vec<f64>>,
     /// Active slots of each contact pair.
     pub active: Vec<Vec<bool>>,
-    /// Histories of the contact methods.
+    /// Histories of all terms: bodies, parts, loads, couplings.
     pub histories: Vec<Vec<u8>>,
     /// Forces at prescribed components and contact forces at the last step, for output.
     pub reactions: Vec<f64>,

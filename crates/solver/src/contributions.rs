@@ -2,7 +2,9 @@
 
 use crate::Model;
 use crate::numbering::Numbering;
+use std::ops::Range;
 use stoss_linalg::NONE;
+use stoss_term::Term;
 
 /// Lists of equation numbers, flat.
 #[derive(Debug, Default, Clone)]
@@ -16,6 +18,14 @@ impl StencilList {
         self.starts.push(self.entries.len());
         fill(&mut self.entries);
     }
+
+    /// Those of a term without slots; returns their numbers.
+    pub fn push_term(&mut self, term: &dyn Term, numbering: &Numbering) -> Range<usize> {
+        let first = self.starts.len();
+        term.stencils(&[], &mut |nodes, _| self.push(|out| numbering.node_equations(nodes, out)));
+        first..self.starts.len()
+    }
+
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
         (0..self.starts.len()).map(|k| {
             let end = self.starts.get(k + 1).copied().unwrap_or(self.entries.len());

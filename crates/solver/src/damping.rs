@@ -76,11 +76,11 @@ impl FeSystem<'_> {
         tangent: Option<DampingTangent>,
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        let System {
-            solid_map: map, solid_values, first_stencil, masses, workspaces, stabilisation, has_rates, ..
-        } = &mut *self.system;
+        let System { solid_map: map, solid_values, force_stencils, masses, stabilisation, has_rates, .. } =
+            &mut *self.system;
         if let Some(stabilisation) = stabilisation.as_ref().filter(|_| !*has_rates) {
-            for (mass, &first_stencil) in stabilisation.masses().iter().zip(&*first_stencil) {
+            for (mass, stencils) in stabilisation.masses().iter().zip(&*force_stencils) {
+                let first_stencil = stencils.start;
                 mass.multiply_add(stabilisation.ramp, v, out);
                 if let Some(DampingTangent { weight, rate, .. }) = tangent {
                     let target = TangentTarget { map, first_stencil, factor: stabilisation.ramp, values: solid_values };
@@ -91,7 +91,7 @@ impl FeSystem<'_> {
         }
         for (b, body) in self.model.bodies.iter().enumerate() {
             let Damping { mass, stiffness } = body.damping;
-            let first_stencil = first_stencil[b];
+            let first_stencil = force_stencils[b].start;
             if mass > 0.0
                 && let Some(matrix) = masses.bodies.get(b)
             {
@@ -110,7 +110,7 @@ impl FeSystem<'_> {
                     values: &mut *solid_values,
                 });
                 let rate = ViscousRate { q, v, factor: stiffness, slopes };
-                body.solid.add_viscous_force(rate, out, target, &mut workspaces[b])?;
+                body.solid.add_viscous_force(rate, out, target)?;
             }
         }
         Ok(())

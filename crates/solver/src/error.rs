@@ -207,9 +207,8 @@ pub enum SimulationError {
     Checkpoint(#[from] CheckpointError),
 }
 
-/// An element that is inverted, or whose law has no stress, has no force at these positions.
 impl From<SolidError> for StepError {
     fn from(error: SolidError) -> Self {
-        Self::Term(Fault::undefined(error))
+        Self::Term(error.into())
     }
 }

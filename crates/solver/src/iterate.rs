@@ -1,6 +1,7 @@
 //! The iterate of a step.
 
 use crate::embedding::Followed;
+use crate::terms::Line;
 use stoss_integrators::{EndPoint, Step};
 use stoss_term::At;
 
@@ -56,6 +57,20 @@ impl Iterate {
             rates: step.rule.has_inertia(),
             auxiliaries,
             ..At::constraint([&step.state_n.q, &self.q], rule, multipliers, active)
+        }
+    }
+
+    /// What the forces of a step are evaluated at.
+    pub fn force_at<'a>(&'a self, step: &Step<'a>) -> At<'a> {
+        let at = At::force([&step.state_n.q, &self.q], step.rule.force.rule, step.dt);
+        At { time: step.state_n.time, rates: step.rule.has_inertia(), ..at }
+    }
+
+    /// What a term of a line is evaluated at in a step.
+    pub fn at_line<'a>(&'a self, line: Line, step: &Step<'a>) -> At<'a> {
+        match line {
+            Line::Force => self.force_at(step),
+            Line::Constraint(coupling) => self.at(coupling, step),
         }
     }
 

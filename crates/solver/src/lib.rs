@@ -54,6 +54,7 @@ mod step;
 mod switches;
 mod system;
 mod table;
+mod terms;
 mod timing;
 mod words;
 

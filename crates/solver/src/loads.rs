@@ -125,7 +125,7 @@ impl Term for Load {
         }
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = at.rule.force() else { return Ok(()) };
         let theta = rule.load_fraction();
         let magnitude = |column: usize| self.magnitude.value(at.time + theta * at.dt, column);

@@ -46,6 +46,11 @@ pub struct Body {
 }
 
 impl Body {
+    /// The components of its nodes.
+    pub(crate) fn components(&self) -> Range<usize> {
+        3 * self.nodes.start as usize..3 * self.nodes.end as usize
+    }
+
     /// The mass with a density.
     pub fn mass(&self, density: f64) -> MassMatrix {
         match &self.massless {

@@ -6,10 +6,10 @@ use crate::iterate::Iterate;
 use crate::system::FeSystem;
 use crate::{Coupling, Load, Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
-use stoss_integrators::{Buffers, ForceRule, Step, evaluate};
+use stoss_integrators::{Buffers, Step, evaluate};
 use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
 use stoss_newton::{LineSearch, NewtonProblem, Potential, ResidualNorms};
-use stoss_term::{Auxiliary, Rule, Term as _};
+use stoss_term::{Auxiliary, Rule, Term as _, Work};
 
 /// Motions below this fraction of an edge length in a step are not resolved relative to themselves: the forces that they
 /// need are the smallest scale that the residual is measured against. Without it a free, unstressed flight, whose
@@ -272,11 +272,11 @@ impl StepProblem<'_> {
 /// Energy of deformation and of potentials in a static step, minus what dead loads and stabilisation did since its start.
 fn potential_energy(model: &Model, system: &System, iterate: &Iterate, step: &Step<'_>) -> Result<f64, StepError> {
     let mut energy = 0.0;
-    for body in &model.bodies {
-        energy += body.solid.strain_energy(&iterate.q)?;
-    }
-    for (part, _) in model.parts.iter().zip(&system.acting.parts).filter(|(_, acts)| **acts) {
-        energy += part.energy(&iterate.q)?;
+    let at = iterate.force_at(step);
+    for (term, _) in model.forces(&system.acting).filter(|(_, acts)| *acts) {
+        // Of what dissipates without rates, the potential of the step has both.
+        let Work { stored, dissipated, .. } = term.work(&at)?;
+        energy += stored + dissipated;
     }
     for (c, pair) in model.couplings() {
         energy += pair.term.work(&iterate.at(c, step))?.stored;
@@ -307,9 +307,9 @@ impl StepProblem<'_> {
         loads.filter(|(_, acts)| **acts).map(|(load, _)| load)
     }
 
-    fn has_symmetric_parts(&self) -> bool {
+    fn has_symmetric_forces(&self) -> bool {
         let rule = Rule::Force(self.step.rule.force.rule);
-        self.model.parts.iter().zip(&self.system.acting.parts).all(|(part, acts)| !acts || part.is_symmetric(rule))
+        self.model.forces(&self.system.acting).all(|(term, acts)| !acts || term.is_symmetric(rule))
     }
 
     /// Whether every part of the tangent is symmetric under the rule of the step. With a weight on constraint forces the constraint rows, which
@@ -317,11 +317,10 @@ impl StepProblem<'_> {
     pub(crate) fn is_symmetric(&self) -> bool {
         let rule = &self.step.rule;
         let contact = Rule::Constraint(rule.constraint.rule);
-        rule.force.rule != ForceRule::DiscreteGradient
-            && self.acting_loads().all(|load| load.is_symmetric(Rule::Force(rule.force.rule)))
+        self.acting_loads().all(|load| load.is_symmetric(Rule::Force(rule.force.rule)))
             && (!(self.system.has_damping && self.system.has_rates)
                 || self.model.bodies.iter().all(|body| body.damping.stiffness == 0.0))
-            && self.has_symmetric_parts()
+            && self.has_symmetric_forces()
             && (self.model.contacts.is_empty()
                 || rule.constraint.weight == 1.0
                     && self.model.couplings().all(|(_, pair)| pair.term.is_symmetric(contact)))
@@ -334,7 +333,7 @@ impl StepProblem<'_> {
         let rule = self.step.rule.constraint.rule;
         !self.step.rule.has_inertia()
             && !self.acting_loads().any(Load::follows)
-            && self.has_symmetric_parts()
+            && self.has_symmetric_forces()
             && self.model.contacts.iter().filter_map(Coupling::potential).all(|of| of.has_energy(rule))
             && !self.iterate.active.iter().flatten().any(|&active| active)
     }

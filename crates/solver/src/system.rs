@@ -6,7 +6,6 @@ use crate::mass_solve::MassSolver;
 use crate::rows::SmoothedPair;
 use crate::{Model, StepError};
 use std::ops::Range;
-use stoss_fe_solid::{SolidStep, TangentTarget};
 use stoss_integrators::{DampingTangent, ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::{ScatterMap, vector};
 use stoss_term::{At, Auxiliary, Fault, Term, Undefined};
@@ -50,7 +49,7 @@ struct Sink<'a> {
 }
 
 impl Sink<'_> {
-    /// Adds all contributions of a term, which has these stencils.
+    /// Adds all contributions of a term, which has these stencils. Those of a tangent of weight one are added as they are.
     fn add(&mut self, term: &dyn Term, at: &At<'_>, stencils: Range<usize>) -> Result<(), Fault> {
         (self.work, self.stencil) = (0.0, stencils.start);
         term.assemble(at, self.tangent.is_some(), &mut |local| {
@@ -59,10 +58,14 @@ impl Sink<'_> {
                 self.out[first..first + 3].iter_mut().zip(r).for_each(|(o, r)| *o += self.sign * r);
             }
             self.work += work_at(&local.nodes, &local.residual, at.q_n, at.q_np1);
-            if let Some(factor) = self.tangent {
-                self.weighted.clear();
-                self.weighted.extend(local.tangent.iter().map(|t| factor * t));
-                self.map.add(self.stencil, self.weighted, self.values);
+            match self.tangent {
+                None => {}
+                Some(1.0) => self.map.add(self.stencil, &local.tangent, self.values),
+                Some(factor) => {
+                    self.weighted.clear();
+                    self.weighted.extend(local.tangent.iter().map(|t| factor * t));
+                    self.map.add(self.stencil, self.weighted, self.values);
+                }
             }
             self.stencil += 1;
         })?;
@@ -95,17 +98,17 @@ impl FeSystem<'_> {
         tangent: Option<f64>,
     ) -> Result<(), StepError> {
         let at = self.force_at(step, rule);
-        let System { load_support, follower, solid_map, solid_values, weighted, first_load_stencil, acting, .. } =
+        let System { load_support, follower, solid_map, solid_values, weighted, load_stencils, acting, .. } =
             &mut *self.system;
         for range in load_support.iter() {
             follower[range.clone()].fill(0.0);
         }
         let (out, map, values) = (&mut follower[..], &*solid_map, &mut solid_values[..]);
         let mut sink = Sink { out, sign: -1.0, map, values, tangent, weighted, stencil: 0, work: 0.0 };
-        let loads = self.model.loads.iter().zip(&acting.loads).zip(first_load_stencil.windows(2));
+        let loads = self.model.loads.iter().zip(&acting.loads).zip(&*load_stencils);
         // What is off keeps its place in the pattern.
-        for ((load, _), ends) in loads.filter(|((load, acts), _)| **acts && load.follows()) {
-            sink.add(load, &at, ends[0]..ends[1])?;
+        for ((load, _), stencils) in loads.filter(|((load, acts), _)| **acts && load.follows()) {
+            sink.add(load, &at, stencils.clone())?;
         }
         Ok(())
     }
@@ -149,25 +152,7 @@ impl SecondOrderSystem for FeSystem<'_> {
         tangent: Option<f64>,
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        let s = &mut *self.system;
-        let solid_step = SolidStep { q_n: step.q_n, q_np1: step.q_np1, rule };
-        for (b, body) in self.model.bodies.iter().enumerate() {
-            let target = tangent.map(|factor| TangentTarget {
-                map: &s.solid_map,
-                first_stencil: s.first_stencil[b],
-                factor,
-                values: &mut s.solid_values,
-            });
-            let before = s.has_linearised.then_some(&s.linearised[..]);
-            body.solid.assemble_after(before, solid_step, 1.0, out, target, &mut s.workspaces[b])?;
-        }
-        for (b, body) in self.model.bodies.iter().enumerate() {
-            let components = 3 * body.nodes.start as usize..3 * body.nodes.end as usize;
-            s.works.bodies[b] = work_of(out, components, step.q_n, step.q_np1);
-        }
-        if !self.model.parts.is_empty() {
-            self.add_part_forces(step, rule, tangent, out)?;
-        }
+        self.add_forces(step, rule, tangent, out)?;
         let s = &mut *self.system;
         s.force_scale = vector::norm2_of(out, &s.own);
         if s.has_dead_loads {
@@ -233,8 +218,8 @@ impl SecondOrderSystem for FeSystem<'_> {
 }
 
 impl FeSystem<'_> {
-    /// Forces of springs, beams, strings.
-    fn add_part_forces(
+    /// Forces of bodies and parts.
+    fn add_forces(
         &mut self,
         step: StepConfiguration<'_>,
         rule: ForceRule,
@@ -242,15 +227,22 @@ impl FeSystem<'_> {
         out: &mut [f64],
     ) -> Result<(), StepError> {
         let at = self.force_at(step, rule);
-        let System { solid_map, solid_values, weighted, acting, works, first_part_stencil, .. } = &mut *self.system;
+        let System {
+            solid_map, solid_values, weighted, acting, works, force_stencils, linearised, has_linearised, ..
+        } = &mut *self.system;
+        let at = At { before: has_linearised.then_some(&linearised[..]), ..at };
         let (map, values, stencil) = (&*solid_map, &mut solid_values[..], 0);
         let mut sink = Sink { out, sign: 1.0, map, values, tangent, weighted, stencil, work: 0.0 };
-        let parts = self.model.parts.iter().zip(&acting.parts).zip(first_part_stencil.windows(2));
-        for (((part, &acts), ends), work) in parts.zip(&mut works.parts) {
-            *work = 0.0;
+        let forces = self.model.forces(acting).zip(&*force_stencils).enumerate();
+        for (f, ((term, acts), stencils)) in forces {
+            works.forces[f] = 0.0;
             if acts {
-                sink.add(&**part, &at, ends[0]..ends[1])?;
-                *work = sink.work;
+                sink.add(term, &at, stencils.clone())?;
+                works.forces[f] = match self.model.bodies.get(f) {
+                    // Its nodes have no other forces yet.
+                    Some(body) => work_of(sink.out, body.components(), step.q_n, step.q_np1),
+                    None => sink.work,
+                };
             }
         }
         Ok(())

@@ -50,13 +50,16 @@ pub struct At<'a> {
     pub auxiliaries: &'a [f64],
     /// Which slots act.
     pub active: &'a [bool],
+    /// The positions at which the linear equations were solved last in this step: mixed solids linearise about what that solution says of their pressures.
+    pub before: Option<&'a [f64]>,
 }
 
 impl<'a> At<'a> {
     /// Of the forces of a step with rates.
     pub fn force([q_n, q_np1]: [&'a [f64]; 2], rule: ForceRule, dt: f64) -> Self {
         let rule = Rule::Force(rule);
-        Self { q_n, q_np1, rule, time: 0.0, dt, rates: true, multipliers: &[], auxiliaries: &[], active: &[] }
+        let (multipliers, auxiliaries, active) = (&[], &[], &[]);
+        Self { q_n, q_np1, rule, time: 0.0, dt, rates: true, multipliers, auxiliaries, active, before: None }
     }
 
     /// Of constraints with these multipliers, of which those act that `active` names.

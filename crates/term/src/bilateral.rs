@@ -3,7 +3,7 @@
 use crate::{Fault, JointReport, SupportedNode};
 
 /// Constraints that always hold: joints, mesh ties, rigidity, sliding supports. Their slots are active from the first step to the last, whatever the sign of their multipliers.
-pub trait Bilateral {
+pub trait Bilateral: Sync {
     /// What a slot is, for impacts.
     fn slot_kind(&self, _slot: usize) -> SlotKind {
         SlotKind::Equation

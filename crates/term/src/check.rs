@@ -145,7 +145,11 @@ pub struct Promises {
 ///
 /// # Errors
 /// Where the term cannot be evaluated.
-pub fn promises(term: &mut dyn Term, at: &At<'_>, is_direction: &dyn Fn(u32) -> bool) -> Result<Promises, Fault> {
+pub fn promises(
+    term: &mut dyn Term,
+    at: &At<'_>,
+    is_direction: &(dyn Fn(u32) -> bool + Sync),
+) -> Result<Promises, Fault> {
     term.renew(at, true)?;
     let mut stencils = Vec::new();
     term.stencils(at.active, &mut |nodes, slots| stencils.push((nodes.to_vec(), slots.to_vec())));
@@ -244,7 +248,12 @@ mod tests {
         fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
             visit(&[0], &[]);
         }
-        fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+        fn assemble(
+            &self,
+            at: &At<'_>,
+            want_tangent: bool,
+            visit: &mut (dyn FnMut(&Local) + Send),
+        ) -> Result<(), Fault> {
             let mut local = Local::default();
             local.begin(&[0], want_tangent);
             for i in 0..3 {

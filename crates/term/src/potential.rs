@@ -69,7 +69,7 @@ pub struct SurfaceForce {
 ///
 /// The balance of energy stays exact under [`GradientRule::DiscreteGradient`] if the force of a step does the work `V(q_n) - V(q_np1)`; both momenta stay if it has
 /// neither resultant nor moment about `(q_n + q_np1)/2`.
-pub trait Potential {
+pub trait Potential: Sync {
     /// Whether under a rule the forces are the gradient of the energy at the end of the step, but for friction that [`Self::friction_along`] accounts for.
     fn has_energy(&self, _rule: GradientRule) -> bool {
         false

@@ -1,6 +1,6 @@
-//! What constraints and potentials are told when a step begins.
+//! What terms are told when a step begins.
 
-use stoss_integrators::GradientRule;
+use stoss_integrators::{ForceRule, GradientRule};
 
 /// What a constraint does to a node that it joins, as far as others have to know it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +82,8 @@ pub struct Step<'a> {
     pub dt: f64,
     /// Where the gradients of constraints are taken.
     pub rule: GradientRule,
+    /// Where forces are taken.
+    pub force: ForceRule,
     /// Whether there is inertia. In statics nothing is viscous, and no energy is at stake.
     pub rates: bool,
     /// Whether the usual iterations of this step failed: weights that only steer them, and that no result depends on, are chosen with care.
@@ -100,7 +102,7 @@ static FREE: Support =
     Support { prescribed: Vec::new(), wholly: Vec::new(), partly: Vec::new(), on_surface: Vec::new() };
 
 impl<'a> Step<'a> {
-    /// A step with inertia from `q_n`, from the time zero on, of nodes that nothing else holds, with nothing in reach that does not touch, and no velocities to look ahead with. Other values
+    /// A step with inertia from `q_n`, from the time zero on, of nodes that nothing else holds, with nothing in reach that does not touch, no velocities to look ahead with, and forces at the end. Other values
     /// go before: `Step { reach: 0.1, ..Step::new(q_n, rule, dt) }`.
     pub fn new(q_n: &'a [f64], rule: GradientRule, dt: f64) -> Self {
         Self {
@@ -110,6 +112,7 @@ impl<'a> Step<'a> {
             end: dt,
             dt,
             rule,
+            force: ForceRule::END_POINT,
             rates: true,
             careful: false,
             impacts: false,

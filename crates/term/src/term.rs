@@ -6,7 +6,7 @@ use crate::{
 };
 use std::ops::Range;
 
-/// Whatever adds to the residual of a step: a beam, a spring, a load, a joint, a tie, a contact. (Solids hand their elements to the solver in blocks, by threads.)
+/// Whatever adds to the residual of a step: a solid, a beam, a spring, a load, a joint, a tie, a contact.
 ///
 /// Its unknowns are vectors in space that all terms share (nodes, centres, directors: three components each, numbered together), and multipliers of its own: one a *slot*, and
 /// [`auxiliaries`](Self::auxiliaries). The number of slots is constant for a run; slots that are not active contribute nothing.
@@ -92,11 +92,17 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// Nodes and slots of contributions that do not act and may well do so in this step; called after `begin`. A hint: the
     /// matrix gets room for them, so that no symbolic work is needed when they come.
     fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
-    /// Residual and, if asked, tangent of every active contribution: what it adds to the line of the residual that [`At::rule`] names, nothing to others. A pure function.
+    /// Residual and, if asked, tangent of every active contribution: what it adds to the line of the residual that [`At::rule`] names, nothing to others. A pure function; threads may compute, the
+    /// visitor is called in the order of `stencils`.
     ///
     /// # Errors
     /// The contribution has no value at these positions.
-    fn assemble(&self, _at: &At<'_>, _want_tangent: bool, _visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(
+        &self,
+        _at: &At<'_>,
+        _want_tangent: bool,
+        _visit: &mut (dyn FnMut(&Local) + Send),
+    ) -> Result<(), Fault> {
         Ok(())
     }
     /// Values from which the iteration starts, for every active slot: at the start of an attempt and after every change of the active set or

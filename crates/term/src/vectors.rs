@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 /// Vectors that belong to one term only, with a constant mass.
-pub trait Vectors {
+pub trait Vectors: Sync {
     /// Their numbers.
     fn own_vectors(&self) -> Range<u32>;
 

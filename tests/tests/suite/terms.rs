@@ -24,6 +24,9 @@ const SCENES: [(&str, usize); 14] = [
     ("two-blocks-friction", 34),
 ];
 
+/// Bodies of more elements are left out.
+const MOST_ELEMENTS: usize = 400;
+
 fn shipped(name: &str) -> Simulation {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(name).with_extension("toml");
     simulation(&std::fs::read_to_string(path).unwrap())
@@ -56,15 +59,17 @@ impl Case<'_> {
         At { rule, dt: self.dt, rates: true, auxiliaries: &self.auxiliaries, ..at }
     }
 
-    fn check(&mut self, rule: Rule, is_direction: &dyn Fn(u32) -> bool, count: &mut Count) {
+    fn check(&mut self, rule: Rule, is_direction: &(dyn Fn(u32) -> bool + Sync), count: &mut Count) {
         let name = format!("{} {rule:?}", self.name);
-        if let Some(constraint) = rule.constraint() {
-            let reach = self.length;
-            let step = Step { reach, ..Step::new(self.q_n, constraint, self.dt) };
-            // A rule that a method does not have.
-            if self.term.begin(&step).is_err() {
-                return;
-            }
+        let step = match rule {
+            Rule::Force(force) => Step { force, ..Step::new(self.q_n, GradientRule::EndPoint, self.dt) },
+            Rule::Constraint(rule) => Step { reach: self.length, ..Step::new(self.q_n, rule, self.dt) },
+        };
+        // A rule that a method does not have.
+        if self.term.begin(&step).is_err() {
+            return;
+        }
+        if rule.constraint().is_some() {
             if let Some(method) = self.term.unilateral_mut() {
                 method.repair(self.q_np1, &self.active).unwrap();
             }
@@ -162,7 +167,7 @@ fn moved(q: &[f64], length: f64) -> Vec<f64> {
 }
 
 /// Positions `q` after a rigid motion, with a translation by `length`.
-fn turned(q: &[f64], is_direction: &dyn Fn(u32) -> bool, length: f64) -> Vec<f64> {
+fn turned(q: &[f64], is_direction: &(dyn Fn(u32) -> bool + Sync), length: f64) -> Vec<f64> {
     let (axis, (sin, cos)) = ([1.0, 2.0, -2.0].map(|n: f64| n / 3.0), 0.05_f64.sin_cos());
     let turn = |x: [f64; 3]| -> [f64; 3] {
         let along: f64 = (0..3).map(|i| axis[i] * x[i]).sum();
@@ -192,14 +197,17 @@ fn terms_keep_what_the_trait_promises() {
             .flat_map(|(part, own)| own.clone().filter(|&v| part.is_direction(v)).collect::<Vec<_>>())
             .collect();
         let is_direction = |node: u32| directions.contains(&node);
-        let Model { parts, contacts, embedding, .. } = &mut model;
-        for part in parts {
-            let length = 0.01 * part.length_scale();
+        let Model { bodies, parts, contacts, embedding, .. } = &mut model;
+        // What a body of many elements does is what one of few does.
+        let bodies = bodies.iter_mut().filter(|body| body.solid.element_count() <= MOST_ELEMENTS);
+        let bodies = bodies.map(|body| &mut body.solid as &mut dyn Term);
+        for term in bodies.chain(parts.iter_mut().map(|part| &mut **part as &mut dyn Term)) {
+            let length = 0.01 * term.length_scale();
             let q_np1 = moved(&q_n, length);
-            let name = format!("{name}: {}", part.name());
+            let name = format!("{name}: {}", term.name());
             let empty = (Vec::new(), Vec::new(), Vec::new());
             let (multipliers, auxiliaries, active) = empty;
-            let (term, q_n, q_np1) = (&mut **part, &q_n[..], &q_np1[..]);
+            let (q_n, q_np1) = (&q_n[..], &q_np1[..]);
             let mut case = Case { name, term, q_n, q_np1, multipliers, auxiliaries, active, length, dt };
             for rule in [ForceRule::START, ForceRule::MIDPOINT, ForceRule::END_POINT, ForceRule::DiscreteGradient] {
                 case.check(Rule::Force(rule), &is_direction, &mut count);

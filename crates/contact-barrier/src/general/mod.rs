@@ -239,7 +239,7 @@ impl Term for GeneralContact {
         }
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         if at.rule.constraint().is_none() {
             return Ok(());
         }

@@ -32,7 +32,7 @@ impl TiedNode {
         multipliers: &[f64],
         want_tangent: bool,
         local: &mut Local,
-        visit: &mut dyn FnMut(&Local),
+        visit: &mut (dyn FnMut(&Local) + Send),
     ) {
         let lambda = self.multipliers(multipliers);
         local.slots.clone_from(&self.slots);
@@ -132,7 +132,7 @@ impl Term for MeshTie {
         self.for_each_stencil(active, visit);
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
         let At { multipliers: pressures, active, .. } = *at;
         let mut local = Local::default();

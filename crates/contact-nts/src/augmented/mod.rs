@@ -300,7 +300,7 @@ impl Term for CoordinateAugmented {
         Ok(())
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
         let At { multipliers: pressures, active, .. } = *at;
         let mut started = Vec::new();

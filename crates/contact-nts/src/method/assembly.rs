@@ -180,7 +180,7 @@ impl Term for NodeToSurface {
         if self.has_stick_multipliers() { &[Auxiliary::Constraint; 2] } else { &[] }
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
         let At { multipliers: pressures, auxiliaries, active, .. } = *at;
         let further = self.auxiliaries().len();

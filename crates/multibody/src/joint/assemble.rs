@@ -232,7 +232,7 @@ impl Term for Joint {
         }
     }
 
-    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
         let At { multipliers, active, .. } = *at;
         let mut local = Local::default();

@@ -11,6 +11,7 @@ use crate::rows::Rows;
 use crate::smooth::attempt_smoothed;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::FeSystem;
+use crate::terms::Line;
 use crate::{
     Automatic, Balance, ContactSummary, Coupling, DecisionKind, Phase, PhaseTime, SimulationError, StepChange,
     StepError, StepRecord,
@@ -130,9 +131,6 @@ impl Simulation {
         let dt = self.clock.dt();
         let time = self.state.time;
         let rule = self.step_rule(dt);
-        for body in &mut self.model.bodies {
-            body.solid.begin_step(&self.state.q, rule.force.rule)?;
-        }
         self.set_dead_loads(time + rule.force.rule.load_fraction() * dt);
         self.system.set_ramp(self.ramp(self.clock.next_time()));
         let (start, other) = self.starts(dt);
@@ -163,36 +161,31 @@ impl Simulation {
         }
     }
 
-    /// Search and projection at the last positions.
-    pub(super) fn begin_contact(&mut self, dt: f64, rule: StepRule, careful: bool) -> Result<(), StepError> {
-        if self.model.contacts.is_empty() {
-            return Ok(());
-        }
+    /// Begins a step of all terms that act: what they keep of the last positions, search and projection there.
+    pub(super) fn begin_terms(&mut self, dt: f64, rule: StepRule, careful: bool) -> Result<(), StepError> {
         // The farthest that two surfaces can approach each other in the step if nothing accelerates them much.
         let speed = self.model.embedding.largest_of(&self.system.own, &self.state.v);
-        let reach = 2.0 * speed * dt;
-        let end = self.clock.next_time();
-        let (model, state, support) = (&mut self.model, &self.state, &self.support);
-        self.timings.measure(Phase::Search, || -> Result<(), StepError> {
-            let step = ContactStep {
-                q_n: &state.q,
-                v_n: &state.v,
-                time: state.time,
-                end,
-                dt,
-                rule: rule.constraint.rule,
-                rates: rule.has_inertia(),
-                careful,
-                impacts: Self::has_impacts(&rule),
-                reach,
-                support,
-            };
-            for (_, pair) in model.couplings_mut() {
-                let reach = reach + 0.5 * pair.term.length_scale();
-                pair.term.begin(&ContactStep { reach, ..step })?;
-            }
-            Ok(())
-        })
+        let state = &self.state;
+        let step = ContactStep {
+            q_n: &state.q,
+            v_n: &state.v,
+            time: state.time,
+            end: self.clock.next_time(),
+            dt,
+            rule: rule.constraint.rule,
+            force: rule.force.rule,
+            rates: rule.has_inertia(),
+            careful,
+            impacts: Self::has_impacts(&rule),
+            reach: 2.0 * speed * dt,
+            support: &self.support,
+        };
+        for (line, _, term) in self.model.terms_mut(&self.system.acting).filter(|(_, acts, _)| *acts) {
+            let phase = if line == Line::Force { Phase::Assembly } else { Phase::Search };
+            let reach = step.reach + 0.5 * term.length_scale();
+            self.timings.measure(phase, || term.begin(&ContactStep { reach, ..step }))?;
+        }
+        Ok(())
     }
 
     /// How to start, and how to start if an element is inverted there.
@@ -248,7 +241,7 @@ impl Simulation {
     ) -> Result<Completed, StepError> {
         // Also after an attempt from elsewhere, which has changed pairings.
         let is_careful = matches!(way, Way::Careful | Way::Smoothed);
-        self.begin_contact(dt, rule, is_careful)?;
+        self.begin_terms(dt, rule, is_careful)?;
         self.system.rows = if is_careful { Rows::compliant() } else { Rows::default() };
         self.system.anchor = None;
         let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
@@ -440,10 +433,10 @@ impl Simulation {
         } else {
             (0.0, None)
         };
-        let damped_bodies = self.system.damped(dt);
+        let damped_bodies = self.system.damped(dt) + draft.dissipated_in_bodies();
         let step = Step { state_n: &self.state, dt, rule };
-        for (c, pair) in self.model.couplings_mut() {
-            pair.term.commit(&At { q_np1: &next.q, ..iterate.at(c, &step) });
+        for (line, _, term) in self.model.terms_mut(&self.system.acting).filter(|(_, acts, _)| *acts) {
+            term.commit(&At { q_np1: &next.q, ..iterate.at_line(line, &step) });
         }
         self.state = next;
         // Velocities from momenta lack the next impulse of the constraints, and get it in the next step.

@@ -6,9 +6,9 @@ use crate::books::{Books, Posting, is_measured, work_at, work_of};
 use crate::iterate::Iterate;
 use crate::{Balance, StepError};
 use std::ops::Range;
-use stoss_integrators::{ForceRule, StepRule};
+use stoss_integrators::{ForceRule, Step, StepRule};
 use stoss_linalg::vector;
-use stoss_term::{At, Term as _, Work};
+use stoss_term::{At, Term, Work};
 
 /// Books before the velocities of the end are known.
 #[derive(Debug)]
@@ -21,6 +21,11 @@ pub(super) struct Draft {
 }
 
 impl Draft {
+    /// What the materials of bodies took.
+    pub fn dissipated_in_bodies(&self) -> f64 {
+        self.books.bodies.iter().map(|body| body.dissipated).sum()
+    }
+
     /// What the dampers of parts took.
     pub fn dissipated_by_parts(&self) -> f64 {
         self.books.parts.iter().map(|part| part.dissipated).sum()
@@ -35,20 +40,8 @@ impl Draft {
 impl Simulation {
     /// Stored energies of all bodies, then of all parts; zero for parts that are off.
     pub(super) fn energies(&self, q: &[f64]) -> Result<Vec<f64>, StepError> {
-        let mut energies = self.energies_of_bodies(q)?;
-        for (part, &acts) in self.model.parts.iter().zip(&self.system.acting.parts) {
-            energies.push(if acts { part.energy(q)? } else { 0.0 });
-        }
-        Ok(energies)
-    }
-
-    /// The bodies' alone, with room for the parts'.
-    fn energies_of_bodies(&self, q: &[f64]) -> Result<Vec<f64>, StepError> {
-        let mut energies = Vec::with_capacity(self.model.bodies.len() + self.model.parts.len());
-        for body in &self.model.bodies {
-            energies.push(body.solid.strain_energy(q)?);
-        }
-        Ok(energies)
+        let of = |(term, acts): (&dyn Term, bool)| if acts { Ok(term.energy(q)?) } else { Ok(0.0) };
+        self.model.forces(&self.system.acting).map(of).collect()
     }
 
     /// Whether dampers of bodies act.
@@ -67,7 +60,6 @@ impl Simulation {
         rule: &StepRule,
         dt: f64,
     ) -> Result<Draft, StepError> {
-        let mut energies = self.energies_of_bodies(&iterate.q)?;
         if self.energies.is_empty() {
             self.energies = self.energies(&self.state.q)?;
         }
@@ -75,23 +67,20 @@ impl Simulation {
         let measured = is_measured(rule);
         let remainder = |rest: f64| if measured { rest } else { f64::NAN };
         let works = &self.system.works;
-        let mut books = Books::default();
-        for (b, body) in self.model.bodies.iter().enumerate() {
-            let of = 3 * body.nodes.start as usize..3 * body.nodes.end as usize;
-            let mut work = works.bodies[b];
-            if measured && self.is_damped() {
-                work += rule.damping_weight() * work_of(&self.system.buffers.damping, of, &self.state.q, &iterate.q);
+        let (mut books, mut energies) = (Books::default(), Vec::with_capacity(self.energies.len()));
+        let at = iterate.force_at(&Step { state_n: &self.state, dt, rule: *rule });
+        let bodies = self.model.bodies.len();
+        for (f, (term, acts)) in self.model.forces(&self.system.acting).enumerate() {
+            let Work { stored, dissipated, .. } = if acts { term.work(&at)? } else { Work::default() };
+            let mut work = works.forces[f];
+            if let Some(body) = self.model.bodies.get(f).filter(|_| measured && self.is_damped()) {
+                let damping = &self.system.buffers.damping;
+                work += rule.damping_weight() * work_of(damping, body.components(), &self.state.q, &iterate.q);
             }
-            let rest = remainder(work - (energies[b] - self.energies[b]));
-            books.bodies.push(Posting { stored: energies[b], remainder: rest, ..Posting::default() });
-        }
-        let at = At { rates: !is_static, ..At::force([&self.state.q, &iterate.q], rule.force.rule, dt) };
-        let first = self.model.bodies.len();
-        for (p, (part, &acts)) in self.model.parts.iter().zip(&self.system.acting.parts).enumerate() {
-            let Work { stored, dissipated, .. } = if acts { part.work(&at)? } else { Work::default() };
-            let rest = remainder(works.parts[p] - (stored - self.energies[first + p]) - dissipated);
+            let rest = remainder(work - (stored - self.energies[f]) - dissipated);
             energies.push(stored);
-            books.parts.push(Posting { stored, dissipated, supplied: 0.0, remainder: rest });
+            let list = if f < bodies { &mut books.bodies } else { &mut books.parts };
+            list.push(Posting { stored, dissipated, supplied: 0.0, remainder: rest });
         }
         for (c, work) in of_pairs.iter().enumerate() {
             let (stored, dissipated, supplied) = (work.stored, work.dissipated, work.driven);
@@ -137,9 +126,9 @@ impl Simulation {
         if self.is_damped() {
             let (buffers, dt) = (&self.system.buffers, self.clock.dt());
             for (posting, body) in books.bodies.iter_mut().zip(&self.model.bodies) {
-                let of = 3 * body.nodes.start as usize..3 * body.nodes.end as usize;
+                let of = body.components();
                 let dissipated = dt * vector::dot(&buffers.damping[of.clone()], &buffers.rate[of]);
-                posting.dissipated = dissipated;
+                posting.dissipated += dissipated;
                 posting.remainder -= dissipated;
             }
         }

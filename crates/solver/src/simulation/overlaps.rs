@@ -22,7 +22,7 @@ impl Simulation {
             return false;
         }
         // Measures them.
-        let measured = self.begin_contact(dt, self.step_rule(dt), false).is_ok();
+        let measured = self.begin_terms(dt, self.step_rule(dt), false).is_ok();
         let mut found = Vec::new();
         for c in ramped {
             let pair = &mut self.model.contacts[c];

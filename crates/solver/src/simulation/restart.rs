@@ -37,9 +37,9 @@ impl Simulation {
         }
     }
 
-    /// What each coupling carries from step to step.
+    /// What each term carries from step to step.
     pub(super) fn histories(&self) -> Vec<Vec<u8>> {
-        self.model.contacts.iter().map(|pair| pair.term.save_history()).collect()
+        self.model.terms().map(|term| term.save_history()).collect()
     }
 
     /// Continues from a checkpoint of the same scene in the present stage (of a new simulation: the first one), to the end of this simulation.
@@ -79,8 +79,11 @@ impl Simulation {
             return Err(mismatch(format!("it was written for {}, but this is {tag}", checkpoint.tag)));
         }
         let sizes = |p: &[Vec<f64>]| p.iter().map(Vec::len).collect::<Vec<_>>();
-        if checkpoint.q.len() != self.state.q.len() || sizes(&checkpoint.pressures) != sizes(&self.pressures) {
-            return Err(mismatch("numbers of unknowns differ".into()));
+        if checkpoint.q.len() != self.state.q.len()
+            || checkpoint.histories.len() != self.model.terms().count()
+            || sizes(&checkpoint.pressures) != sizes(&self.pressures)
+        {
+            return Err(mismatch("numbers of unknowns or of terms differ".into()));
         }
         let off = stage.as_ref().map_or(&self.off, |stage| &stage.off);
         if *off != checkpoint.off {
@@ -152,8 +155,8 @@ impl Simulation {
     }
 
     pub(super) fn load_histories(&mut self, histories: &[Vec<u8>]) -> Result<(), StepError> {
-        for (pair, bytes) in self.model.contacts.iter_mut().zip(histories) {
-            pair.term.load_history(bytes)?;
+        for ((.., term), bytes) in self.model.terms_mut(&self.system.acting).zip(histories) {
+            term.load_history(bytes)?;
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 use super::Simulation;
 use crate::assembly::no_auxiliaries;
 use crate::system::FeSystem;
+use crate::terms::Line;
 use crate::{Coupling, StepError};
 use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, State, StepConfiguration, StepRule, start};
 use stoss_linalg::{MatrixKind, vector};
@@ -37,7 +38,7 @@ impl Simulation {
             return Ok(());
         }
         self.set_dead_loads(self.state.time);
-        self.begin_contact_at_rest(rule)?;
+        self.begin_at_rest(rule)?;
         let n = self.state.q.len();
         let auxiliaries = no_auxiliaries(&self.model);
         let Self { model, system, state, pressures, active, .. } = &mut *self;
@@ -82,15 +83,16 @@ impl Simulation {
     }
 
     /// Search and integrals at the present positions, as for a step that goes nowhere.
-    fn begin_contact_at_rest(&mut self, rule: StepRule) -> Result<(), StepError> {
+    fn begin_at_rest(&mut self, rule: StepRule) -> Result<(), StepError> {
         let auxiliaries = no_auxiliaries(&self.model);
         let dt = self.clock.dt();
-        let Self { model, state, pressures, active, support, .. } = self;
-        for (c, pair) in model.couplings_mut() {
-            let step = ContactStep { rates: rule.has_inertia(), support, ..at_rest(state, dt) };
-            let reach = 0.5 * pair.term.length_scale();
-            pair.term.begin(&ContactStep { reach, ..step })?;
-            pair.term.renew(&At::end(&state.q, &pressures[c], &active[c]).with_auxiliaries(&auxiliaries[c]), false)?;
+        let Self { model, system, state, pressures, active, support, .. } = self;
+        let step = ContactStep { rates: rule.has_inertia(), support, ..at_rest(state, dt) };
+        for (line, _, term) in model.terms_mut(&system.acting).filter(|(_, acts, _)| *acts) {
+            term.begin(&ContactStep { reach: 0.5 * term.length_scale(), ..step })?;
+            if let Line::Constraint(c) = line {
+                term.renew(&At::end(&state.q, &pressures[c], &active[c]).with_auxiliaries(&auxiliaries[c]), false)?;
+            }
         }
         Ok(())
     }

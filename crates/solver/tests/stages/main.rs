@@ -547,7 +547,7 @@ impl Term for Spring {
     fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
         visit(&[self.node], &[]);
     }
-    fn assemble(&self, step: &At<'_>, want_tangent: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, step: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = step.rule.constraint() else { return Ok(()) };
         let theta = if rule == GradientRule::EndPoint { 1.0 } else { 0.5 };
         let mut local = Local { nodes: vec![self.node], ..Local::default() };

@@ -174,8 +174,10 @@ pub(super) fn bilateral(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
         }
         let pressures = vec![0.0; active.len()];
         let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
+        let mut locals = Vec::new();
         // What cannot be evaluated here stopped the run with an error of its own.
-        let _ = pair.term.assemble(&step.at(&pressures, active), true, &mut |local| {
+        let _ = pair.term.assemble(&step.at(&pressures, active), true, &mut |local| locals.push(local.clone()));
+        for local in &locals {
             let (n, dim) = (3 * local.nodes.len(), local.dim());
             for slot in 0..local.slots.len() {
                 let entries = &local.tangent[(n + slot) * dim..(n + slot) * dim + n];
@@ -190,7 +192,7 @@ pub(super) fn bilateral(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
                     rows.push(row);
                 }
             }
-        });
+        }
     }
     rows
 }

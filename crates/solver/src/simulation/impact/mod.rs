@@ -198,14 +198,14 @@ impl Simulation {
 
     /// The slots that are closed at the end of the step and carry.
     fn closed(&self, iterate: &Iterate, weight: f64, dt: f64, q: &[f64]) -> Result<Closed, StepError> {
-        let mut closed = Closed::default();
-        for (c, pair) in self.model.contacts.iter().enumerate() {
+        let (mut closed, model) = (Closed::default(), &self.model);
+        for (c, pair) in model.contacts.iter().enumerate() {
             let Some(restitution) = pair.restitution.filter(|_| pair.acts) else { continue };
             let (pressures, active) = (&iterate.pressures[c], &iterate.active[c]);
             let mut add = |row: Row, slot: usize, settling: f64, is_new: bool| {
                 if !row.is_zero() {
                     let of_body =
-                        |component: u32| self.model.bodies.iter().any(|body| body.nodes.contains(&(component / 3)));
+                        |component: u32| model.bodies.iter().any(|body| body.nodes.contains(&(component / 3)));
                     closed.is_deformable.push(row.entries.iter().any(|entry| of_body(entry.0)));
                     closed.rows.push(row);
                     closed.slots.push((c, slot));
@@ -218,15 +218,16 @@ impl Simulation {
             if let Some(method) = pair.unilateral() {
                 let carrying: Vec<bool> = active.iter().zip(pressures).map(|(active, p)| *active && *p > 0.0).collect();
                 method.constraint_gradients(q, &carrying, &mut |slot, nodes, gradient| {
-                    let row = Row::new(&self.model.embedding, nodes, gradient, 1.0);
+                    let row = Row::new(&model.embedding, nodes, gradient, 1.0);
                     add(row, slot, method.settling(slot), !self.active[c][slot]);
                 })?;
             } else if let Some(of) = pair.bilateral().filter(|of| of.has_limits()) {
+                let before = &self.pressures[c];
                 self.bilateral_rows(c, iterate, q, &mut |slot, nodes, gradient| {
                     if of.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0 {
                         // The row is minus the gradient of the gap where the multiplier is positive.
-                        let row = Row::new(&self.model.embedding, nodes, gradient, -pressures[slot].signum());
-                        add(row, slot, 0.0, self.pressures[c][slot] == 0.0);
+                        let row = Row::new(&model.embedding, nodes, gradient, -pressures[slot].signum());
+                        add(row, slot, 0.0, before[slot] == 0.0);
                     }
                 })?;
             }
@@ -240,7 +241,7 @@ impl Simulation {
         c: usize,
         iterate: &Iterate,
         q: &[f64],
-        visit: &mut dyn FnMut(usize, &[u32], &[f64]),
+        visit: &mut (dyn FnMut(usize, &[u32], &[f64]) + Send),
     ) -> Result<(), StepError> {
         let at_end = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
         let (multipliers, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
@@ -260,13 +261,13 @@ impl Simulation {
 
     /// The equations that hold at all times.
     fn held(&self, iterate: &Iterate, q: &[f64]) -> Result<Held, StepError> {
-        let mut held = Held::default();
+        let (mut held, embedding) = (Held::default(), &self.model.embedding);
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let Some(of) = pair.bilateral() else { continue };
             self.bilateral_rows(c, iterate, q, &mut |slot, nodes, gradient| {
                 let kind = of.slot_kind(slot);
                 if matches!(kind, SlotKind::Equation | SlotKind::Driven) {
-                    let row = Row::new(&self.model.embedding, nodes, gradient, 1.0);
+                    let row = Row::new(embedding, nodes, gradient, 1.0);
                     if !row.is_zero() {
                         held.rows.push(row);
                         held.slots.push((c, slot));
@@ -286,7 +287,8 @@ impl Simulation {
         rule: &StepRule,
         q: &[f64],
     ) -> Result<Vec<f64>, StepError> {
-        let configuration = StepConfiguration { q_n: &self.state.q, q_np1: q, rule: rule.constraint.rule };
+        let q_n = &self.state.q;
+        let configuration = StepConfiguration { q_n, q_np1: q, rule: rule.constraint.rule };
         let mut closings = vec![0.0; self.model.contacts.len()];
         for (c, pair) in self.model.contacts.iter().enumerate().filter(|(_, pair)| pair.restitution.is_some()) {
             if let Some(closing) = of_pairs[c].closing {
@@ -301,7 +303,7 @@ impl Simulation {
                 &mut |local| {
                     for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                         let first = 3 * node as usize;
-                        let moved = (0..3).map(|i| residual[i] * (q[first + i] - self.state.q[first + i]));
+                        let moved = (0..3).map(|i| residual[i] * (q[first + i] - q_n[first + i]));
                         work -= moved.sum::<f64>();
                     }
                 },

@@ -254,7 +254,7 @@ impl Term for Couple {
         visit(&self.directors, &[]);
     }
 
-    fn assemble(&self, step: &At<'_>, want: bool, visit: &mut dyn FnMut(&Local)) -> Result<(), Fault> {
+    fn assemble(&self, step: &At<'_>, want: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let Some(rule) = step.rule.force() else { return Ok(()) };
         let theta = if rule == ForceRule::END_POINT { 1.0 } else { 0.5 };
         let mut local = Local { nodes: self.directors.to_vec(), ..Local::default() };

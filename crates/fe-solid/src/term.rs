@@ -1,0 +1,53 @@
+//! A body as a term of a step: what a solver of whole models asks of it.
+
+use crate::{ForceRule, SolidBody, SolidError, SolidStep};
+use stoss_term::{At, Fault, Local, Rule, Step, Term};
+
+/// An element that is inverted, or whose law has no stress, has no force at these positions.
+impl From<SolidError> for Fault {
+    fn from(error: SolidError) -> Self {
+        Self::undefined(error)
+    }
+}
+
+impl Term for SolidBody {
+    fn name(&self) -> &str {
+        self.name()
+    }
+
+    fn length_scale(&self) -> f64 {
+        self.characteristic_length()
+    }
+
+    fn force_scale(&self) -> f64 {
+        let length = self.characteristic_length();
+        self.law().small_strain_moduli().shear * length * length
+    }
+
+    fn is_symmetric(&self, rule: Rule) -> bool {
+        rule != Rule::Force(ForceRule::DiscreteGradient)
+    }
+
+    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+        Ok(self.begin_step(step.q_n, step.force)?)
+    }
+
+    fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
+        SolidBody::stencils(self).for_each(|nodes| visit(nodes, &[]));
+    }
+
+    /// In rayon's current pool, if it has more than one thread; the bits do not depend on their number. Nothing is allocated after the first call.
+    fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
+        let At { q_n, q_np1, before, .. } = *at;
+        let Some(rule) = at.rule.force() else { return Ok(()) };
+        let step = SolidStep { q_n, q_np1, rule };
+        // A force that does not depend on q_np1 has no derivative.
+        let tangent = want_tangent.then_some(if rule.reads_end() { 1.0 } else { 0.0 });
+        let mut hand_out = |_, local: &Local| visit(local);
+        Ok(self.with_workspace(|workspace| self.visit(before, step, tangent, workspace, &mut hand_out))?)
+    }
+
+    fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
+        Ok(self.strain_energy(q)?)
+    }
+}
