@@ -17,21 +17,20 @@ const TOLERANCE: f64 = 1.0e-4;
 impl StepProblem<'_> {
     /// Adds the forces of the springs to the residual, and to the matrix if it is new.
     pub(crate) fn add_anchor(&mut self, want_tangent: bool) {
-        let Some(mut anchor) = self.system.anchor.take() else { return };
+        let Some(mut anchor) = self.system.present.anchor.take() else { return };
         if want_tangent && anchor.stiffness == 0.0 {
             anchor.stiffness = anchor.part * self.mean_diagonal();
         }
         let s = &mut *self.system;
-        for &component in &s.numbering.free {
+        for &component in &s.matrix.numbering.free {
             let c = component as usize;
             s.buffers.residual[c] += anchor.stiffness * (self.iterate.q[c] - anchor.from[c]);
         }
         if want_tangent {
-            let values = if s.slot_equation.is_empty() { &mut s.solid_values } else { &mut s.values };
-            let free = s.numbering.free.len() as u32;
-            (0..free).filter_map(|i| s.pattern.position(i, i)).for_each(|at| values[at] += anchor.stiffness);
+            let diagonal: Vec<(usize, f64)> = s.matrix.diagonal().collect();
+            diagonal.iter().for_each(|&(at, value)| s.matrix.values_mut()[at] = value + anchor.stiffness);
         }
-        s.anchor = Some(anchor);
+        s.present.anchor = Some(anchor);
     }
 }
 
@@ -46,10 +45,10 @@ pub(crate) fn attempt_anchored(
     let StepInput { step, mut start, prescribed, mut predict, newton } = input;
     let loose = NewtonOptions { relative_tolerance: TOLERANCE.max(newton.relative_tolerance), polish: 0, ..newton };
     for part in STIFFNESSES {
-        system.anchor = Some(Anchor { part, stiffness: 0.0, from: start.q.clone() });
+        system.present.anchor = Some(Anchor { part, stiffness: 0.0, from: start.q.clone() });
         let input = StepInput { step, start, prescribed: prescribed.clone(), predict, newton: loose };
         let found = attempt(model, system, input, timings, trace);
-        system.anchor = None;
+        system.present.anchor = None;
         let found = found?;
         trace.newton = found.newton;
         (start, predict) = (found.iterate, false);

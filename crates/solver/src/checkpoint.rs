@@ -11,7 +11,7 @@ use std::path::Path;
 use std::path::PathBuf;
 
 #[cfg(feature = "checkpoints")]
-const MAGIC: &[u8; 8] = b"STOSSCP\x0a";
+const MAGIC: &[u8; 8] = b"STOSSCP\x0b";
 
 /// Why a checkpoint cannot be written or read.
 #[derive(Debug, thiserror::Error)]

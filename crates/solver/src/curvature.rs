@@ -14,9 +14,9 @@ impl StepProblem<'_> {
     /// Whether the directions in which the energy falls can be counted: a static step with a symmetric tangent, without stabilisation, and with no unknown but positions and multipliers.
     pub(crate) fn counts_directions(&self) -> bool {
         !self.step.rule.has_inertia()
-            && !self.system.has_damping
+            && !self.system.present.has_damping
             && self.is_symmetric()
-            && self.system.slot_width.iter().all(|&width| width == 1)
+            && self.system.matrix.slots.width.iter().all(|&width| width == 1)
     }
 
     /// Independent directions in which the energy falls at a solution, from the tangent there, and in which it falls also if contact by potentials resists approach as it does but does not
@@ -33,8 +33,8 @@ impl StepProblem<'_> {
         let Ok(mut values) = self.without_softening() else { return count };
         // Motions that nothing resists, as sliding without friction, have no sign.
         let (s, shift) = (&*self.system, SMALLEST_SHIFT * self.mean_diagonal());
-        let free = s.numbering.free.len() as u32;
-        (0..free).filter_map(|i| s.pattern.position(i, i)).for_each(|at| values[at] += shift);
+        let free = s.matrix.free() as u32;
+        (0..free).filter_map(|i| s.matrix.pattern.position(i, i)).for_each(|at| values[at] += shift);
         let count = self.negative(Some(&values));
         // The next step starts with the factors of this one.
         self.negative(None);
@@ -44,7 +44,7 @@ impl StepProblem<'_> {
     /// Whether a solver that iterates sees a direction in which the energy falls.
     fn iteration_finds_any(&mut self) -> bool {
         let s = &mut *self.system;
-        let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
+        let values = s.matrix.values();
         let solver = &mut s.solver;
         self.timings.measure(Phase::Solve, || solver.is_definite(values)) == Some(false)
     }
@@ -52,7 +52,7 @@ impl StepProblem<'_> {
     /// Excess of negative eigenvalues of the tangent, or of these values on its pattern; zero if it has no factors.
     fn negative(&mut self, values: Option<&[f64]>) -> usize {
         let s = &mut *self.system;
-        let own = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
+        let own = s.matrix.values();
         let solver = &mut s.solver;
         match self.timings.measure(Phase::Factorisation, || solver.factorise(values.unwrap_or(own))) {
             Ok(()) => self.count_excess(),
@@ -63,12 +63,12 @@ impl StepProblem<'_> {
     /// The tangent with the parts of contact by potentials that have no negative curvature.
     fn without_softening(&mut self) -> Result<Vec<f64>, StepError> {
         let (model, s) = (&*self.model, &mut *self.system);
-        let mut values = s.values.clone();
+        let mut values = s.matrix.values.clone();
         let (mut k, mut expanded) = (0, Vec::new());
         for (c, pair) in model.couplings() {
             let at = self.iterate.at(c, &self.step);
             let softens = pair.is_potential();
-            let (map, transform) = (&s.contact_map, &mut s.transform);
+            let (map, transform) = (&s.matrix.map, &mut s.scratch.transform);
             pair.term.assemble(&at, softens, &mut |local| {
                 if softens {
                     let change = negative_part(&local.tangent, local.dim());

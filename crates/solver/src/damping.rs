@@ -1,6 +1,7 @@
 //! Forces of the damping of bodies in a step, and of the stabilisation of statics.
 
 use crate::assembly::System;
+use crate::matrix::Fixed;
 use crate::system::FeSystem;
 use crate::{Damping, Model, StepError};
 use stoss_fe_solid::{TangentTarget, ViscousRate};
@@ -10,13 +11,13 @@ use stoss_linalg::vector;
 impl System {
     /// Whether the present stage has inertia; without, nothing has a rate and bodies are not damped.
     pub fn set_has_rates(&mut self, has_rates: bool, model: &Model) {
-        self.has_rates = has_rates;
-        self.has_damping = has_rates && model.bodies.iter().any(|body| body.damping.acts());
+        self.present.has_rates = has_rates;
+        self.present.has_damping = has_rates && model.bodies.iter().any(|body| body.damping.acts());
     }
 
     /// What dampers of bodies took out of a step of this size: their power at the velocity of the scheme, over the step. It is a sum of squares.
     pub fn damped(&self, dt: f64) -> f64 {
-        if !(self.has_damping && self.has_rates) {
+        if !(self.present.has_damping && self.present.has_rates) {
             return 0.0;
         }
         let of = |own: &std::ops::Range<usize>| {
@@ -28,15 +29,17 @@ impl System {
 
     /// Sets the part of the stabilisation that acts at the end of a step; without a rest nothing of it is evaluated.
     pub fn set_ramp(&mut self, ramp: f64) {
-        if let Some(stabilisation) = &mut self.stabilisation {
+        if let Some(stabilisation) = &mut self.present.stabilisation {
             stabilisation.ramp = ramp;
-            self.has_damping = ramp > 0.0;
+            self.present.has_damping = ramp > 0.0;
         }
     }
 
     /// Energy whose gradient the forces of the stabilisation are in a static step of this `increment`.
     pub fn stabilisation_energy(&self, increment: &[f64], dt: f64) -> f64 {
-        let Some(stabilisation) = self.stabilisation.as_ref().filter(|_| self.has_damping) else { return 0.0 };
+        let Some(stabilisation) = self.present.stabilisation.as_ref().filter(|_| self.present.has_damping) else {
+            return 0.0;
+        };
         let mut force = vec![0.0; increment.len()];
         for mass in stabilisation.masses() {
             mass.multiply_add(0.5 * stabilisation.ramp / dt, increment, &mut force);
@@ -47,7 +50,7 @@ impl System {
     /// Work that stabilisation took in a static step with this `increment`, by the trapezium rule as that of loads is measured: before the step, where `ramp_n` of it acted, the
     /// velocities were `v_n`.
     pub fn stabilised(&self, ramp_n: f64, v_n: &[f64], increment: &[f64], dt: f64) -> f64 {
-        let Some(stabilisation) = &self.stabilisation else { return 0.0 };
+        let Some(stabilisation) = &self.present.stabilisation else { return 0.0 };
         let mut force = vec![0.0; increment.len()];
         for mass in stabilisation.masses() {
             mass.multiply_add(0.5 * ramp_n, v_n, &mut force);
@@ -58,7 +61,7 @@ impl System {
 
     /// Sum of the magnitudes of the components of the forces of stabilisation at the end of a static step with this `increment`; nothing without a stabilisation.
     pub fn stabilising(&self, increment: &[f64], dt: f64) -> Option<f64> {
-        let stabilisation = self.stabilisation.as_ref()?;
+        let stabilisation = self.present.stabilisation.as_ref()?;
         let mut force = vec![0.0; increment.len()];
         for mass in stabilisation.masses() {
             mass.multiply_add(stabilisation.ramp / dt, increment, &mut force);
@@ -76,14 +79,14 @@ impl FeSystem<'_> {
         tangent: Option<DampingTangent>,
         out: &mut [f64],
     ) -> Result<(), StepError> {
-        let System { solid_map: map, solid_values, force_stencils, masses, stabilisation, has_rates, .. } =
-            &mut *self.system;
-        if let Some(stabilisation) = stabilisation.as_ref().filter(|_| !*has_rates) {
-            for (mass, stencils) in stabilisation.masses().iter().zip(&*force_stencils) {
+        let System { matrix, inertia, present, .. } = &mut *self.system;
+        let Fixed { map, values, forces, .. } = &mut matrix.fixed;
+        if let Some(stabilisation) = present.stabilisation.as_ref().filter(|_| !present.has_rates) {
+            for (mass, stencils) in stabilisation.masses().iter().zip(&*forces) {
                 let first_stencil = stencils.start;
                 mass.multiply_add(stabilisation.ramp, v, out);
                 if let Some(DampingTangent { weight, rate, .. }) = tangent {
-                    let target = TangentTarget { map, first_stencil, factor: stabilisation.ramp, values: solid_values };
+                    let target = TangentTarget { map, first_stencil, factor: stabilisation.ramp, values };
                     mass.add_to_tangent(weight * rate, target);
                 }
             }
@@ -91,24 +94,20 @@ impl FeSystem<'_> {
         }
         for (b, body) in self.model.bodies.iter().enumerate() {
             let Damping { mass, stiffness } = body.damping;
-            let first_stencil = force_stencils[b].start;
+            let first_stencil = forces[b].start;
             if mass > 0.0
-                && let Some(matrix) = masses.bodies.get(b)
+                && let Some(matrix) = inertia.masses.bodies.get(b)
             {
                 matrix.multiply_add(mass, v, out);
                 if let Some(DampingTangent { weight, rate, .. }) = tangent {
-                    let target = TangentTarget { map, first_stencil, factor: mass, values: solid_values };
+                    let target = TangentTarget { map, first_stencil, factor: mass, values };
                     matrix.add_to_tangent(weight * rate, target);
                 }
             }
             if stiffness > 0.0 {
                 let slopes = tangent.map_or([0.0; 2], |at| [at.position, at.rate]);
-                let target = tangent.map(|at| TangentTarget {
-                    map,
-                    first_stencil,
-                    factor: at.weight,
-                    values: &mut *solid_values,
-                });
+                let target =
+                    tangent.map(|at| TangentTarget { map, first_stencil, factor: at.weight, values: &mut *values });
                 let rate = ViscousRate { q, v, factor: stiffness, slopes };
                 body.solid.add_viscous_force(rate, out, target)?;
             }

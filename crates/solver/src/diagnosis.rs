@@ -80,7 +80,7 @@ pub(crate) fn linear_error(
     e: LinalgError,
 ) -> StepError {
     let LinalgError::Singular { row } = e else { return StepError::Linear(e) };
-    let component = row.and_then(|row| system.numbering.free.get(row));
+    let component = row.and_then(|row| system.matrix.numbering.free.get(row));
     if let Some(&component) = component {
         let node = component / 3;
         return StepError::Singular {
@@ -90,7 +90,7 @@ pub(crate) fn linear_error(
         };
     }
     let slot = row.and_then(|row| {
-        system.slot_equation.iter().enumerate().find_map(|(pair, equations)| {
+        system.matrix.slots.equation.iter().enumerate().find_map(|(pair, equations)| {
             equations.iter().position(|&equation| equation as usize == row).map(|slot| (pair, slot))
         })
     });
@@ -153,8 +153,9 @@ fn pressure_hint(model: &Model, system: &System, iterate: &Iterate, pair: usize,
         slots.any(|held| held.node == node)
     };
     let own = |node: u32| model.embedding.carriers(node).is_none();
-    let is_prescribed =
-        |node: u32| own(node) && (0..3).any(|i| system.numbering.equation.get(3 * node as usize + i) == Some(&NONE));
+    let is_prescribed = |node: u32| {
+        own(node) && (0..3).any(|i| system.matrix.numbering.equation.get(3 * node as usize + i) == Some(&NONE))
+    };
     if node.is_some_and(|node| is_guided(node) || is_prescribed(node)) {
         "prescribed motion, or a support along a normal, holds its node as well: leave the nodes that touch out of the support, or those that are held out of the contact"
     } else if follow {
@@ -187,7 +188,7 @@ pub(crate) fn largest_residual(
     let size =
         |equation: usize| system.rhs.get(equation).map_or(0.0, |r| if r.is_nan() { f64::INFINITY } else { r.abs() });
     if of_constraints {
-        let slots = system.slot_equation.iter().enumerate().flat_map(|(pair, equations)| {
+        let slots = system.matrix.slots.equation.iter().enumerate().flat_map(|(pair, equations)| {
             let method = &model.contacts[pair].term;
             let closed = equations.iter().enumerate().filter(|(_, equation)| **equation != NONE);
             closed.map(move |(slot, &equation)| (size(equation as usize) / method.slot_weight(slot), pair, slot))
@@ -218,7 +219,7 @@ pub(crate) fn largest_residual(
             return (text, at);
         }
     }
-    let free = system.numbering.free.iter().enumerate();
+    let free = system.matrix.numbering.free.iter().enumerate();
     let Some((_, &component)) = free.max_by(|a, b| size(a.0).total_cmp(&size(b.0))) else {
         return ("there is no free unknown".into(), Place::default());
     };
@@ -301,7 +302,7 @@ fn position_hint(model: &Model, system: &System, iterate: &Iterate, dynamic: boo
     if dynamic {
         return format!("body {name} is unstable at this load and step size");
     }
-    let supports = model.prescriptions.iter().zip(&system.acting.prescriptions).filter(|(_, acts)| **acts);
+    let supports = model.prescriptions.iter().zip(&system.present.acting.prescriptions).filter(|(_, acts)| **acts);
     let mut held = supports.flat_map(|(p, _)| &p.nodes).any(|node| body.nodes.contains(node));
     let mut touches = false;
     for (c, pair) in model.couplings() {
@@ -311,7 +312,7 @@ fn position_hint(model: &Model, system: &System, iterate: &Iterate, dynamic: boo
             *reached |= nodes.iter().any(|node| body.nodes.contains(node))
         });
     }
-    let is_stabilised = system.stabilisation.is_some();
+    let is_stabilised = system.present.stabilisation.is_some();
     let contact = if is_stabilised {
         ""
     } else if model.keeps_apart() {
@@ -330,11 +331,7 @@ fn position_hint(model: &Model, system: &System, iterate: &Iterate, dynamic: boo
             )
         }
         // Without stress nothing buckles.
-        _ if body
-            .solid
-            .strain_energy(&iterate.q)
-            .is_ok_and(|energy| energy <= UNSTRESSED * system.strain_energy_scale) =>
-        {
+        _ if body.solid.strain_energy(&iterate.q).is_ok_and(|energy| energy <= UNSTRESSED * system.scales.energy) => {
             format!("body {name} has too few supports, a rigid motion is free: prescribe more displacements")
         }
         _ => format!(

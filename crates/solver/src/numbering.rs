@@ -1,6 +1,7 @@
 //! Equations of the free displacement components.
 
-use crate::Embedding;
+use crate::switches::Acting;
+use crate::{Embedding, Model};
 use stoss_linalg::NONE;
 
 /// Which component of which node has which equation. Prescribed components and components of nodes that belong to no element
@@ -13,7 +14,55 @@ pub(crate) struct Numbering {
     pub free: Vec<u32>,
 }
 
+/// Labels of the vectors that a linear solver keeps together: of those that parts own their cluster, else the vector itself.
+#[derive(Debug)]
+pub(crate) struct Groups {
+    /// Of the vectors that parts own, from the first of them on.
+    clusters: Vec<u32>,
+    first: u32,
+}
+
+impl Groups {
+    pub fn new(model: &Model) -> Self {
+        let first = model.parts.iter().map(|part| part.own_vectors().start).min().unwrap_or(u32::MAX);
+        let last = model.parts.iter().map(|part| part.own_vectors().end).max().unwrap_or(0);
+        let mut clusters: Vec<u32> = (first.min(last)..last).collect();
+        for part in &model.parts {
+            for vector in part.own_vectors() {
+                clusters[(vector - first) as usize] = part.cluster(vector);
+            }
+        }
+        Self { clusters, first }
+    }
+
+    pub fn label(&self, node: u32) -> u32 {
+        node.checked_sub(self.first).and_then(|k| self.clusters.get(k as usize)).copied().unwrap_or(node)
+    }
+}
+
 impl Numbering {
+    /// Of the components of elements and of what parts own, without those that are prescribed at present.
+    pub fn of(model: &Model, acting: &Acting) -> Self {
+        let mut blocked = vec![true; model.reference.len()];
+        for body in &model.bodies {
+            for &node in body.solid.elements().iter().flatten() {
+                blocked[3 * node as usize..3 * node as usize + 3].fill(false);
+            }
+        }
+        for part in &model.parts {
+            let own = part.own_vectors();
+            blocked[3 * own.start as usize..3 * own.end as usize].fill(false);
+        }
+        for (prescription, _) in model.prescriptions.iter().zip(&acting.prescriptions).filter(|(_, acts)| **acts) {
+            for &node in &prescription.nodes {
+                for &component in &prescription.components {
+                    blocked[3 * node as usize + component as usize] = true;
+                }
+            }
+        }
+        Self::new(blocked.len(), |c| blocked[c])
+    }
+
     pub fn new(components: usize, prescribed: impl Fn(usize) -> bool) -> Self {
         let mut equation = vec![NONE; components];
         let mut free = Vec::with_capacity(components);

@@ -1,16 +1,17 @@
 //! Where the equations of the global system are, for linear solvers that iterate.
 
 use crate::assembly::System;
+use crate::matrix::Matrix;
 use crate::{Body, Model};
 use stoss_linalg::{EquationPlace, NONE};
 
 impl System {
     /// Tells the linear solver where the equations of the present pattern are, with the nodes at `q`.
     pub fn place_equations(&mut self, model: &Model, q: &[f64]) {
-        let Self { numbering, pattern, slot_equation, slot_width, solver, .. } = self;
+        let Self { matrix: Matrix { numbering, pattern, slots, .. }, solver, .. } = self;
         let free = numbering.free.len();
         let mut multipliers = vec![EquationPlace::Other; pattern.n() - free];
-        for (pair, (equations, &width)) in slot_equation.iter().zip(&*slot_width).enumerate() {
+        for (pair, (equations, &width)) in slots.equation.iter().zip(&slots.width).enumerate() {
             for (slot, &first) in equations.iter().enumerate().filter(|(_, first)| **first != NONE) {
                 let place = EquationPlace::Multiplier { pair: pair as u32, slot: slot as u32 };
                 multipliers[first as usize - free..][..width as usize].fill(place);
@@ -36,7 +37,7 @@ impl System {
 
     /// Free components of nodes of bodies.
     pub fn elastic_components(&self, model: &Model) -> usize {
-        let is_free = |component: &u32| self.numbering.equation[*component as usize] != NONE;
+        let is_free = |component: &u32| self.matrix.numbering.equation[*component as usize] != NONE;
         let of_body = |body: &Body| (3 * body.nodes.start..3 * body.nodes.end).filter(is_free).count();
         model.bodies.iter().map(of_body).sum()
     }

@@ -1,6 +1,6 @@
 //! One step as a problem for Newton's method.
 
-use crate::assembly::{System, has_condensed, with_nodes};
+use crate::assembly::{Base, System, has_condensed, with_nodes};
 use crate::diagnosis::{blocked, linear_error};
 use crate::iterate::Iterate;
 use crate::system::FeSystem;
@@ -64,12 +64,12 @@ const MAX_PREDICTIONS: u32 = 20;
 const OF_FREE_WAY: f64 = 0.5;
 
 impl StepProblem<'_> {
-    /// Fills residual, and matrix values if asked; returns norms of forces. (The constraints' violation is `system.gap_measure`.)
+    /// Fills residual, and matrix values if asked; returns norms of forces. (The constraints' violation is `system.tally.gap_measure`.)
     fn evaluate(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {
         self.renew_contacts(want_tangent)?;
         let Self { model, system, step, iterate, .. } = self;
         let mut buffers = std::mem::take(&mut system.buffers);
-        for node in system.touched.drain(..) {
+        for node in system.tally.touched.drain(..) {
             buffers.constraint[3 * node as usize..3 * node as usize + 3].fill(0.0);
         }
         let Iterate { pressures, auxiliaries, active, .. } = &**iterate;
@@ -79,28 +79,28 @@ impl StepProblem<'_> {
         s.buffers = buffers;
         result?;
         let rule = &step.rule;
-        if !s.touched.is_empty() || s.support.len() > s.own.len() {
-            s.touched.sort_unstable();
-            s.touched.dedup();
-            s.support = with_nodes(&s.own, &s.touched);
+        if !s.tally.touched.is_empty() || s.tally.support.len() > s.own.len() {
+            s.tally.touched.sort_unstable();
+            s.tally.touched.dedup();
+            s.tally.support = with_nodes(&s.own, &s.tally.touched);
             let Buffers { residual, constraint, .. } = &mut s.buffers;
-            for c in s.touched.iter().flat_map(|&node| 3 * node as usize..3 * node as usize + 3) {
+            for c in s.tally.touched.iter().flat_map(|&node| 3 * node as usize..3 * node as usize + 3) {
                 residual[c] = -rule.constraint.weight * constraint[c];
             }
-            model.embedding.pull_back_of(&s.touched, residual);
-            if !s.shift.is_empty() {
-                model.embedding.pull_back_of(&s.touched, &mut s.shift);
+            model.embedding.pull_back_of(&s.tally.touched, residual);
+            if !s.tally.shift.is_empty() {
+                model.embedding.pull_back_of(&s.tally.touched, &mut s.tally.shift);
             }
         }
-        let mut scale = (rule.force.weight * s.force_scale)
-            .max(SMALLEST_RESOLVED_MOTION * s.stiffness_force)
-            .max(rule.constraint.weight * vector::norm2_of(&s.buffers.constraint, &s.support));
+        let mut scale = (rule.force.weight * s.tally.force_scale)
+            .max(SMALLEST_RESOLVED_MOTION * s.scales.force)
+            .max(rule.constraint.weight * vector::norm2_of(&s.buffers.constraint, &s.tally.support));
         if rule.has_inertia() {
             scale = scale
                 .max(vector::norm2_of(&s.buffers.inertia, &s.own))
-                .max(SMALLEST_RESOLVED_MOTION * s.mass_length * rule.inertia.increment);
+                .max(SMALLEST_RESOLVED_MOTION * s.scales.mass_length * rule.inertia.increment);
         }
-        if s.has_damping && rule.damping_weight() != 0.0 {
+        if s.present.has_damping && rule.damping_weight() != 0.0 {
             scale = scale.max(rule.damping_weight() * vector::norm2_of(&s.buffers.damping, &s.own));
         }
         if let Some(history) = rule.history
@@ -110,15 +110,15 @@ impl StepProblem<'_> {
         }
         self.add_anchor(want_tangent);
         let s = &mut *self.system;
-        let mut sum = s.auxiliary_square;
-        for (rhs, &component) in s.rhs.iter_mut().zip(&s.numbering.free) {
+        let mut sum = s.tally.auxiliary_square;
+        for (rhs, &component) in s.rhs.iter_mut().zip(&s.matrix.numbering.free) {
             let r = s.buffers.residual[component as usize];
             *rhs = -r;
             sum += r * r;
         }
-        if !s.shift.is_empty() {
-            for (rhs, &component) in s.rhs.iter_mut().zip(&s.numbering.free) {
-                *rhs -= s.shift[component as usize];
+        if !s.tally.shift.is_empty() {
+            for (rhs, &component) in s.rhs.iter_mut().zip(&s.matrix.numbering.free) {
+                *rhs -= s.tally.shift[component as usize];
             }
         }
         Ok(ResidualNorms { residual: sum.sqrt(), scale })
@@ -130,7 +130,7 @@ impl StepProblem<'_> {
             return Ok(());
         }
         let Self { model, system, iterate, step, .. } = self;
-        let changed = system.contact_time.measure(|| -> Result<bool, StepError> {
+        let changed = system.tally.contact_time.measure(|| -> Result<bool, StepError> {
             let mut changed = false;
             for (c, pair) in model.couplings_mut() {
                 changed |= pair.term.renew(&iterate.at(c, step), want_tangent)?;
@@ -145,9 +145,9 @@ impl StepProblem<'_> {
 
     fn measured(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {
         let mut timings = std::mem::take(self.timings);
-        self.system.contact_time = PhaseTime::default();
+        self.system.tally.contact_time = PhaseTime::default();
         let norms = timings.measure(Phase::Assembly, || self.evaluate(want_tangent));
-        timings.split(Phase::Assembly, Phase::Contact, self.system.contact_time);
+        timings.split(Phase::Assembly, Phase::Contact, self.system.tally.contact_time);
         *self.timings = timings;
         norms
     }
@@ -192,14 +192,14 @@ impl StepProblem<'_> {
         let mut part = 1.0;
         if self.model.keeps_apart() {
             for (&(component, to), from) in prescribed.iter().zip(&from) {
-                self.system.full_increment[component] = to - from;
+                self.system.base.full_increment[component] = to - from;
             }
             part = self.longest_step()?;
             if part < 1.0 {
                 part *= OF_FREE_WAY;
             }
             for &(component, _) in prescribed {
-                self.system.full_increment[component] = 0.0;
+                self.system.base.full_increment[component] = 0.0;
             }
         }
         self.update(part)?;
@@ -245,8 +245,8 @@ impl StepProblem<'_> {
 impl StepProblem<'_> {
     /// Increments of all components after a linear solution, of embedded nodes too.
     fn full_increment(&mut self) {
-        let System { full_increment, increment, numbering, .. } = &mut *self.system;
-        for (&component, du) in numbering.free.iter().zip(increment.iter()) {
+        let System { base: Base { full_increment, .. }, increment, matrix, .. } = &mut *self.system;
+        for (&component, du) in matrix.numbering.free.iter().zip(increment.iter()) {
             full_increment[component as usize] = *du;
         }
         self.model.embedding.follow(full_increment);
@@ -259,7 +259,7 @@ impl StepProblem<'_> {
         }
         self.full_increment();
         let Self { model, system, step, iterate, .. } = self;
-        let System { full_increment, auxiliary_increment, .. } = &mut **system;
+        let Base { full_increment, auxiliary_increment, .. } = &mut system.base;
         self.timings.measure(Phase::Contact, || {
             for (c, pair) in model.couplings() {
                 pair.term.recover(&iterate.at(c, step), full_increment, &mut auxiliary_increment[c])?;
@@ -273,7 +273,7 @@ impl StepProblem<'_> {
 fn potential_energy(model: &Model, system: &System, iterate: &Iterate, step: &Step<'_>) -> Result<f64, StepError> {
     let mut energy = 0.0;
     let at = iterate.force_at(step);
-    for (term, _) in model.forces(&system.acting).filter(|(_, acts)| *acts) {
+    for (term, _) in model.forces(&system.present.acting).filter(|(_, acts)| *acts) {
         // Of what dissipates without rates, the potential of the step has both.
         let Work { stored, dissipated, .. } = term.work(&at)?;
         energy += stored + dissipated;
@@ -281,9 +281,9 @@ fn potential_energy(model: &Model, system: &System, iterate: &Iterate, step: &St
     for (c, pair) in model.couplings() {
         energy += pair.term.work(&iterate.at(c, step))?.stored;
     }
-    if system.has_dead_loads {
-        for range in &system.load_support {
-            energy -= vector::dot(&system.dead[range.clone()], &iterate.increment[range.clone()]);
+    if system.loads.has_dead {
+        for range in &system.loads.support {
+            energy -= vector::dot(&system.loads.dead[range.clone()], &iterate.increment[range.clone()]);
         }
     }
     Ok(energy + system.stabilisation_energy(&iterate.increment, step.dt))
@@ -301,15 +301,9 @@ pub(crate) fn start_auxiliaries(model: &Model, step: &Step<'_>, iterate: &mut It
 }
 
 impl StepProblem<'_> {
-    /// Loads that are not switched off.
-    fn acting_loads(&self) -> impl Iterator<Item = &Load> {
-        let loads = self.model.loads.iter().zip(&self.system.acting.loads);
-        loads.filter(|(_, acts)| **acts).map(|(load, _)| load)
-    }
-
     fn has_symmetric_forces(&self) -> bool {
         let rule = Rule::Force(self.step.rule.force.rule);
-        self.model.forces(&self.system.acting).all(|(term, acts)| !acts || term.is_symmetric(rule))
+        self.model.forces(&self.system.present.acting).all(|(term, acts)| !acts || term.is_symmetric(rule))
     }
 
     /// Whether every part of the tangent is symmetric under the rule of the step. With a weight on constraint forces the constraint rows, which
@@ -317,8 +311,9 @@ impl StepProblem<'_> {
     pub(crate) fn is_symmetric(&self) -> bool {
         let rule = &self.step.rule;
         let contact = Rule::Constraint(rule.constraint.rule);
-        self.acting_loads().all(|load| load.is_symmetric(Rule::Force(rule.force.rule)))
-            && (!(self.system.has_damping && self.system.has_rates)
+        let loads = || self.model.acting_loads(&self.system.present.acting);
+        loads().all(|load| load.is_symmetric(Rule::Force(rule.force.rule)))
+            && (!(self.system.present.has_damping && self.system.present.has_rates)
                 || self.model.bodies.iter().all(|body| body.damping.stiffness == 0.0))
             && self.has_symmetric_forces()
             && (self.model.contacts.is_empty()
@@ -332,7 +327,7 @@ impl StepProblem<'_> {
     fn has_potential(&self) -> bool {
         let rule = self.step.rule.constraint.rule;
         !self.step.rule.has_inertia()
-            && !self.acting_loads().any(Load::follows)
+            && !self.model.acting_loads(&self.system.present.acting).any(Load::follows)
             && self.has_symmetric_forces()
             && self.model.contacts.iter().filter_map(Coupling::potential).all(|of| of.has_energy(rule))
             && !self.iterate.active.iter().flatten().any(|&active| active)
@@ -368,21 +363,21 @@ impl StepProblem<'_> {
             .contacts
             .iter_mut()
             .filter_map(Coupling::potential_mut)
-            .for_each(|of| of.set_line(&system.full_increment));
+            .for_each(|of| of.set_line(&system.base.full_increment));
     }
 
     /// Derivative of the potential along the increment.
     fn slope_of_increment(&self) -> f64 {
         let s = &*self.system;
-        let free = s.numbering.free.len();
+        let free = s.matrix.free();
         -vector::dot(&s.rhs[..free], &s.increment[..free])
     }
 
     /// Solves with the symmetric tangent by iteration; false if the solver does not iterate, or met a direction in which the energy does not rise.
     fn solve_definite(&mut self) -> Result<bool, LinalgError> {
         self.system.place_equations(self.model, &self.iterate.q);
-        let System { solver, pattern, values, solid_values, slot_equation, rhs, increment, .. } = &mut *self.system;
-        let values = if slot_equation.is_empty() { solid_values } else { values };
+        let System { solver, matrix, rhs, increment, .. } = &mut *self.system;
+        let (pattern, values) = (&matrix.pattern, matrix.values());
         self.timings.measure(Phase::Factorisation, || solver.analyse(pattern, MatrixKind::Symmetric))?;
         let solved =
             self.timings.measure(Phase::Solve, || solver.solve_definite(values, rhs, increment, LINEAR_TOLERANCE))?;
@@ -423,21 +418,14 @@ impl StepProblem<'_> {
 
     /// Factorises the tangent plus `shift` times the unit matrix; returns whether the energy falls in no direction, as far as the solver can tell.
     pub(crate) fn factorise_shifted(&mut self, kind: MatrixKind, shift: f64) -> Result<bool, LinalgError> {
-        let s = &mut *self.system;
-        let values = if s.slot_equation.is_empty() { &mut s.solid_values } else { &mut s.values };
-        let free = s.numbering.free.len() as u32;
-        let diagonal: Vec<(usize, f64)> = if shift == 0.0 {
-            Vec::new()
-        } else {
-            (0..free).filter_map(|i| s.pattern.position(i, i)).map(|at| (at, values[at])).collect()
-        };
-        diagonal.iter().for_each(|&(at, value)| values[at] = value + shift);
-        let solver = &mut s.solver;
+        let System { matrix, solver, .. } = &mut *self.system;
+        let diagonal: Vec<(usize, f64)> = if shift == 0.0 { Vec::new() } else { matrix.diagonal().collect() };
+        diagonal.iter().for_each(|&(at, value)| matrix.values_mut()[at] = value + shift);
         let result = self.timings.measure(Phase::Factorisation, || {
-            solver.analyse(&s.pattern, kind)?;
-            solver.factorise(values)
+            solver.analyse(&matrix.pattern, kind)?;
+            solver.factorise(matrix.values())
         });
-        diagonal.iter().for_each(|&(at, value)| values[at] = value);
+        diagonal.iter().for_each(|&(at, value)| matrix.values_mut()[at] = value);
         result?;
         let excess = self.count_excess();
         if shift == 0.0 {
@@ -453,7 +441,7 @@ impl StepProblem<'_> {
         }
         let slope = -self.slope_of_increment();
         let s = &mut *self.system;
-        let increment = &mut s.increment[..s.numbering.free.len()];
+        let increment = &mut s.increment[..s.matrix.free()];
         let curvature = slope - shift * vector::dot(increment, increment);
         let longer = if curvature * LONGEST > slope { slope / curvature } else { LONGEST };
         increment.iter_mut().for_each(|du| *du *= longer);
@@ -469,11 +457,8 @@ impl StepProblem<'_> {
 
     /// Mean of the magnitudes on the diagonal of the tangent.
     pub(crate) fn mean_diagonal(&self) -> f64 {
-        let s = &*self.system;
-        let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
-        let free = s.numbering.free.len() as u32;
-        let sum: f64 = (0..free).filter_map(|i| s.pattern.position(i, i)).map(|at| values[at].abs()).sum();
-        sum / f64::from(free.max(1))
+        let matrix = &self.system.matrix;
+        matrix.diagonal().map(|(_, value)| value.abs()).sum::<f64>() / matrix.free().max(1) as f64
     }
 }
 
@@ -501,21 +486,21 @@ impl StepProblem<'_> {
     pub(crate) fn keep_base(&mut self) -> Result<f64, StepError> {
         let s = &mut *self.system;
         for own in &s.own {
-            s.base_increment[own.clone()].copy_from_slice(&self.iterate.increment[own.clone()]);
+            s.base.increment[own.clone()].copy_from_slice(&self.iterate.increment[own.clone()]);
         }
-        if !s.linearised.is_empty() {
-            s.linearised.copy_from_slice(&self.iterate.q);
-            s.has_linearised = true;
+        if !s.base.linearised.is_empty() {
+            s.base.linearised.copy_from_slice(&self.iterate.q);
+            s.base.has_linearised = true;
         }
-        for (base, pressures) in s.base_pressures.iter_mut().zip(&self.iterate.pressures) {
+        for (base, pressures) in s.base.pressures.iter_mut().zip(&self.iterate.pressures) {
             base.copy_from_slice(pressures);
         }
-        for (base, auxiliaries) in s.base_auxiliaries.iter_mut().zip(&self.iterate.auxiliaries) {
+        for (base, auxiliaries) in s.base.auxiliaries.iter_mut().zip(&self.iterate.auxiliaries) {
             base.copy_from_slice(auxiliaries);
         }
         self.recover()?;
         let s = &*self.system;
-        Ok(vector::norm2(&s.increment[..s.numbering.free.len()]))
+        Ok(vector::norm2(&s.increment[..s.matrix.free()]))
     }
 }
 
@@ -533,12 +518,12 @@ impl NewtonProblem for StepProblem<'_> {
         self.system.place_equations(self.model, &self.iterate.q);
         let kind = if self.is_symmetric() { MatrixKind::Symmetric } else { MatrixKind::General };
         let s = &mut *self.system;
-        let values = if s.slot_equation.is_empty() { &s.solid_values } else { &s.values };
+        let values = s.matrix.values();
         debug_assert!(
-            kind == MatrixKind::General || s.pattern.asymmetry(values) < 1e-8,
+            kind == MatrixKind::General || s.matrix.pattern.asymmetry(values) < 1e-8,
             "the tangent is announced as symmetric and is not"
         );
-        let (solver, pattern) = (&mut s.solver, &s.pattern);
+        let (solver, pattern) = (&mut s.solver, &s.matrix.pattern);
         let (rhs, increment) = (&s.rhs, &mut s.increment);
         let timings = &mut *self.timings;
         let mut solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, timings);
@@ -547,12 +532,13 @@ impl NewtonProblem for StepProblem<'_> {
         {
             let error = LinalgError::Singular { row };
             s.rows.dependent = Some(linear_error(self.model, s, self.iterate, false, error).to_string());
-            let System { solver, pattern, values, rhs, increment, .. } = &mut *s;
+            let System { solver, matrix, rhs, increment, .. } = &mut *s;
+            let (pattern, values) = (&matrix.pattern, matrix.values());
             solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, self.timings);
             *self.solves += 1;
         }
         *self.solves += 1;
-        self.solved_shifted = s.shifts_rows;
+        self.solved_shifted = s.tally.shifts_rows;
         if let Err(error) = solved {
             return Err(linear_error(self.model, s, self.iterate, self.step.rule.has_inertia(), error));
         }
@@ -600,11 +586,15 @@ impl NewtonProblem for StepProblem<'_> {
         let mut timings = std::mem::take(self.timings);
         let value = timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step));
         *self.timings = timings;
-        let anchored = system.anchor.as_ref().map_or(0.0, |anchor| anchor.energy(&iterate.q, &system.numbering.free));
+        let anchored = system
+            .present
+            .anchor
+            .as_ref()
+            .map_or(0.0, |anchor| anchor.energy(&iterate.q, &system.matrix.numbering.free));
         let friction: f64 =
             model.contacts.iter().filter_map(Coupling::potential).map(|of| of.friction_along(*part)).sum();
         let friction = if is_fixed { 0.0 } else { friction };
-        let round_off = ENERGY_ROUND_OFF * system.strain_energy_scale;
+        let round_off = ENERGY_ROUND_OFF * system.scales.energy;
         Ok(Some(Potential { value: value? + anchored + friction, round_off, is_fixed }))
     }
 
@@ -618,20 +608,20 @@ impl NewtonProblem for StepProblem<'_> {
         }
         self.full_increment();
         let Self { model, system, iterate, timings, .. } = self;
-        Ok(timings.measure(Phase::Search, || model.longest_step(&iterate.q, &system.full_increment)))
+        Ok(timings.measure(Phase::Search, || model.longest_step(&iterate.q, &system.base.full_increment)))
     }
 
     fn update(&mut self, factor: f64) -> Result<(), StepError> {
         self.part = factor;
         let s = &*self.system;
         let q_n = &self.step.state_n.q;
-        for (du, &component) in s.increment.iter().zip(&s.numbering.free) {
+        for (du, &component) in s.increment.iter().zip(&s.matrix.numbering.free) {
             let component = component as usize;
-            self.iterate.displace(component, s.base_increment[component] + factor * du, q_n);
+            self.iterate.displace(component, s.base.increment[component] + factor * du, q_n);
         }
         self.iterate.follow(&self.model.embedding);
         for ((pressures, base), equations) in
-            self.iterate.pressures.iter_mut().zip(&s.base_pressures).zip(&s.slot_equation)
+            self.iterate.pressures.iter_mut().zip(&s.base.pressures).zip(&s.matrix.slots.equation)
         {
             for ((p, p0), &equation) in pressures.iter_mut().zip(base).zip(equations) {
                 if equation != NONE {
@@ -644,8 +634,8 @@ impl NewtonProblem for StepProblem<'_> {
             if kinds.is_empty() {
                 continue;
             }
-            let (values, base) = (&mut self.iterate.auxiliaries[c], &s.base_auxiliaries[c]);
-            for (slot, &first) in s.slot_equation[c].iter().enumerate() {
+            let (values, base) = (&mut self.iterate.auxiliaries[c], &s.base.auxiliaries[c]);
+            for (slot, &first) in s.matrix.slots.equation[c].iter().enumerate() {
                 if first == NONE || !self.iterate.active[c][slot] {
                     continue;
                 }
@@ -653,7 +643,7 @@ impl NewtonProblem for StepProblem<'_> {
                 for (k, kind) in kinds.iter().enumerate() {
                     let at = slot * kinds.len() + k;
                     let increment = match kind {
-                        Auxiliary::Condensed => s.auxiliary_increment[c][at],
+                        Auxiliary::Condensed => s.base.auxiliary_increment[c][at],
                         _ => {
                             row += 1;
                             s.increment[row]
@@ -671,7 +661,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn relative_violation(&self) -> f64 {
-        self.system.gap_measure
+        self.system.tally.gap_measure
     }
 
     fn is_linearised(&self) -> bool {

@@ -11,13 +11,14 @@ mod sliding_supports;
 mod smoothed;
 mod stage;
 mod start;
+mod state;
 mod sudden;
 mod warnings;
 
 pub use stage::Stage;
 use start::at_rest;
+use state::{How, Ledger, Log, NodalForces, SlotState, StageState};
 
-use crate::Departure;
 use crate::assembly::System;
 use crate::books::work_at;
 use crate::control::Clock;
@@ -126,46 +127,17 @@ pub struct Plan {
 #[derive(Debug)]
 pub struct Simulation {
     model: Model,
-    control: StepControl,
-    scheme: Option<Box<dyn Scheme>>,
-    newton: NewtonOptions,
-    inside_out_rule: InsideOutRule,
+    how: How,
+    stage: StageState,
     system: System,
     clock: Clock,
     state: State,
     step: u64,
-    /// From 1.
-    stage: u32,
-    off: Switches,
-    released: Vec<Release>,
-    pressures: Vec<Vec<f64>>,
-    /// See [`Simulation::mean_pressures`]; empty where the law of impact did not act in the last step.
-    mean_pressures: Vec<Vec<f64>>,
-    active: Vec<Vec<bool>>,
-    /// Of each contact pair: energy that it stores, and the part of it in springs of friction.
-    stored: Vec<[f64; 2]>,
-    /// Stored energies of bodies and parts; empty where they are not known.
-    energies: Vec<f64>,
-    books: Books,
-    /// (component, prescription, column), sorted.
-    prescribed: Vec<(u32, u32, u32)>,
-    /// What couplings are told of what acts.
-    support: Support,
-    departures: Vec<Departure>,
-    sudden: Vec<usize>,
-    reactions: Vec<f64>,
-    contact_force: Vec<f64>,
-    /// What [`Simulation::moved_contact_force`] tells.
-    moved: BTreeMap<u32, SurfaceForce>,
-    /// Embedded nodes that have a contact force.
-    pushed: Vec<u32>,
-    balance: Balance,
-    timings: Timings,
-    decisions: Vec<Decision>,
-    /// Of the step that was tried last.
-    failures: Vec<FailedAttempt>,
-    solves: u64,
+    slots: SlotState,
+    ledger: Ledger,
+    forces: NodalForces,
     impacts: impact::Impacts,
+    log: Log,
 }
 
 /// What couplings are told of what acts; nothing if there are none.
@@ -216,56 +188,39 @@ impl Simulation {
         if let Some(scheme) = &settings.scheme {
             stage::check_scheme(&**scheme, &model).map_err(SimulationError::Model)?;
         }
-        let Settings { control, scheme, newton, inside_out: inside_out_rule, solver } = settings;
+        let Settings { control, scheme, newton, inside_out, solver } = settings;
         let mut system = System::new(&model, acting, has_mass, solver)?;
         system.set_has_rates(dynamic, &model);
         let clock = Clock::new(control);
-        system.stabilisation =
+        system.present.stabilisation =
             stabilise.filter(|_| !dynamic).map(|how| Stabilisation::new(&model, how, clock.length()));
         let mut state = State::at_rest(model.reference.clone());
         if dynamic {
             state.v.copy_from_slice(&model.velocity);
             model.embedding.follow(&mut state.v);
         }
-        let slots = |pair: &crate::Coupling| pair.term.slot_count();
-        let has_supports = model.prescriptions.iter().any(|p| !p.nodes.is_empty());
-        let contact_components = if model.contacts.is_empty() { 0 } else { components };
+        let (departures, sudden) = (Vec::new(), Vec::new());
         let mut simulation = Self {
-            mean_pressures: Vec::new(),
-            pressures: model.contacts.iter().map(|p| vec![0.0; slots(p)]).collect(),
-            active: model.contacts.iter().map(|p| vec![p.bilateral().is_some(); slots(p)]).collect(),
-            reactions: vec![0.0; if has_supports { components } else { 0 }],
-            contact_force: vec![0.0; contact_components],
-            moved: BTreeMap::new(),
-            pushed: Vec::new(),
-            prescribed,
-            support,
-            departures: Vec::new(),
-            sudden: Vec::new(),
+            how: How { control, scheme, newton, inside_out },
+            stage: StageState { number: 1, off, released: Vec::new(), prescribed, support, departures, sudden },
             system,
             clock,
             state,
             step: 0,
-            stage: 1,
-            off,
-            released: Vec::new(),
-            stored: vec![[0.0; 2]; model.contacts.len()],
-            energies: Vec::new(),
-            books: Books::default(),
-            balance: Balance::default(),
-            timings: Timings::default(),
-            decisions: Vec::new(),
-            failures: Vec::new(),
-            solves: 0,
+            slots: SlotState::new(&model),
+            ledger: Ledger {
+                balance: Balance::default(),
+                books: Books::default(),
+                stored: vec![[0.0; 2]; model.contacts.len()],
+                energies: Vec::new(),
+            },
+            forces: NodalForces::new(&model),
             impacts: impact::Impacts::default(),
+            log: Log::default(),
             model,
-            control,
-            scheme,
-            newton,
-            inside_out_rule,
         };
-        simulation.departures = simulation.departures_of(&simulation.system.acting, None);
-        simulation.sudden = simulation.sudden_loads(&simulation.system.acting, None);
+        simulation.stage.departures = simulation.departures_of(&simulation.system.present.acting, None);
+        simulation.stage.sudden = simulation.sudden_loads(&simulation.system.present.acting, None);
         if dynamic {
             let (time, mut v) = (0.0, std::mem::take(&mut simulation.state.v));
             simulation.set_prescribed_velocities(time, &mut v);
@@ -280,20 +235,21 @@ impl Simulation {
             simulation.close_touching()?;
         }
         let strain = simulation.strain_energy(&simulation.state.q)?;
-        simulation.balance = simulation.measure_balance(strain, 0.0);
+        simulation.ledger.balance = simulation.measure_balance(strain, 0.0);
         for (c, pair) in simulation.model.couplings() {
             let energy = pair.term.energy(&simulation.state.q).map_err(StepError::from)?;
-            simulation.stored[c][0] = energy;
-            simulation.balance.contact += energy;
+            simulation.ledger.stored[c][0] = energy;
+            simulation.ledger.balance.contact += energy;
         }
         Ok(simulation)
     }
 
     /// Activates the slots of all bilateral constraints that act, but for those that nothing which can move enters: they determine nothing.
     fn set_bilateral(&mut self) -> Result<(), StepError> {
-        let (embedding, numbering, dt) = (&self.model.embedding, &self.system.numbering, self.clock.dt());
-        let begins = ContactStep { end: self.state.time + dt, support: &self.support, ..at_rest(&self.state, dt) };
-        for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
+        let (embedding, numbering, dt) = (&self.model.embedding, &self.system.matrix.numbering, self.clock.dt());
+        let begins =
+            ContactStep { end: self.state.time + dt, support: &self.stage.support, ..at_rest(&self.state, dt) };
+        for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.slots.active) {
             if pair.bilateral().is_none() {
                 continue;
             }
@@ -320,14 +276,14 @@ impl Simulation {
 
     /// Activates slots whose node touches the master, see [`TOUCHING`], in statics also what is behind it: nothing else may hold a body in the first iterate.
     fn close_touching(&mut self) -> Result<(), StepError> {
-        let (q, dt, is_static) = (&self.state.q, self.clock.dt(), self.scheme.is_none());
-        let (embedding, numbering) = (&self.model.embedding, &self.system.numbering);
-        for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.active) {
+        let (q, dt, is_static) = (&self.state.q, self.clock.dt(), self.how.scheme.is_none());
+        let (embedding, numbering) = (&self.model.embedding, &self.system.matrix.numbering);
+        for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.slots.active) {
             if pair.unilateral().is_none() {
                 continue;
             }
             let near = TOUCHING * pair.term.length_scale();
-            pair.term.begin(&ContactStep { reach: near, support: &self.support, ..at_rest(&self.state, dt) })?;
+            pair.term.begin(&ContactStep { reach: near, support: &self.stage.support, ..at_rest(&self.state, dt) })?;
             let mut gaps = vec![0.0; active.len()];
             let Some(method) = pair.unilateral_mut() else { continue };
             method.complementarity_gaps(q, active, &mut gaps)?;
@@ -349,7 +305,7 @@ impl Simulation {
 
     /// Embedded nodes do not follow yet.
     fn set_prescribed_velocities(&self, time: f64, v: &mut [f64]) {
-        for &(component, p, column) in &self.prescribed {
+        for &(component, p, column) in &self.stage.prescribed {
             let prescription = &self.model.prescriptions[p as usize];
             v[component as usize] =
                 prescription.velocity(component / 3, self.reference_of(component), time, column as usize)
@@ -358,27 +314,26 @@ impl Simulation {
     }
 
     fn step_rule(&self, dt: f64) -> StepRule {
-        self.scheme.as_ref().map_or_else(|| StepRule::quasi_static(dt), |scheme| scheme.rule(dt))
+        self.how.scheme.as_ref().map_or_else(|| StepRule::quasi_static(dt), |scheme| scheme.rule(dt))
     }
 
     fn set_dead_loads(&mut self, time: f64) {
-        if !self.system.has_dead_loads {
+        if !self.system.loads.has_dead {
             return;
         }
-        for range in &self.system.load_support {
-            self.system.dead[range.clone()].fill(0.0);
+        for range in &self.system.loads.support {
+            self.system.loads.dead[range.clone()].fill(0.0);
         }
         let at = At { time, ..At::force([&self.state.q; 2], ForceRule::END_POINT, 0.0) };
-        let acting = self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
-        for (load, _) in acting.filter(|(load, _)| !load.follows()) {
+        for load in self.model.acting_loads(&self.system.present.acting).filter(|load| !load.follows()) {
             // cannot fail: the forces are constant.
-            load.add_force(&at, 1.0, &mut self.system.dead).unwrap_or(());
+            load.add_force(&at, 1.0, &mut self.system.loads.dead).unwrap_or(());
         }
     }
 
     fn set_prescribed_positions_at_start(&mut self) {
         let time = self.state.time;
-        for k in 0..self.prescribed.len() {
+        for k in 0..self.stage.prescribed.len() {
             let (component, value) = self.prescribed_position(k, time);
             self.state.q[component] = value;
         }
@@ -386,7 +341,7 @@ impl Simulation {
     }
 
     fn prescribed_position(&self, k: usize, time: f64) -> (usize, f64) {
-        let (component, p, column) = self.prescribed[k];
+        let (component, p, column) = self.stage.prescribed[k];
         let prescription = &self.model.prescriptions[p as usize];
         let reference = self.reference_of(component);
         let position = prescription.position(component / 3, reference, time, column as usize);
@@ -421,53 +376,53 @@ impl Simulation {
     }
     /// Balance of the last completed step.
     pub fn balance(&self) -> &Balance {
-        &self.balance
+        &self.ledger.balance
     }
     /// Books of all steps of this process: what is stored now, and sums of the rest.
     pub fn books(&self) -> &Books {
-        &self.books
+        &self.ledger.books
     }
     /// Pressures of each contact pair's slots, of the equations of the last step.
     pub fn pressures(&self) -> &[Vec<f64>] {
-        &self.pressures
+        &self.slots.pressures
     }
     /// Those with which the forces of the last step give its change of momentum: with the impulses of the law of impact, over the step size, where it acted.
     pub fn mean_pressures(&self) -> &[Vec<f64>] {
-        if self.mean_pressures.is_empty() { &self.pressures } else { &self.mean_pressures }
+        if self.slots.mean_pressures.is_empty() { &self.slots.pressures } else { &self.slots.mean_pressures }
     }
     /// Active slots of each contact pair.
     pub fn active(&self) -> &[Vec<bool>] {
-        &self.active
+        &self.slots.active
     }
     /// Force of contact and ties on each node in the last step (`3 * nodes`; empty without either). On quadratic faces these are the consistent forces at the nodes of the elements:
     /// of a uniform pressure those at corners are zero or pull.
     pub fn contact_force(&self) -> &[f64] {
-        &self.contact_force
+        &self.forces.contact
     }
     /// Corrections by node that give the forces on inset surfaces (general contact) when added to [`Self::contact_force`]: there the nodes of elements below the surface carry the forces.
     /// The moment is about the origin, in addition to that of `contact_force` at the nodes. Of the last step of this process; empty after a restart.
     pub fn moved_contact_force(&self) -> &BTreeMap<u32, SurfaceForce> {
-        &self.moved
+        &self.forces.moved
     }
     /// Seconds by phase.
     pub fn timings(&self) -> &Timings {
-        &self.timings
+        &self.log.timings
     }
     /// Seconds by phase, to add the time of writing output.
     pub fn timings_mut(&mut self) -> &mut Timings {
-        &mut self.timings
+        &mut self.log.timings
     }
     /// All decisions so far.
     pub fn decisions(&self) -> &[Decision] {
-        &self.decisions
+        &self.log.decisions
     }
     /// Failed attempts at the last step, in order; of a completed step those before it succeeded.
     pub fn failures(&self) -> &[FailedAttempt] {
-        &self.failures
+        &self.log.failures
     }
     /// Linear solves so far, failed attempts included.
     pub fn solves(&self) -> u64 {
-        self.solves
+        self.log.solves
     }
     /// Statistics of the linear solver.
     pub fn solver_statistics(&self) -> SolverStatistics {
@@ -488,15 +443,15 @@ impl Simulation {
     }
     /// Number of the present stage, from 1.
     pub fn stage(&self) -> u32 {
-        self.stage
+        self.stage.number
     }
     /// Releases so far.
     pub fn released(&self) -> &[Release] {
-        &self.released
+        &self.stage.released
     }
     /// Whether the stage is static, without velocities.
     pub fn is_static(&self) -> bool {
-        self.scheme.is_none()
+        self.how.scheme.is_none()
     }
     /// True at the end of the stage, which is the end of the run if no other stage begins.
     pub fn finished(&self) -> bool {
@@ -508,20 +463,20 @@ impl Simulation {
         Plan {
             nodes: self.model.node_count(),
             elements: self.model.bodies.iter().map(|b| b.solid.element_count()).sum(),
-            free_components: self.system.numbering.free.len(),
+            free_components: self.system.matrix.free(),
             elastic_components: self.system.elastic_components(&self.model),
-            prescribed_components: self.prescribed.len(),
-            slots: self.pressures.iter().map(Vec::len).sum(),
-            matrix_entries: self.system.matrix_entries(),
+            prescribed_components: self.stage.prescribed.len(),
+            slots: self.slots.pressures.iter().map(Vec::len).sum(),
+            matrix_entries: self.system.matrix.pattern.nnz(),
             steps: self.clock.nominal_steps(),
-            mass_matrix: self.system.has_mass(),
+            mass_matrix: self.system.inertia.exists,
             contact_search: self.model.has_unilateral_contact(),
-            contact_matrix: !self.system.solid_to_global.is_empty(),
-            contact_force: !self.contact_force.is_empty(),
-            reactions: !self.reactions.is_empty() || self.has_sliding_supports(),
-            dead_loads: !self.system.dead.is_empty(),
-            follower_pressure: !self.system.follower.is_empty(),
-            mass_solver: self.system.mass_solver.is_some(),
+            contact_matrix: !self.system.matrix.from_fixed.is_empty(),
+            contact_force: !self.forces.contact.is_empty(),
+            reactions: !self.forces.reactions.is_empty() || self.has_sliding_supports(),
+            dead_loads: !self.system.loads.dead.is_empty(),
+            follower_pressure: !self.system.loads.follower.is_empty(),
+            mass_solver: self.system.inertia.solver.is_some(),
             accelerations: !self.state.a.is_empty(),
             history: !self.state.history.is_empty(),
             rule: self.step_rule(self.clock.dt()),
@@ -543,11 +498,11 @@ impl Simulation {
     pub fn initial_record(&self) -> StepRecord {
         StepRecord {
             step: self.step,
-            stage: self.stage,
+            stage: self.stage.number,
             time: self.state.time,
             dt: 0.0,
             nominal: true,
-            balance: self.balance,
+            balance: self.ledger.balance,
             newton: Vec::new(),
             iterations: 0,
             decisions: Vec::new(),
@@ -567,15 +522,14 @@ impl Simulation {
 
     fn measure_balance(&self, strain: f64, external_work: f64) -> Balance {
         let mut balance = Balance { strain, external_work, ..Balance::default() };
-        let masses = &self.system.masses;
+        let masses = &self.system.inertia.masses;
         // The velocities of a static stage are mean ones of the last step, for its predictor.
-        if self.system.has_rates {
+        if self.system.present.has_rates {
             balance.kinetic = masses.kinetic_energy(&self.state.v);
             balance.linear_momentum = masses.linear_momentum(&self.state.v);
             balance.angular_momentum = masses.angular_momentum(&self.state.q, &self.state.v);
         }
-        let acting = self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
-        for (load, _) in acting.filter(|(load, _)| load.is_conservative()) {
+        for load in self.model.acting_loads(&self.system.present.acting).filter(|load| load.is_conservative()) {
             let at = At::force([&self.model.reference, &self.state.q], ForceRule::END_POINT, 0.0);
             // cannot fail: the forces are constant.
             load.assemble(&at, false, &mut |local| {
@@ -583,13 +537,13 @@ impl Simulation {
             })
             .unwrap_or(());
         }
-        balance.largest_energy = self.balance.largest_energy.max(balance.kinetic + balance.strain);
+        balance.largest_energy = self.ledger.balance.largest_energy.max(balance.kinetic + balance.strain);
         balance
     }
 
     /// Mass of all bodies; zero in runs without a dynamic stage, which have none.
     pub fn total_mass(&self) -> f64 {
-        self.system.masses.total(self.state.q.len())
+        self.system.inertia.masses.total(self.state.q.len())
     }
 
     /// Energy of motions that are not resolved: of small deformations against the stiffness, and of small parts of the way through the model against constant loads. Round-off of
@@ -603,28 +557,27 @@ impl Simulation {
         let length = lengths.chain(model.contacts.iter().map(|pair| pair.term.length_scale())).fold(0.0, f64::max);
         let small = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION;
         let mut force = 0.0;
-        let acting = model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
         let at = At { time: self.state.time, ..At::force([&self.state.q; 2], ForceRule::END_POINT, 0.0) };
-        for (load, _) in acting.filter(|(load, _)| !load.follows()) {
+        for load in model.acting_loads(&self.system.present.acting).filter(|load| !load.follows()) {
             let mut add = |local: &Local| force += local.residual.iter().map(|r| r.abs()).sum::<f64>();
             // cannot fail: the forces are constant.
             load.assemble(&at, false, &mut add).unwrap_or(());
         }
         let radius = self.state.q.iter().fold(length, |radius, x| radius.max(x.abs()));
-        small * self.system.stiffness_force * length + SMALLEST_RESOLVED_MOTION * force * radius
+        small * self.system.scales.force * length + SMALLEST_RESOLVED_MOTION * force * radius
     }
 
     /// What the iteration of a step of the size `h` may leave of the balance of forces, in the norm over all nodes, if motions are not resolved: the tolerance of
     /// Newton's method times the smallest scales of the residual, and round-off of positions. As a force, and as a mass times a length over `h^2`.
     pub fn unresolved_forces(&self) -> [f64; 2] {
-        let small = self.newton.relative_tolerance * SMALLEST_RESOLVED_MOTION;
+        let small = self.how.newton.relative_tolerance * SMALLEST_RESOLVED_MOTION;
         let lengths = self.model.bodies.iter().map(|body| body.solid.characteristic_length());
         let edge = lengths.fold(f64::INFINITY, f64::min);
         let radius = self.state.q.iter().fold(0.0_f64, |radius, x| radius.max(x.abs()));
         let round_off = f64::EPSILON * (radius / edge).max(1.0) * (self.state.q.len() as f64).sqrt();
         // `2 / h^2` is the factor of inertia of the schemes that conserve energy.
-        let inertia = 2.0 * (small + round_off) * self.system.mass_length;
-        [(small + round_off) * self.system.stiffness_force + self.newton.absolute_tolerance, inertia]
+        let inertia = 2.0 * (small + round_off) * self.system.scales.mass_length;
+        [(small + round_off) * self.system.scales.force + self.how.newton.absolute_tolerance, inertia]
     }
 
     /// Momenta, kinetic and strain energy of one body at the last completed step (loads and contact belong to the model).
@@ -632,7 +585,7 @@ impl Simulation {
         // The state was accepted, so its strain energy exists; NaN would show a contradiction.
         let strain = self.model.bodies[body].solid.strain_energy(&self.state.q).unwrap_or(f64::NAN);
         let mut balance = Balance { strain, ..Balance::default() };
-        if let Some(mass) = self.system.masses.bodies.get(body).filter(|_| self.system.has_rates) {
+        if let Some(mass) = self.system.inertia.masses.bodies.get(body).filter(|_| self.system.present.has_rates) {
             balance.kinetic = mass.kinetic_energy(&self.state.v);
             balance.linear_momentum = mass.linear_momentum(&self.state.v);
             balance.angular_momentum = mass.angular_momentum(&self.state.q, &self.state.v);
@@ -644,9 +597,9 @@ impl Simulation {
     pub fn part_balance(&self, part: usize) -> Balance {
         // As in `body_balance`.
         let energy = || self.model.parts[part].energy(&self.state.q).unwrap_or(f64::NAN);
-        let strain = if self.system.acting.parts[part] { energy() } else { 0.0 };
+        let strain = if self.system.present.acting.parts[part] { energy() } else { 0.0 };
         let mut balance = Balance { strain, ..Balance::default() };
-        if let Some(mass) = self.system.masses.parts.get(part).filter(|_| self.system.has_rates) {
+        if let Some(mass) = self.system.inertia.masses.parts.get(part).filter(|_| self.system.present.has_rates) {
             balance.kinetic = mass.kinetic_energy(&self.state.v);
             balance.linear_momentum = mass.linear_momentum(&self.state.v);
             balance.angular_momentum = mass.angular_momentum(&self.state.q, &self.state.v);

@@ -83,7 +83,7 @@ pub(crate) fn attempt_smoothed(
     let path = Path::new(model, system, step, start, timings, trace);
     let found = path.follow(predict.then_some(&prescribed));
     system.rows = Rows::compliant();
-    system.anchor = None;
+    system.present.anchor = None;
     // That it is in balance does not tell that it is held without springs: the matrix does.
     let mut newton = NewtonOptions { min_iterations: newton.min_iterations.max(1), ..newton };
     // It begins with a residual that is nothing, and a point at its kink may bring a larger one at first.
@@ -242,7 +242,7 @@ impl<'a> Path<'a> {
         let Self { model, system, iterate, timings, .. } = self;
         timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
         start_auxiliaries(model, &self.step, iterate)?;
-        system.has_linearised = false;
+        system.base.has_linearised = false;
         if let Some(prescribed) = prescribed {
             self.problem().predict_all(prescribed)?;
         }
@@ -280,7 +280,7 @@ impl<'a> Path<'a> {
 
     /// Springs to these positions, as stiff as there is smoothing.
     fn hold(&mut self, from: Vec<f64>) {
-        self.system.anchor = Some(Anchor { part: SPRINGS * self.theta / FIRST, stiffness: 0.0, from });
+        self.system.present.anchor = Some(Anchor { part: SPRINGS * self.theta / FIRST, stiffness: 0.0, from });
     }
 
     /// Less smoothing, after a solution.
@@ -318,7 +318,7 @@ impl<'a> Path<'a> {
         }
         self.merits.clear();
         (self.smallest, self.since, self.rounds, self.shift) = (f64::INFINITY, 0, 0, 0.0);
-        if let Some(anchor) = self.system.anchor.take() {
+        if let Some(anchor) = self.system.present.anchor.take() {
             self.hold(anchor.from);
         }
     }
@@ -358,7 +358,7 @@ impl<'a> Path<'a> {
                 increment = problem.keep_base()?;
                 is_based = true;
                 let s = &*problem.system;
-                let far = s.increment[..s.numbering.free.len()].iter().fold(0.0_f64, |most, d| most.max(d.abs()));
+                let far = s.increment[..s.matrix.free()].iter().fold(0.0_f64, |most, d| most.max(d.abs()));
                 if far <= reach {
                     length = self.search(merit.scale, ceiling, watched, tries > ENOUGH)?;
                 }

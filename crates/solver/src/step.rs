@@ -196,7 +196,7 @@ pub(crate) fn attempt(
         timings.measure(Phase::Assembly, || system.begin_pattern(model, &iterate.active))?;
         timings.measure(Phase::Contact, || start_auxiliaries(model, &input.step, &mut iterate))?;
     }
-    system.has_linearised = false;
+    system.base.has_linearised = false;
     if input.predict || model.keeps_apart() {
         let (assembled, solves) = (None, &mut trace.solves);
         let start = (!input.predict).then(|| iterate.clone());

@@ -1,8 +1,10 @@
 //! The finite-element model as a system that every scheme can drive: forces of solids, loads and contact, mass.
 
-use crate::assembly::System;
+use crate::assembly::{LoadForces, Scratch, System, Tally};
 use crate::books::{work_at, work_of};
+use crate::inertia::Inertia;
 use crate::mass_solve::MassSolver;
+use crate::matrix::{Fixed, Matrix};
 use crate::rows::SmoothedPair;
 use crate::{Model, StepError};
 use std::ops::Range;
@@ -48,7 +50,17 @@ struct Sink<'a> {
     work: f64,
 }
 
-impl Sink<'_> {
+impl<'a> Sink<'a> {
+    fn new(
+        out: &'a mut [f64],
+        sign: f64,
+        (map, values): (&'a ScatterMap, &'a mut [f64]),
+        tangent: Option<f64>,
+        weighted: &'a mut Vec<f64>,
+    ) -> Self {
+        Self { out, sign, map, values, tangent, weighted, stencil: 0, work: 0.0 }
+    }
+
     /// Adds all contributions of a term, which has these stencils. Those of a tangent of weight one are added as they are.
     fn add(&mut self, term: &dyn Term, at: &At<'_>, stencils: Range<usize>) -> Result<(), Fault> {
         (self.work, self.stencil) = (0.0, stencils.start);
@@ -83,11 +95,11 @@ impl Sink<'_> {
 impl FeSystem<'_> {
     /// An iterate of the forces. A step of no length is the start of a run, where nothing has a rate.
     fn force_at<'b>(&self, step: StepConfiguration<'b>, rule: ForceRule) -> At<'b> {
-        let rates = self.system.has_rates && step.dt > 0.0;
+        let rates = self.system.present.has_rates && step.dt > 0.0;
         At { time: step.time, rates, ..At::force([step.q_n, step.q_np1], rule, step.dt) }
     }
 
-    /// Loads that depend on the configuration, into `system.follower` and, with their tangent, the solids' values.
+    /// Loads that depend on the configuration, into `system.loads.follower` and, with their tangent, the solids' values.
     ///
     /// # Errors
     /// [`StepError::Term`] if the directors that a moment acts on are on a line in this configuration, which they are not where they are orthogonal.
@@ -98,14 +110,13 @@ impl FeSystem<'_> {
         tangent: Option<f64>,
     ) -> Result<(), StepError> {
         let at = self.force_at(step, rule);
-        let System { load_support, follower, solid_map, solid_values, weighted, load_stencils, acting, .. } =
-            &mut *self.system;
-        for range in load_support.iter() {
+        let System { matrix, loads: LoadForces { support, follower, .. }, present, scratch, .. } = &mut *self.system;
+        for range in support.iter() {
             follower[range.clone()].fill(0.0);
         }
-        let (out, map, values) = (&mut follower[..], &*solid_map, &mut solid_values[..]);
-        let mut sink = Sink { out, sign: -1.0, map, values, tangent, weighted, stencil: 0, work: 0.0 };
-        let loads = self.model.loads.iter().zip(&acting.loads).zip(&*load_stencils);
+        let Fixed { map, values, loads, .. } = &mut matrix.fixed;
+        let mut sink = Sink::new(follower, -1.0, (map, values), tangent, &mut scratch.weighted);
+        let loads = self.model.loads.iter().zip(&present.acting.loads).zip(&*loads);
         // What is off keeps its place in the pattern.
         for ((load, _), stencils) in loads.filter(|((load, acts), _)| **acts && load.follows()) {
             sink.add(load, &at, stencils.clone())?;
@@ -126,23 +137,16 @@ impl SecondOrderSystem for FeSystem<'_> {
     }
 
     fn add_mass_product(&self, factor: f64, x: &[f64], out: &mut [f64]) {
-        self.system.masses.multiply_add(factor, x, out);
+        self.system.inertia.masses.multiply_add(factor, x, out);
     }
 
     fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) -> Result<(), StepError> {
-        let System { masses, numbering, mass_solver, .. } = &mut *self.system;
-        mass_solver.get_or_insert_with(|| MassSolver::new(masses, &numbering.free, x.len())).solve(masses, rhs, x)
+        let System { matrix, inertia: Inertia { masses, solver, .. }, .. } = &mut *self.system;
+        solver.get_or_insert_with(|| MassSolver::new(masses, &matrix.numbering.free, x.len())).solve(masses, rhs, x)
     }
 
     fn start_tangent(&mut self, factor: f64) {
-        let s = &mut *self.system;
-        if s.mass_values.is_empty() {
-            s.solid_values.fill(0.0);
-            return;
-        }
-        for (k, m) in s.solid_values.iter_mut().zip(&s.mass_values) {
-            *k = factor * m;
-        }
+        self.system.matrix.fixed.start(factor);
     }
 
     fn add_force(
@@ -154,23 +158,23 @@ impl SecondOrderSystem for FeSystem<'_> {
     ) -> Result<(), StepError> {
         self.add_forces(step, rule, tangent, out)?;
         let s = &mut *self.system;
-        s.force_scale = vector::norm2_of(out, &s.own);
-        if s.has_dead_loads {
-            s.force_scale = s.force_scale.max(vector::norm2_of(&s.dead, &s.load_support));
-            subtract(&s.dead, &s.load_support, out);
+        s.tally.force_scale = vector::norm2_of(out, &s.own);
+        if s.loads.has_dead {
+            s.tally.force_scale = s.tally.force_scale.max(vector::norm2_of(&s.loads.dead, &s.loads.support));
+            subtract(&s.loads.dead, &s.loads.support, out);
         }
-        if s.has_followers {
+        if s.loads.has_followers {
             self.evaluate_follower(step, rule, tangent)?;
             let s = &mut *self.system;
-            subtract(&s.follower, &s.load_support, out);
-            s.force_scale = s.force_scale.max(vector::norm2_of(&s.follower, &s.load_support));
+            subtract(&s.loads.follower, &s.loads.support, out);
+            s.tally.force_scale = s.tally.force_scale.max(vector::norm2_of(&s.loads.follower, &s.loads.support));
         }
-        self.model.embedding.pull_back_of(&self.system.loaded, out);
+        self.model.embedding.pull_back_of(&self.system.loads.embedded, out);
         Ok(())
     }
 
     fn has_damping(&self) -> bool {
-        self.system.has_damping
+        self.system.present.has_damping
     }
 
     fn add_damping(
@@ -193,26 +197,23 @@ impl SecondOrderSystem for FeSystem<'_> {
     ) -> Result<(), StepError> {
         let s = &mut *self.system;
         if tangent {
-            s.values.fill(0.0);
-            for (value, &at) in s.solid_values.iter().zip(&s.solid_to_global) {
-                s.values[at as usize] = *value;
-            }
-            s.fill_inactive();
-            s.soften_closed();
+            s.matrix.spread();
+            s.matrix.fill_inactive(s.tally.tangents == 0);
+            s.matrix.soften_closed(s.rows.compliance, s.present.has_rates);
         }
-        let free = s.numbering.free.len();
+        let free = s.matrix.free();
         s.rhs[free..].fill(0.0);
-        s.gap_measure = 0.0;
-        if !s.shift.is_empty() {
+        s.tally.gap_measure = 0.0;
+        if !s.tally.shift.is_empty() {
             // Embedded nodes have handed theirs over.
             for range in &s.own {
-                s.shift[range.clone()].fill(0.0);
+                s.tally.shift[range.clone()].fill(0.0);
             }
         }
-        s.auxiliary_square = 0.0;
-        let mut time = s.contact_time;
+        s.tally.auxiliary_square = 0.0;
+        let mut time = s.tally.contact_time;
         let result = time.measure(|| self.add_contact_elements(step, rule, weight, tangent, out));
-        self.system.contact_time = time;
+        self.system.tally.contact_time = time;
         result
     }
 }
@@ -227,13 +228,12 @@ impl FeSystem<'_> {
         out: &mut [f64],
     ) -> Result<(), StepError> {
         let at = self.force_at(step, rule);
-        let System {
-            solid_map, solid_values, weighted, acting, works, force_stencils, linearised, has_linearised, ..
-        } = &mut *self.system;
-        let at = At { before: has_linearised.then_some(&linearised[..]), ..at };
-        let (map, values, stencil) = (&*solid_map, &mut solid_values[..], 0);
-        let mut sink = Sink { out, sign: 1.0, map, values, tangent, weighted, stencil, work: 0.0 };
-        let forces = self.model.forces(acting).zip(&*force_stencils).enumerate();
+        let System { matrix, present, scratch, base, tally, .. } = &mut *self.system;
+        let at = At { before: base.has_linearised.then_some(&base.linearised[..]), ..at };
+        let Fixed { map, values, forces, .. } = &mut matrix.fixed;
+        let mut sink = Sink::new(out, 1.0, (map, values), tangent, &mut scratch.weighted);
+        let forces = self.model.forces(&present.acting).zip(&*forces).enumerate();
+        let works = &mut tally.works;
         for (f, ((term, acts), stencils)) in forces {
             works.forces[f] = 0.0;
             if acts {
@@ -258,34 +258,20 @@ impl FeSystem<'_> {
         out: &mut [f64],
     ) -> Result<(), StepError> {
         let (model, s) = (self.model, &mut *self.system);
-        s.tangents = s.tangents.saturating_add(u32::from(tangent));
+        s.tally.tangents = s.tally.tangents.saturating_add(u32::from(tangent));
         if tangent {
-            s.shifts_rows = false;
+            s.tally.shifts_rows = false;
         }
-        let from_zero = s.tangents <= FROM_ZERO;
-        let has_rates = s.has_rates && step.dt > 0.0;
+        let from_zero = s.tally.tangents <= FROM_ZERO;
+        let has_rates = s.present.has_rates && step.dt > 0.0;
         let mut k = 0;
         for (c, pair) in model.couplings() {
             let term = &pair.term;
             let length = term.length_scale();
             let compliance = s.rigid_compliance(step.dt, length);
-            let System {
-                rhs,
-                values,
-                slot_equation,
-                contact_map,
-                weighted,
-                shift,
-                gap_measure,
-                auxiliary_square,
-                touched,
-                transform,
-                expanded,
-                shifts_rows,
-                rows,
-                works,
-                ..
-            } = s;
+            let System { rhs, matrix, scratch: Scratch { weighted, transform, expanded }, rows, tally, .. } = s;
+            let Matrix { map, values, slots, .. } = matrix;
+            let Tally { shift, gap_measure, auxiliary_square, touched, shifts_rows, works, .. } = tally;
             let work = &mut works.couplings[c];
             *work = 0.0;
             let smoothed = match (pair.unilateral(), rows.smoothing.get(c)) {
@@ -294,7 +280,7 @@ impl FeSystem<'_> {
                 }
                 _ => None,
             };
-            let equations = &slot_equation[c];
+            let equations = &slots.equation[c];
             let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
             let at = At {
                 time: step.time,
@@ -367,7 +353,7 @@ impl FeSystem<'_> {
                         (&local.tangent, coordinates)
                     };
                     if weight == 1.0 && smoothed.is_none() {
-                        contact_map.add(k, tangent, values);
+                        map.add(k, tangent, values);
                     } else {
                         // Forces are weighted, constraint rows are not.
                         let dim = coordinates + local.dim() - 3 * local.nodes.len();
@@ -380,7 +366,7 @@ impl FeSystem<'_> {
                             let of_slot = |slot: u32| term.slot_weight(slot as usize);
                             smoothed.change_tangent(local, weighted, coordinates, of_slot);
                         }
-                        contact_map.add(k, weighted, values);
+                        map.add(k, weighted, values);
                     }
                 }
                 k += 1;

@@ -1,7 +1,7 @@
 //! All terms of a model as one list. What every term is told in a step goes through here.
 
-use crate::Model;
 use crate::switches::Acting;
+use crate::{Load, Model};
 use stoss_term::Term;
 
 /// The line of the residual that a term adds to.
@@ -18,6 +18,11 @@ impl Model {
     pub(crate) fn forces<'a>(&'a self, acting: &'a Acting) -> impl Iterator<Item = (&'a dyn Term, bool)> {
         let bodies = self.bodies.iter().map(|body| (&body.solid as &dyn Term, true));
         bodies.chain(self.parts.iter().map(|part| &**part as &dyn Term).zip(acting.parts.iter().copied()))
+    }
+
+    /// Loads that are not switched off.
+    pub(crate) fn acting_loads<'a>(&'a self, acting: &'a Acting) -> impl Iterator<Item = &'a Load> {
+        self.loads.iter().zip(&acting.loads).filter(|(_, acts)| **acts).map(|(load, _)| load)
     }
 
     /// Every term: bodies, parts, loads, couplings, in this order.

@@ -4,7 +4,7 @@ use super::books::Draft;
 use super::impact::Impact;
 use super::{InsideOutRule, Simulation};
 use crate::anchored::attempt_anchored;
-use crate::assembly::{System, no_auxiliaries};
+use crate::assembly::{System, Tally, no_auxiliaries};
 use crate::failure::{AttemptLog, FailedAttempt};
 use crate::iterate::Iterate;
 use crate::rows::Rows;
@@ -83,7 +83,7 @@ impl Completed {
 
 impl Simulation {
     fn kinetic(&self, v: &[f64]) -> f64 {
-        self.system.masses.kinetic_energy(v)
+        self.system.inertia.masses.kinetic_energy(v)
     }
 
     /// Does one step: tries the present step size and halves it as often as the settings allow.
@@ -93,20 +93,20 @@ impl Simulation {
     pub fn advance(&mut self) -> Result<StepRecord, SimulationError> {
         let mut timer = PhaseTime::default();
         let record = timer.measure(|| self.advance_untimed());
-        self.timings.total.add(timer);
+        self.log.timings.total.add(timer);
         record
     }
 
     fn advance_untimed(&mut self) -> Result<StepRecord, SimulationError> {
         // Those between the steps belong to the step that follows.
-        let first_decision = self.decisions.partition_point(|decision| decision.step <= self.step);
-        self.failures.clear();
+        let first_decision = self.log.decisions.partition_point(|decision| decision.step <= self.step);
+        self.log.failures.clear();
         loop {
             match self.try_step() {
                 Ok(completed) => return Ok(self.accept(completed, first_decision)),
                 Err(cause) => {
                     let (time, dt) = (self.state.time, self.clock.dt());
-                    let at_any_size = self.failures.last().is_some_and(|failure| failure.at_any_size);
+                    let at_any_size = self.log.failures.last().is_some_and(|failure| failure.at_any_size);
                     if !at_any_size && self.ramps_overlaps(&cause) {
                         continue;
                     }
@@ -116,12 +116,12 @@ impl Simulation {
                             step: self.step + 1,
                             time,
                             dt,
-                            were_smaller: self.failures.iter().any(|failure| failure.dt > dt),
+                            were_smaller: self.log.failures.iter().any(|failure| failure.dt > dt),
                             cause: Box::new(cause),
                             hint,
                         });
                     }
-                    self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Cut, cause.to_string()));
+                    self.log.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Cut, cause.to_string()));
                 }
             }
         }
@@ -137,7 +137,7 @@ impl Simulation {
         match self.try_from(start, dt, rule) {
             Err(cause) if other.is_some() && self.may_start_elsewhere(start, &cause) => {
                 let reason = format!("from the predictor: {cause}");
-                self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
+                self.log.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
                 match self.try_from(other.unwrap_or(start), dt, rule) {
                     Err(cause) => self.try_carefully([start, other.unwrap_or(start)], dt, rule, cause),
                     result => result,
@@ -155,7 +155,7 @@ impl Simulation {
             StepError::Term(fault) => fault.is_undefined(),
             StepError::Singular { .. } => start == Start::Linear,
             StepError::NotConverged { .. } | StepError::Cycling { .. } | StepError::ActiveSet { .. } => {
-                self.scheme.is_none() && start == Start::Extrapolation
+                self.how.scheme.is_none() && start == Start::Extrapolation
             }
             _ => false,
         }
@@ -178,12 +178,12 @@ impl Simulation {
             careful,
             impacts: Self::has_impacts(&rule),
             reach: 2.0 * speed * dt,
-            support: &self.support,
+            support: &self.stage.support,
         };
-        for (line, _, term) in self.model.terms_mut(&self.system.acting).filter(|(_, acts, _)| *acts) {
+        for (line, _, term) in self.model.terms_mut(&self.system.present.acting).filter(|(_, acts, _)| *acts) {
             let phase = if line == Line::Force { Phase::Assembly } else { Phase::Search };
             let reach = step.reach + 0.5 * term.length_scale();
-            self.timings.measure(phase, || term.begin(&ContactStep { reach, ..step }))?;
+            self.log.timings.measure(phase, || term.begin(&ContactStep { reach, ..step }))?;
         }
         Ok(())
     }
@@ -191,12 +191,12 @@ impl Simulation {
     /// How to start, and how to start if an element is inverted there.
     fn starts(&self, dt: f64) -> (Start, Option<Start>) {
         let moves = vector::norm_inf(&self.state.v) * dt > 0.0;
-        if self.scheme.is_some() {
+        if self.how.scheme.is_some() {
             return (Start::Extrapolation, moves.then_some(Start::Last));
         }
         let end = self.clock.next_time();
         let (mut moved, mut missed) = (0.0_f64, 0.0_f64);
-        for k in 0..self.prescribed.len() {
+        for k in 0..self.stage.prescribed.len() {
             let (component, position) = self.prescribed_position(k, end);
             let motion = position - self.state.q[component];
             moved = moved.max(motion.abs());
@@ -217,16 +217,16 @@ impl Simulation {
     pub(super) fn try_by(&mut self, way: Way, from: Start, dt: f64, rule: StepRule) -> Result<Completed, StepError> {
         let mut trace = AttemptLog::default();
         let result = self.traced(way, from, dt, rule, &mut trace);
-        self.solves += u64::from(trace.solves);
+        self.log.solves += u64::from(trace.solves);
         if let Err(cause) = &result {
             // Without inertia and stabilisation the step size is in no term of this matrix; it is in a start that goes on as the last step ended.
             let goes_on = from == Start::Extrapolation && vector::norm_inf(&self.state.v) > 0.0;
-            let at_any_size = self.scheme.is_none()
-                && self.system.stabilisation.is_none()
+            let at_any_size = self.how.scheme.is_none()
+                && self.system.present.stabilisation.is_none()
                 && !goes_on
                 && trace.first_was_singular(cause);
             let failed = trace.failed(&self.model, (self.step + 1, self.state.time, dt), cause);
-            self.failures.push(FailedAttempt { at_any_size, ..failed });
+            self.log.failures.push(FailedAttempt { at_any_size, ..failed });
         }
         result
     }
@@ -243,19 +243,19 @@ impl Simulation {
         let is_careful = matches!(way, Way::Careful | Way::Smoothed);
         self.begin_terms(dt, rule, is_careful)?;
         self.system.rows = if is_careful { Rows::compliant() } else { Rows::default() };
-        self.system.anchor = None;
+        self.system.present.anchor = None;
         let (q_n, increment) = (&self.state.q, vec![0.0; self.state.q.len()]);
         let embedding = &self.model.embedding;
         let mut start = Iterate {
             q: q_n.clone(),
             followed: [embedding.followed(q_n), embedding.followed(&increment)],
             increment,
-            pressures: self.pressures.clone(),
+            pressures: self.slots.pressures.clone(),
             auxiliaries: no_auxiliaries(&self.model),
-            active: self.active.clone(),
+            active: self.slots.active.clone(),
         };
         if from == Start::Extrapolation {
-            match &self.scheme {
+            match &self.how.scheme {
                 Some(scheme) => scheme.predict(&self.state, dt, &mut start.increment),
                 None => vector::axpy(dt, &self.state.v, &mut start.increment),
             }
@@ -265,7 +265,7 @@ impl Simulation {
         }
         let end = self.clock.next_time();
         let prescribed: Vec<(usize, f64)> =
-            (0..self.prescribed.len()).map(|k| self.prescribed_position(k, end)).collect();
+            (0..self.stage.prescribed.len()).map(|k| self.prescribed_position(k, end)).collect();
         let predict = from == Start::Linear;
         if !predict {
             for &(component, position) in &prescribed {
@@ -278,9 +278,9 @@ impl Simulation {
             start,
             prescribed,
             predict,
-            newton: self.newton,
+            newton: self.how.newton,
         };
-        let (model, system, timings) = (&mut self.model, &mut self.system, &mut self.timings);
+        let (model, system, timings) = (&mut self.model, &mut self.system, &mut self.log.timings);
         let mut attempt = match way {
             Way::Plain | Way::Careful => attempt(model, system, input, timings, trace)?,
             Way::Anchored => attempt_anchored(model, system, input, timings, trace)?,
@@ -290,7 +290,7 @@ impl Simulation {
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
         let inside_out = self.inside_out(&attempt.iterate.q)?;
-        if self.inside_out_rule == InsideOutRule::Refuse
+        if self.how.inside_out == InsideOutRule::Refuse
             && let Some(error) = self.newly_inside_out(&inside_out).next()
         {
             return Err(error);
@@ -361,7 +361,7 @@ impl Simulation {
         embedding.follow_changes(&mut next.v, &mut followed);
         embedding.follow(&mut next.a);
         if rule.history.is_some_and(|history| history.constraint) && !next.history.is_empty() {
-            let (touched, constraint) = (&self.system.touched, &self.system.buffers.constraint);
+            let (touched, constraint) = (&self.system.tally.touched, &self.system.buffers.constraint);
             for c in touched.iter().flat_map(|&node| 3 * node as usize..3 * node as usize + 3) {
                 next.history[c] = -constraint[c];
             }
@@ -377,7 +377,7 @@ impl Simulation {
         self.warn_dependent();
         let Completed { attempt, next, rule, draft, mut contact, stored, closing, impact, inside_out, solves, .. } =
             completed;
-        self.moved = contact.as_mut().map(|contact| std::mem::take(&mut contact.moved)).unwrap_or_default();
+        self.forces.moved = contact.as_mut().map(|contact| std::mem::take(&mut contact.moved)).unwrap_or_default();
         let contact_work = completed.work;
         let Attempt { iterate, newton, unstable, .. } = attempt;
         let dt = self.clock.dt();
@@ -385,7 +385,7 @@ impl Simulation {
         // Work of the step: loads that vary in time or follow, and reactions at moving supports; of the forces of the rule, or in
         // statics, where all forces are those of the end, by the trapezium rule.
         let mut varying = vec![0.0; self.state.q.len()];
-        let quasi_static = self.scheme.is_none();
+        let quasi_static = self.how.scheme.is_none();
         if quasi_static {
             self.add_varying_loads(time_n, 0.5, &mut varying);
             self.add_reactions(0.5, &mut varying);
@@ -393,39 +393,37 @@ impl Simulation {
         let mut of_supports = if quasi_static { 0.5 * self.reaction_work(&next.q) } else { 0.0 };
         let end_weight = if quasi_static { 0.5 } else { 1.0 };
         self.add_varying_loads(time_n + rule.force.rule.load_fraction() * dt, end_weight, &mut varying);
-        if self.system.has_followers {
-            vector::axpy(end_weight, &self.system.follower, &mut varying);
+        if self.system.loads.has_followers {
+            vector::axpy(end_weight, &self.system.loads.follower, &mut varying);
             if quasi_static {
-                let Self { model, system, state, pressures, active, .. } = &mut *self;
+                let (mut fe, state) = self.equations_of(&iterate.auxiliaries);
                 let at_n = StepConfiguration { time: time_n, dt: 0.0, q_n: &state.q, q_np1: &state.q };
-                let auxiliaries = &iterate.auxiliaries;
-                let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
                 // cannot fail: directors are orthogonal at the end of a step.
                 fe.evaluate_follower(at_n, ForceRule::END_POINT, None).unwrap_or(());
-                vector::axpy(0.5, &self.system.follower, &mut varying);
+                vector::axpy(0.5, &self.system.loads.follower, &mut varying);
             }
         }
-        for &(component, ..) in &self.prescribed {
+        for &(component, ..) in &self.stage.prescribed {
             // The residual at a prescribed component is what the support has to exert.
             let c = component as usize;
-            self.reactions[c] = self.system.buffers.residual[c];
+            self.forces.reactions[c] = self.system.buffers.residual[c];
         }
         self.add_reactions(end_weight, &mut varying);
         of_supports += end_weight * self.reaction_work(&next.q);
         let mut work = 0.0;
-        for c in self.system.load_support.iter().flat_map(Range::clone) {
+        for c in self.system.loads.support.iter().flat_map(Range::clone) {
             work += varying[c] * (next.q[c] - self.state.q[c]);
         }
         // Nothing is judged by it in statics.
         let closes = |pair: &Coupling| pair.acts && !pair.always_holds();
         let has_contact = contact.is_some() && self.model.contacts.iter().any(closes);
         let work_of_contact = (!quasi_static && has_contact).then(|| -> f64 {
-            let System { support, buffers, .. } = &self.system;
-            let components = support.iter().flat_map(Range::clone);
+            let System { tally, buffers, .. } = &self.system;
+            let components = tally.support.iter().flat_map(Range::clone);
             components.map(|c| buffers.constraint[c] * (next.q[c] - self.state.q[c])).sum()
         });
         let damped = draft.dissipated_by_parts();
-        let (stabilised, stabilising) = if self.system.stabilisation.is_some() {
+        let (stabilised, stabilising) = if self.system.present.stabilisation.is_some() {
             let increment: Vec<f64> = next.q.iter().zip(&self.state.q).map(|(next, q)| next - q).collect();
             let force = self.system.stabilising(&increment, dt);
             let work = self.system.stabilised(self.ramp(time_n), &self.state.v, &increment, dt);
@@ -435,14 +433,14 @@ impl Simulation {
         };
         let damped_bodies = self.system.damped(dt) + draft.dissipated_in_bodies();
         let step = Step { state_n: &self.state, dt, rule };
-        for (line, _, term) in self.model.terms_mut(&self.system.acting).filter(|(_, acts, _)| *acts) {
+        for (line, _, term) in self.model.terms_mut(&self.system.present.acting).filter(|(_, acts, _)| *acts) {
             term.commit(&At { q_np1: &next.q, ..iterate.at_line(line, &step) });
         }
         self.state = next;
         // Velocities from momenta lack the next impulse of the constraints, and get it in the next step.
         let has_supports = rule.impulse.is_none() && self.has_sliding_supports();
         let mut jump = 0.0;
-        if self.scheme.is_some() && (!self.prescribed.is_empty() || has_supports) {
+        if self.how.scheme.is_some() && (!self.stage.prescribed.is_empty() || has_supports) {
             // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
             let before = self.kinetic(&self.state.v);
             let mut v = std::mem::take(&mut self.state.v);
@@ -457,38 +455,39 @@ impl Simulation {
             work += jump;
         }
         if !self.model.contacts.is_empty() {
-            let System { support, touched, buffers, .. } = &self.system;
-            for node in self.pushed.drain(..) {
-                self.contact_force[3 * node as usize..3 * node as usize + 3].fill(0.0);
+            let System { tally: Tally { support, touched, .. }, buffers, .. } = &self.system;
+            for node in self.forces.pushed.drain(..) {
+                self.forces.contact[3 * node as usize..3 * node as usize + 3].fill(0.0);
             }
             for range in support {
-                self.contact_force[range.clone()].copy_from_slice(&buffers.constraint[range.clone()]);
+                self.forces.contact[range.clone()].copy_from_slice(&buffers.constraint[range.clone()]);
             }
-            self.pushed.extend_from_slice(touched);
+            self.forces.pushed.extend_from_slice(touched);
             if let Some(impact) = &impact {
                 let forces = impact.mean.forces.iter().flatten();
-                forces.for_each(|&(c, force)| self.contact_force[c as usize] += force);
+                forces.for_each(|&(c, force)| self.forces.contact[c as usize] += force);
             }
             // Vertices of traces belong to no body: its nodes have the forces on its faces.
             if !self.model.traces.is_empty() {
                 let traces = &self.model.traces;
                 let vertices: Vec<u32> = touched.iter().copied().filter(|node| traces.contains_key(node)).collect();
-                self.model.embedding.pull_back_of(&vertices, &mut self.contact_force);
+                self.model.embedding.pull_back_of(&vertices, &mut self.forces.contact);
             }
         }
         let mut impact = impact.unwrap_or_default();
         for &(c, force) in &impact.mean.reactions {
-            self.reactions[c as usize] += force;
+            self.forces.reactions[c as usize] += force;
         }
         self.impacts.largest_rate = self.impacts.largest_rate.max(impact.largest_rate);
         work += impact.external;
-        self.stored = stored;
-        self.pressures = iterate.pressures;
-        self.mean_pressures = std::mem::take(&mut impact.mean.pressures);
-        self.active = iterate.active;
+        self.ledger.stored = stored;
+        self.slots.pressures = iterate.pressures;
+        self.slots.mean_pressures = std::mem::take(&mut impact.mean.pressures);
+        self.slots.active = iterate.active;
         self.take_sliding_supports_from_contact_force();
-        let balance = self.measure_balance(draft.strain(), self.balance.external_work + work + contact_work.driven);
-        let before = self.balance;
+        let balance =
+            self.measure_balance(draft.strain(), self.ledger.balance.external_work + work + contact_work.driven);
+        let before = self.ledger.balance;
         let stored_by_normal = |stored: f64, by_friction: f64| stored - by_friction;
         // Without contact the constraints are those of joints, and what they lose is what their limits report.
         let limits = if quasi_static { 0.0 } else { contact_work.closing.unwrap_or(0.0) };
@@ -499,32 +498,32 @@ impl Simulation {
         });
         // Friction of the law of impact in the place of that of the step.
         let of_impact: f64 = impact.friction.iter().sum();
-        self.balance = Balance {
+        self.ledger.balance = Balance {
             contact: contact_work.stored,
-            dissipation: self.balance.dissipation + contact_work.dissipated + of_impact + damped + damped_bodies,
-            damping: self.balance.damping + damped_bodies,
-            stabilisation: self.balance.stabilisation + stabilised,
-            friction_work: self.balance.friction_work + contact_work.friction_work + of_impact + damped,
+            dissipation: self.ledger.balance.dissipation + contact_work.dissipated + of_impact + damped + damped_bodies,
+            damping: self.ledger.balance.damping + damped_bodies,
+            stabilisation: self.ledger.balance.stabilisation + stabilised,
+            friction_work: self.ledger.balance.friction_work + contact_work.friction_work + of_impact + damped,
             friction_stored: contact_work.friction_stored,
-            closing_loss: self.balance.closing_loss - normal_work - impact.closing,
-            contact_remainder: self.balance.contact_remainder
+            closing_loss: self.ledger.balance.closing_loss - normal_work - impact.closing,
+            contact_remainder: self.ledger.balance.contact_remainder
                 + if quasi_static { 0.0 } else { contact_work.closing.map_or(0.0, |closing| -normal_work - closing) },
-            impact_loss: self.balance.impact_loss + impact.loss,
-            impact_deformable: self.balance.impact_deformable + impact.deformable,
-            impacts: self.balance.impacts + impact.closed,
-            impact_capped: self.balance.impact_capped + impact.excess,
+            impact_loss: self.ledger.balance.impact_loss + impact.loss,
+            impact_deformable: self.ledger.balance.impact_deformable + impact.deformable,
+            impacts: self.ledger.balance.impacts + impact.closed,
+            impact_capped: self.ledger.balance.impact_capped + impact.excess,
             ..balance
         };
         let books = self.close_books(draft, &impact, [of_supports, jump], stabilised, &before);
         self.step += 1;
-        self.sudden.clear();
+        self.stage.sudden.clear();
         if let Some(work) = work_of_contact {
             self.warn_contact_gain(work - contact_work.driven, &before);
         }
-        let change = match (self.clock.accept(solves), self.control.automatic) {
+        let change = match (self.clock.accept(solves), self.how.control.automatic) {
             (StepChange::None, _) => None,
             (StepChange::Doubled, None) => {
-                Some((DecisionKind::Grow, format!("{} steps succeeded in a row", self.control.grow_after)))
+                Some((DecisionKind::Grow, format!("{} steps succeeded in a row", self.how.control.grow_after)))
             }
             (StepChange::Doubled, Some(Automatic { easy, after, .. })) => {
                 Some((DecisionKind::Grow, format!("{after} steps in a row took at most {easy} iterations each")))
@@ -535,21 +534,21 @@ impl Simulation {
             }
         };
         if let Some((kind, reason)) = change {
-            self.decisions.push(decision(self.step, time, dt, kind, reason));
+            self.log.decisions.push(decision(self.step, time, dt, kind, reason));
         }
         self.warn_stabilisation();
         self.warn_fallbacks();
         self.warn_handed_over();
         StepRecord {
             step: self.step,
-            stage: self.stage,
+            stage: self.stage.number,
             time,
             dt,
             nominal: self.clock.on_nominal_grid(),
-            balance: self.balance,
+            balance: self.ledger.balance,
             newton,
             iterations: solves,
-            decisions: self.decisions[first_decision..].to_vec(),
+            decisions: self.log.decisions[first_decision..].to_vec(),
             unstable,
             closing,
             books,
@@ -562,9 +561,9 @@ impl Simulation {
 
     /// Adds `factor` times the dead loads that vary in time.
     fn add_varying_loads(&self, time: f64, factor: f64, force: &mut [f64]) {
-        let acting = self.model.loads.iter().zip(&self.system.acting.loads).filter(|(_, acts)| **acts);
         let at = At { time, ..At::force([&self.state.q; 2], ForceRule::END_POINT, 0.0) };
-        for (load, _) in acting.filter(|(load, _)| !load.follows() && !load.is_conservative()) {
+        let loads = self.model.acting_loads(&self.system.present.acting);
+        for load in loads.filter(|load| !load.follows() && !load.is_conservative()) {
             // cannot fail: the forces are constant.
             load.add_force(&at, factor, force).unwrap_or(());
         }
@@ -572,10 +571,11 @@ impl Simulation {
 
     /// Sum of the magnitudes of the components of the forces of supports and loads at the end of a step.
     fn external_forces(&self) -> f64 {
-        let reactions = self.prescribed.iter().map(|&(component, ..)| self.reactions[component as usize].abs());
-        let loads = self.system.load_support.iter().flat_map(Range::clone).map(|c| {
-            let follower = if self.system.has_followers { self.system.follower[c] } else { 0.0 };
-            let dead = if self.system.has_dead_loads { self.system.dead[c] } else { 0.0 };
+        let reactions =
+            self.stage.prescribed.iter().map(|&(component, ..)| self.forces.reactions[component as usize].abs());
+        let loads = self.system.loads.support.iter().flat_map(Range::clone).map(|c| {
+            let follower = if self.system.loads.has_followers { self.system.loads.follower[c] } else { 0.0 };
+            let dead = if self.system.loads.has_dead { self.system.loads.dead[c] } else { 0.0 };
             (dead + follower).abs()
         });
         reactions.sum::<f64>() + loads.sum::<f64>()
@@ -583,13 +583,13 @@ impl Simulation {
 
     /// Work of the present reactions on the way to `q`.
     fn reaction_work(&self, q: &[f64]) -> f64 {
-        let components = self.prescribed.iter().map(|&(component, ..)| component as usize);
-        components.map(|c| self.reactions[c] * (q[c] - self.state.q[c])).sum()
+        let components = self.stage.prescribed.iter().map(|&(component, ..)| component as usize);
+        components.map(|c| self.forces.reactions[c] * (q[c] - self.state.q[c])).sum()
     }
 
     fn add_reactions(&self, factor: f64, force: &mut [f64]) {
-        for &(component, ..) in &self.prescribed {
-            force[component as usize] += factor * self.reactions[component as usize];
+        for &(component, ..) in &self.stage.prescribed {
+            force[component as usize] += factor * self.forces.reactions[component as usize];
         }
     }
 }

@@ -41,12 +41,12 @@ impl Simulation {
     /// Stored energies of all bodies, then of all parts; zero for parts that are off.
     pub(super) fn energies(&self, q: &[f64]) -> Result<Vec<f64>, StepError> {
         let of = |(term, acts): (&dyn Term, bool)| if acts { Ok(term.energy(q)?) } else { Ok(0.0) };
-        self.model.forces(&self.system.acting).map(of).collect()
+        self.model.forces(&self.system.present.acting).map(of).collect()
     }
 
     /// Whether dampers of bodies act.
     fn is_damped(&self) -> bool {
-        self.system.has_damping && self.system.has_rates
+        self.system.present.has_damping && self.system.present.has_rates
     }
 
     /// Books of a step whose equations were evaluated last at `iterate`, whose couplings did the work `of_pairs`.
@@ -60,31 +60,31 @@ impl Simulation {
         rule: &StepRule,
         dt: f64,
     ) -> Result<Draft, StepError> {
-        if self.energies.is_empty() {
-            self.energies = self.energies(&self.state.q)?;
+        if self.ledger.energies.is_empty() {
+            self.ledger.energies = self.energies(&self.state.q)?;
         }
-        let is_static = self.scheme.is_none();
+        let is_static = self.how.scheme.is_none();
         let measured = is_measured(rule);
         let remainder = |rest: f64| if measured { rest } else { f64::NAN };
-        let works = &self.system.works;
-        let (mut books, mut energies) = (Books::default(), Vec::with_capacity(self.energies.len()));
+        let works = &self.system.tally.works;
+        let (mut books, mut energies) = (Books::default(), Vec::with_capacity(self.ledger.energies.len()));
         let at = iterate.force_at(&Step { state_n: &self.state, dt, rule: *rule });
         let bodies = self.model.bodies.len();
-        for (f, (term, acts)) in self.model.forces(&self.system.acting).enumerate() {
+        for (f, (term, acts)) in self.model.forces(&self.system.present.acting).enumerate() {
             let Work { stored, dissipated, .. } = if acts { term.work(&at)? } else { Work::default() };
             let mut work = works.forces[f];
             if let Some(body) = self.model.bodies.get(f).filter(|_| measured && self.is_damped()) {
                 let damping = &self.system.buffers.damping;
                 work += rule.damping_weight() * work_of(damping, body.components(), &self.state.q, &iterate.q);
             }
-            let rest = remainder(work - (stored - self.energies[f]) - dissipated);
+            let rest = remainder(work - (stored - self.ledger.energies[f]) - dissipated);
             energies.push(stored);
             let list = if f < bodies { &mut books.bodies } else { &mut books.parts };
             list.push(Posting { stored, dissipated, supplied: 0.0, remainder: rest });
         }
         for (c, work) in of_pairs.iter().enumerate() {
             let (stored, dissipated, supplied) = (work.stored, work.dissipated, work.driven);
-            let rest = remainder(works.couplings[c] - (stored - self.stored[c][0]) - dissipated + supplied);
+            let rest = remainder(works.couplings[c] - (stored - self.ledger.stored[c][0]) - dissipated + supplied);
             books.couplings.push(Posting { stored, dissipated, supplied, remainder: rest });
         }
         let inertia = match measured {
@@ -97,7 +97,7 @@ impl Simulation {
         // In statics, where all forces are those of the end, by the trapezium rule.
         let ends: &[(f64, f64)] =
             if is_static { &[(0.0, 0.5), (1.0, 0.5)] } else { &[(rule.force.rule.load_fraction(), 1.0)] };
-        for (load, &acts) in self.model.loads.iter().zip(&self.system.acting.loads) {
+        for (load, &acts) in self.model.loads.iter().zip(&self.system.present.acting.loads) {
             let mut supplied = 0.0;
             for &(theta, part) in ends.iter().filter(|_| acts) {
                 let rule = ForceRule::Configuration { theta };
@@ -122,7 +122,7 @@ impl Simulation {
         before: &Balance,
     ) -> Books {
         let Draft { mut books, energies, inertia } = draft;
-        self.energies = energies;
+        self.ledger.energies = energies;
         if self.is_damped() {
             let (buffers, dt) = (&self.system.buffers, self.clock.dt());
             for (posting, body) in books.bodies.iter_mut().zip(&self.model.bodies) {
@@ -142,9 +142,10 @@ impl Simulation {
         }
         books.supports.supplied = way + jump + impact.external;
         books.stabilisation.dissipated = stabilised;
-        books.inertia.stored = self.balance.kinetic;
-        books.inertia.remainder = inertia - (self.balance.kinetic - before.kinetic) - taken + impact.external + jump;
-        self.books.add(&books);
+        books.inertia.stored = self.ledger.balance.kinetic;
+        books.inertia.remainder =
+            inertia - (self.ledger.balance.kinetic - before.kinetic) - taken + impact.external + jump;
+        self.ledger.books.add(&books);
         books
     }
 }

@@ -20,8 +20,8 @@ impl Simulation {
     fn departure(&self, component: u32, prescription: u32) -> Option<(Departure, f64)> {
         let until = self.model.prescriptions[prescription as usize].ramp_until?;
         let key = (component, prescription);
-        let k = self.departures.binary_search_by_key(&key, |d| (d.component, d.prescription)).ok()?;
-        Some((self.departures[k], until))
+        let k = self.stage.departures.binary_search_by_key(&key, |d| (d.component, d.prescription)).ok()?;
+        Some((self.stage.departures[k], until))
     }
 
     /// Departures for what is to act at the present time and positions: the present ones of what acted `before` already, new ones of what did not.
@@ -34,7 +34,7 @@ impl Simulation {
             }
             let own = p as u32;
             if before.is_some_and(|before| before.prescriptions[p]) {
-                list.extend(self.departures.iter().copied().filter(|departure| departure.prescription == own));
+                list.extend(self.stage.departures.iter().copied().filter(|departure| departure.prescription == own));
                 continue;
             }
             for &node in &prescription.nodes {

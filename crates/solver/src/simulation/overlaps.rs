@@ -8,7 +8,7 @@ impl Simulation {
     /// After a step of statics that failed: lets contacts that begin to act in it close their overlaps in proportion to time (theory/constraints#reference-gap). False if none has an overlap
     /// that was to be closed at once; then nothing has changed.
     pub(super) fn ramps_overlaps(&mut self, cause: &StepError) -> bool {
-        if self.scheme.is_some() {
+        if self.how.scheme.is_some() {
             return false;
         }
         let (time, dt) = (self.state.time, self.clock.dt());
@@ -39,7 +39,7 @@ impl Simulation {
         let any = !found.is_empty();
         if any {
             let reason = format!("{}; closed in proportion to time, for at once: {cause}", found.join("; "));
-            self.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
+            self.log.decisions.push(decision(self.step + 1, time, dt, DecisionKind::Restart, reason));
         }
         any
     }

@@ -42,7 +42,7 @@ impl Simulation {
         for (c, pair) in self.model.contacts.iter().enumerate() {
             let at = iterate.at(c, &step);
             let work = match pair.acts {
-                true => self.timings.measure(Phase::Contact, || pair.term.work(&at))?,
+                true => self.log.timings.measure(Phase::Contact, || pair.term.work(&at))?,
                 false => Work::default(),
             };
             total += work;
@@ -75,7 +75,7 @@ impl Simulation {
                 continue;
             }
             let of = pair.potential();
-            let bodies = self.timings.measure(Phase::Contact, || of.map(|of| of.body_pairs()).unwrap_or_default());
+            let bodies = self.log.timings.measure(Phase::Contact, || of.map(|of| of.body_pairs()).unwrap_or_default());
             for body in &bodies {
                 of_pair.active += body.active;
                 of_pair.min_gap = of_pair.min_gap.min(body.distance);
@@ -83,7 +83,7 @@ impl Simulation {
                 of_pair.area += body.area;
             }
             summary.bodies.extend(bodies);
-            let on_surface = self.timings.measure(Phase::Contact, || {
+            let on_surface = self.log.timings.measure(Phase::Contact, || {
                 summary.surface.extend(of.map(|of| of.surface_nodes(q)).unwrap_or_default());
                 of.map(|of| of.surface_forces()).unwrap_or_default()
             });
@@ -93,10 +93,10 @@ impl Simulation {
                     add_force(&mut summary.moved, SurfaceForce { node, force, moment });
                 });
             }
-            let reports = self.timings.measure(Phase::Search, || pair.term.report(q))?;
+            let reports = self.log.timings.measure(Phase::Search, || pair.term.report(q))?;
             for (slot, report) in reports.iter().enumerate() {
                 is_slave[report.node as usize] = true;
-                let (now, then) = (active[c][slot], self.active[c][slot]);
+                let (now, then) = (active[c][slot], self.slots.active[c][slot]);
                 summary.closed += usize::from(now && !then);
                 summary.released += usize::from(then && !now);
                 of_pair.min_gap = of_pair.min_gap.min(report.gap.unwrap_or(f64::INFINITY));
@@ -107,7 +107,7 @@ impl Simulation {
                 of_pair.max_pressure = of_pair.max_pressure.max(report.shown(slot, |slot| pressures[c][slot]));
             }
             let at = iterate.at(c, &step);
-            self.timings.measure(Phase::Contact, || {
+            self.log.timings.measure(Phase::Contact, || {
                 pair.term.assemble(&at, false, &mut |local| {
                     for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                         if !on_surface.is_empty() {

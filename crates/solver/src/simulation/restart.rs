@@ -11,27 +11,27 @@ impl Simulation {
         Checkpoint {
             tag: tag.to_owned(),
             clock: self.clock,
-            stage: self.stage,
-            off: self.off.clone(),
-            released: self.released.clone(),
-            departures: self.departures.clone(),
-            stored: self.stored.clone(),
+            stage: self.stage.number,
+            off: self.stage.off.clone(),
+            released: self.stage.released.clone(),
+            departures: self.stage.departures.clone(),
+            stored: self.ledger.stored.clone(),
             step: self.step,
             time: self.state.time,
             q: self.state.q.clone(),
             v: self.state.v.clone(),
             a: self.state.a.clone(),
             history: self.state.history.clone(),
-            pressures: self.pressures.clone(),
-            mean_pressures: self.mean_pressures.clone(),
-            active: self.active.clone(),
+            pressures: self.slots.pressures.clone(),
+            mean_pressures: self.slots.mean_pressures.clone(),
+            active: self.slots.active.clone(),
             histories: self.histories(),
-            reactions: self.reactions.clone(),
-            contact_force: self.contact_force.clone(),
-            balance: self.balance,
-            timings: self.timings,
-            decisions: self.decisions.clone(),
-            solves: self.solves,
+            reactions: self.forces.reactions.clone(),
+            contact_force: self.forces.contact.clone(),
+            balance: self.ledger.balance,
+            timings: self.log.timings,
+            decisions: self.log.decisions.clone(),
+            solves: self.log.solves,
             largest_rate: self.impacts.largest_rate,
             attachments,
         }
@@ -47,8 +47,8 @@ impl Simulation {
     /// # Errors
     /// [`CheckpointError::Mismatch`] if tag, stage or sizes differ, or if the end is such that no step leads there ([`Clock::take_end_of`]).
     pub fn restore(&mut self, checkpoint: Checkpoint, tag: &str) -> Result<BTreeMap<String, Vec<u8>>, SimulationError> {
-        if checkpoint.stage != self.stage {
-            let reason = format!("it is in stage {}, this run in stage {}", checkpoint.stage, self.stage);
+        if checkpoint.stage != self.stage.number {
+            let reason = format!("it is in stage {}, this run in stage {}", checkpoint.stage, self.stage.number);
             return Err(SimulationError::Checkpoint(CheckpointError::Mismatch { reason }));
         }
         self.load(checkpoint, tag, None)
@@ -81,11 +81,11 @@ impl Simulation {
         let sizes = |p: &[Vec<f64>]| p.iter().map(Vec::len).collect::<Vec<_>>();
         if checkpoint.q.len() != self.state.q.len()
             || checkpoint.histories.len() != self.model.terms().count()
-            || sizes(&checkpoint.pressures) != sizes(&self.pressures)
+            || sizes(&checkpoint.pressures) != sizes(&self.slots.pressures)
         {
             return Err(mismatch("numbers of unknowns or of terms differ".into()));
         }
-        let off = stage.as_ref().map_or(&self.off, |stage| &stage.off);
+        let off = stage.as_ref().map_or(&self.stage.off, |stage| &stage.off);
         if *off != checkpoint.off {
             return Err(mismatch("the list of what is switched off in the stage differs".into()));
         }
@@ -95,7 +95,7 @@ impl Simulation {
             Some(stage) => {
                 self.check_stage(stage, None)?;
                 let Stage { step, automatic, end, .. } = *stage;
-                Clock::new(StepControl { step, automatic, end, ..self.control })
+                Clock::new(StepControl { step, automatic, end, ..self.how.control })
             }
             None => self.clock,
         };
@@ -109,27 +109,28 @@ impl Simulation {
         for (pair, &acts) in self.model.contacts.iter_mut().zip(&acting.contacts) {
             pair.acts = acts;
         }
-        self.support = support(&self.model, &acting);
+        self.stage.support = support(&self.model, &acting);
         let stabilise = stage.as_ref().map(|stage| stage.stabilise);
         if let Some(stage) = stage {
-            self.control = StepControl { step: stage.step, automatic: stage.automatic, end: stage.end, ..self.control };
-            (self.scheme, self.newton) = (stage.scheme, stage.newton);
+            self.how.control =
+                StepControl { step: stage.step, automatic: stage.automatic, end: stage.end, ..self.how.control };
+            (self.how.scheme, self.how.newton) = (stage.scheme, stage.newton);
         }
         self.install(acting, prescribed)?;
         self.load_histories(&checkpoint.histories)?;
-        self.stage = checkpoint.stage;
-        self.off = checkpoint.off;
-        self.released = checkpoint.released;
-        self.stored = checkpoint.stored;
-        self.energies.clear();
-        self.departures = checkpoint.departures;
+        self.stage.number = checkpoint.stage;
+        self.stage.off = checkpoint.off;
+        self.stage.released = checkpoint.released;
+        self.ledger.stored = checkpoint.stored;
+        self.ledger.energies.clear();
+        self.stage.departures = checkpoint.departures;
         self.clock = clock;
         if let Some(how) = stabilise {
             self.set_stabilisation(how);
         }
         self.step = checkpoint.step;
         if self.step > 0 {
-            self.sudden.clear();
+            self.stage.sudden.clear();
         }
         self.state = State {
             time: checkpoint.time,
@@ -138,24 +139,25 @@ impl Simulation {
             a: checkpoint.a,
             history: checkpoint.history,
         };
-        self.pressures = checkpoint.pressures;
-        self.mean_pressures = checkpoint.mean_pressures;
-        self.active = checkpoint.active;
-        self.reactions = checkpoint.reactions;
-        self.contact_force = checkpoint.contact_force;
-        let has_force = |node: &u32| self.contact_force[3 * *node as usize..][..3] != [0.0; 3];
+        self.slots.pressures = checkpoint.pressures;
+        self.slots.mean_pressures = checkpoint.mean_pressures;
+        self.slots.active = checkpoint.active;
+        self.forces.reactions = checkpoint.reactions;
+        self.forces.contact = checkpoint.contact_force;
+        let has_force = |node: &u32| self.forces.contact[3 * *node as usize..][..3] != [0.0; 3];
         let embedded = self.model.embedding.nodes().iter().copied();
-        self.pushed = if self.contact_force.is_empty() { Vec::new() } else { embedded.filter(has_force).collect() };
-        self.balance = checkpoint.balance;
-        self.timings = checkpoint.timings;
-        self.decisions = checkpoint.decisions;
-        self.solves = checkpoint.solves;
+        self.forces.pushed =
+            if self.forces.contact.is_empty() { Vec::new() } else { embedded.filter(has_force).collect() };
+        self.ledger.balance = checkpoint.balance;
+        self.log.timings = checkpoint.timings;
+        self.log.decisions = checkpoint.decisions;
+        self.log.solves = checkpoint.solves;
         self.impacts.largest_rate = checkpoint.largest_rate;
         Ok(checkpoint.attachments)
     }
 
     pub(super) fn load_histories(&mut self, histories: &[Vec<u8>]) -> Result<(), StepError> {
-        for ((.., term), bytes) in self.model.terms_mut(&self.system.acting).zip(histories) {
+        for ((.., term), bytes) in self.model.terms_mut(&self.system.present.acting).zip(histories) {
             term.load_history(bytes)?;
         }
         Ok(())

@@ -47,7 +47,7 @@ impl Directions {
 impl Simulation {
     /// Directions of a node of which the components are prescribed.
     fn prescribed_directions(&self, node: u32) -> Directions {
-        let held = |i: &usize| self.system.numbering.equation[3 * node as usize + i] == NONE;
+        let held = |i: &usize| self.system.matrix.numbering.equation[3 * node as usize + i] == NONE;
         Directions((0..3).filter(held).map(|i| std::array::from_fn(|k| f64::from(u8::from(k == i)))).collect())
     }
 
@@ -76,16 +76,16 @@ impl Simulation {
             }
         }
         for (c, slot) in dropped {
-            self.active[c][slot] = false;
-            self.pressures[c][slot] = 0.0;
-            self.mean_pressures.get_mut(c).into_iter().for_each(|pressures| pressures[slot] = 0.0);
+            self.slots.active[c][slot] = false;
+            self.slots.pressures[c][slot] = 0.0;
+            self.slots.mean_pressures.get_mut(c).into_iter().for_each(|pressures| pressures[slot] = 0.0);
         }
     }
 
     /// Makes the smallest change of positions, or velocities, of the supported nodes that satisfies the constraints of the active slots; prescribed components are kept.
     pub(super) fn meet_held_directions(&self, time: f64, demanded: impl Fn(&SupportedNode) -> f64, x: &mut [f64]) {
         let mut known: BTreeMap<u32, Directions> = BTreeMap::new();
-        for (.., held) in self.supported_nodes(time).filter(|&(c, slot, _)| self.active[c][slot]) {
+        for (.., held) in self.supported_nodes(time).filter(|&(c, slot, _)| self.slots.active[c][slot]) {
             let of_node = known.entry(held.node).or_insert_with(|| self.prescribed_directions(held.node));
             // Normal to the directions already satisfied, which are kept.
             let Some(rest) = of_node.add(held.direction) else { continue };
@@ -104,7 +104,7 @@ impl Simulation {
         let (mut q, mut v) = (std::mem::take(&mut self.state.q), std::mem::take(&mut self.state.v));
         self.meet_held_directions(time, |held| held.place, &mut q);
         self.model.embedding.follow(&mut q);
-        if self.scheme.is_some() {
+        if self.how.scheme.is_some() {
             self.meet_held_directions(time, |held| held.rate, &mut v);
             self.model.embedding.follow(&mut v);
         }
@@ -113,20 +113,20 @@ impl Simulation {
 
     /// Removes the forces of sliding supports from the contact forces: they are reactions.
     pub(super) fn take_sliding_supports_from_contact_force(&mut self) {
-        let mut force = std::mem::take(&mut self.contact_force);
+        let mut force = std::mem::take(&mut self.forces.contact);
         for (c, slot, held) in self.supported_nodes(0.0) {
             let first = 3 * held.node as usize;
-            for i in (0..3).filter(|i| self.system.numbering.equation[first + i] != NONE) {
+            for i in (0..3).filter(|i| self.system.matrix.numbering.equation[first + i] != NONE) {
                 force[first + i] -= self.mean_pressures()[c][slot] * held.direction[i];
             }
         }
-        self.contact_force = force;
+        self.forces.contact = force;
     }
 
     /// Reaction forces of the last step at prescribed components and sliding supports (`3 * nodes`; empty without either).
     /// In dynamics they are taken where the scheme evaluates its forces, for instance at the midpoint.
     pub fn reactions(&self) -> Cow<'_, [f64]> {
-        let mut all = Cow::Borrowed(self.reactions.as_slice());
+        let mut all = Cow::Borrowed(self.forces.reactions.as_slice());
         for (c, slot, held) in self.supported_nodes(0.0) {
             let all = all.to_mut();
             if all.is_empty() {

@@ -42,13 +42,13 @@ impl Simulation {
         }
         for (way, from, kind, words) in ways {
             let reason = format!("{words}: {cause}");
-            self.decisions.push(decision(self.step + 1, self.state.time, dt, kind, reason));
+            self.log.decisions.push(decision(self.step + 1, self.state.time, dt, kind, reason));
             match self.try_by(way, from, dt, rule) {
                 // A motion that was free at the start and is resisted by nothing but the shape of pressed surfaces, so that any disturbance leads off, is free.
                 Ok(completed) if matches!(cause, StepError::Singular { .. }) && completed.is_unstable() => break,
                 Ok(completed) => return Ok(completed),
                 // The diagnosis looks at plain attempts.
-                Err(_) => drop(self.failures.pop()),
+                Err(_) => drop(self.log.failures.pop()),
             }
         }
         Err(cause)
@@ -64,9 +64,9 @@ impl Simulation {
                 | StepError::Singular { .. }
                 | StepError::Term(_)
         );
-        let of_step = self.decisions.iter().rev().take_while(|decision| decision.step == self.step + 1);
+        let of_step = self.log.decisions.iter().rev().take_while(|decision| decision.step == self.step + 1);
         let trials = of_step.filter(|decision| decision.kind == DecisionKind::Smoothed).count();
         let has_contact = self.model.has_unilateral_contact() || self.model.keeps_apart();
-        may_be_contact && trials < MOST_TRIALS && self.scheme.is_none() && has_contact
+        may_be_contact && trials < MOST_TRIALS && self.how.scheme.is_none() && has_contact
     }
 }

@@ -1,7 +1,7 @@
 //! Stages of a run, and releases: changes of the model between two steps.
 
+use super::state::{Ledger, NodalForces, SlotState, StageState};
 use super::{Simulation, at_rest, support};
-use crate::Departure;
 use crate::assembly::System;
 use crate::diagnosis::node_name;
 use crate::stabilise::Stabilisation;
@@ -14,7 +14,7 @@ use crate::{
 use stoss_integrators::{Scheme, State};
 use stoss_linalg::AutoSolver;
 use stoss_newton::NewtonOptions;
-use stoss_term::{At, Step as ContactStep, Support, Term};
+use stoss_term::{At, Step as ContactStep, Term};
 
 /// A part of a run with one scheme, one step size and one set of things that act. It begins at the time and with the positions at which the one before ended.
 #[derive(Debug)]
@@ -69,20 +69,14 @@ fn has_massless_vector(part: &dyn Term) -> bool {
 /// State that is restored if a change fails.
 struct Saved {
     acting: Acting,
-    prescribed: Vec<(u32, u32, u32)>,
-    support: Support,
-    departures: Vec<Departure>,
-    sudden: Vec<usize>,
+    stage: StageState,
     /// If it was replaced, without its solver.
     system: Option<System>,
     has_rates: bool,
     state: State,
-    pressures: Vec<Vec<f64>>,
-    mean_pressures: Vec<Vec<f64>>,
-    active: Vec<Vec<bool>>,
-    reactions: Vec<f64>,
-    stored: Vec<[f64; 2]>,
-    balance: Balance,
+    slots: SlotState,
+    forces: NodalForces,
+    ledger: Ledger,
     histories: Vec<Vec<u8>>,
 }
 
@@ -106,29 +100,29 @@ impl Simulation {
     pub fn begin_stage(&mut self, stage: Stage) -> Result<(), SimulationError> {
         self.check_stage(&stage, Some(self.state.time))?;
         let fault = |reason| SimulationError::Stage { stage: stage.name.clone(), reason };
-        let acting = self.model.acting(&stage.off, &self.released).map_err(fault)?;
+        let acting = self.model.acting(&stage.off, &self.stage.released).map_err(fault)?;
         let Stage { name, scheme, step, automatic, end, off, stabilise, newton } = stage;
-        let was_dynamic = self.scheme.is_some();
+        let was_dynamic = self.how.scheme.is_some();
         let reason = self.describe(&name, scheme.as_deref(), &off);
-        let control = StepControl { step, automatic, end, ..self.control };
+        let control = StepControl { step, automatic, end, ..self.how.control };
         let clock = std::mem::replace(&mut self.clock, Clock::starting_at(self.state.time, control));
-        let scheme = std::mem::replace(&mut self.scheme, scheme);
+        let scheme = std::mem::replace(&mut self.how.scheme, scheme);
         let mut saved = self.save();
-        let stabilisation = self.system.stabilisation.take();
+        let stabilisation = self.system.present.stabilisation.take();
         let result = self.switch(acting, &mut saved).and_then(|()| {
             self.start_velocities(was_dynamic);
             self.settle(true)
         });
         if let Err(error) = result {
-            (self.clock, self.scheme) = (clock, scheme);
+            (self.clock, self.how.scheme) = (clock, scheme);
             self.undo(saved);
-            self.system.stabilisation = stabilisation;
+            self.system.present.stabilisation = stabilisation;
             return Err(error);
         }
-        (self.control, self.newton) = (control, newton);
+        (self.how.control, self.how.newton) = (control, newton);
         self.set_stabilisation(stabilise);
-        self.off = off;
-        self.stage += 1;
+        self.stage.off = off;
+        self.stage.number += 1;
         self.note(DecisionKind::Stage, reason);
         Ok(())
     }
@@ -158,18 +152,18 @@ impl Simulation {
                 self.model.parts.get(p).map_or_else(|| format!("part {p}"), |part| part.name().to_owned())
             }
         };
-        if self.released.contains(&what) {
+        if self.stage.released.contains(&what) {
             return Ok(());
         }
-        let mut released = self.released.clone();
+        let mut released = self.stage.released.clone();
         released.push(what);
-        let acting = self.model.acting(&self.off, &released).map_err(SimulationError::Release)?;
+        let acting = self.model.acting(&self.stage.off, &released).map_err(SimulationError::Release)?;
         let mut saved = self.save();
         if let Err(error) = self.switch(acting, &mut saved).and_then(|()| self.settle(false)) {
             self.undo(saved);
             return Err(error);
         }
-        self.released = released;
+        self.stage.released = released;
         let by = event.map_or(String::new(), |event| format!("event {event}: "));
         self.note(DecisionKind::Release, format!("{by}{words} no longer acts"));
         Ok(())
@@ -177,12 +171,12 @@ impl Simulation {
 
     /// Whether each of [`Model::prescriptions`] acts: neither a stage nor a release switched it off.
     pub fn acting_prescriptions(&self) -> &[bool] {
-        &self.system.acting.prescriptions
+        &self.system.present.acting.prescriptions
     }
 
     fn note(&mut self, kind: DecisionKind, reason: String) {
         let note: Decision = decision(self.step + 1, self.state.time, self.clock.dt(), kind, reason);
-        self.decisions.push(note);
+        self.log.decisions.push(note);
     }
 
     fn describe(&self, name: &str, scheme: Option<&dyn Scheme>, off: &Switches) -> String {
@@ -194,7 +188,7 @@ impl Simulation {
         names.extend(off.contacts.iter().map(|&c| self.model.contacts[c].name.clone()));
         names.extend(off.parts.iter().map(|&p| self.model.parts[p].name().to_owned()));
         let off = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
-        format!("stage {} ({name}) begins: {kind}, switched off: {off}", self.stage + 1)
+        format!("stage {} ({name}) begins: {kind}, switched off: {off}", self.stage.number + 1)
     }
 
     /// Whether a stage fits the model, and the time at which it begins.
@@ -208,7 +202,7 @@ impl Simulation {
             return fault(format!("its end {end:e} is not after its beginning {begin:e}"));
         }
         if let Some(scheme) = scheme {
-            if !self.system.has_mass() {
+            if !self.system.inertia.exists {
                 return fault("it is dynamic, and the simulation was made for statics alone".into());
             }
             check_scheme(&**scheme, &self.model).or_else(fault)?;
@@ -218,26 +212,20 @@ impl Simulation {
 
     /// The stabilisation of a stage whose clock runs.
     pub(super) fn set_stabilisation(&mut self, how: Option<Stabilise>) {
-        let how = how.filter(|_| self.scheme.is_none());
-        self.system.stabilisation = how.map(|how| Stabilisation::new(&self.model, how, self.clock.length()));
+        let how = how.filter(|_| self.how.scheme.is_none());
+        self.system.present.stabilisation = how.map(|how| Stabilisation::new(&self.model, how, self.clock.length()));
     }
 
     fn save(&self) -> Saved {
         Saved {
-            acting: self.system.acting.clone(),
-            prescribed: self.prescribed.clone(),
-            support: self.support.clone(),
-            departures: self.departures.clone(),
-            sudden: self.sudden.clone(),
+            acting: self.system.present.acting.clone(),
+            stage: self.stage.clone(),
             system: None,
-            has_rates: self.system.has_rates,
+            has_rates: self.system.present.has_rates,
             state: self.state.clone(),
-            pressures: self.pressures.clone(),
-            mean_pressures: self.mean_pressures.clone(),
-            active: self.active.clone(),
-            reactions: self.reactions.clone(),
-            stored: self.stored.clone(),
-            balance: self.balance,
+            slots: self.slots.clone(),
+            forces: self.forces.clone(),
+            ledger: self.ledger.clone(),
             histories: self.histories(),
         }
     }
@@ -245,26 +233,16 @@ impl Simulation {
     fn undo(&mut self, saved: Saved) {
         if let Some(mut system) = saved.system {
             std::mem::swap(&mut system.solver, &mut self.system.solver);
-            system.stabilisation = self.system.stabilisation.take();
+            system.present.stabilisation = self.system.present.stabilisation.take();
             self.system = system;
         }
         for (pair, &acts) in self.model.contacts.iter_mut().zip(&saved.acting.contacts) {
             pair.acts = acts;
         }
-        self.system.acting = saved.acting;
+        self.system.present.acting = saved.acting;
         self.set_has_rates(saved.has_rates);
-        self.prescribed = saved.prescribed;
-        self.support = saved.support;
-        self.departures = saved.departures;
-        self.sudden = saved.sudden;
-        self.state = saved.state;
-        self.pressures = saved.pressures;
-        self.mean_pressures = saved.mean_pressures;
-        self.active = saved.active;
-        self.reactions = saved.reactions;
-        self.stored = saved.stored;
-        self.energies.clear();
-        self.balance = saved.balance;
+        (self.stage, self.state, self.slots) = (saved.stage, saved.state, saved.slots);
+        (self.forces, self.ledger) = (saved.forces, saved.ledger);
         // cannot fail: these methods wrote it themselves just before.
         self.load_histories(&saved.histories).unwrap_or(());
     }
@@ -272,19 +250,19 @@ impl Simulation {
     /// Changes what acts.
     fn switch(&mut self, acting: Acting, saved: &mut Saved) -> Result<(), SimulationError> {
         let prescribed = self.model.prescribed_components(&acting)?;
-        self.sudden = self.sudden_loads(&acting, Some(&self.system.acting));
-        self.departures = self.departures_of(&acting, Some(&self.system.acting));
+        self.stage.sudden = self.sudden_loads(&acting, Some(&self.system.present.acting));
+        self.stage.departures = self.departures_of(&acting, Some(&self.system.present.acting));
         self.check_jump(&prescribed)?;
         let changed: Vec<usize> =
             (0..acting.contacts.len()).filter(|&c| acting.contacts[c] != self.model.contacts[c].acts).collect();
         changed.iter().for_each(|&c| self.model.contacts[c].acts = acting.contacts[c]);
-        self.support = support(&self.model, &acting);
+        self.stage.support = support(&self.model, &acting);
         for c in changed {
             let acts = acting.contacts[c];
-            self.pressures[c].fill(0.0);
-            self.mean_pressures.get_mut(c).into_iter().for_each(|pressures| pressures.fill(0.0));
-            self.active[c].fill(acts && self.model.contacts[c].always_holds());
-            self.stored[c] = [0.0; 2];
+            self.slots.pressures[c].fill(0.0);
+            self.slots.mean_pressures.get_mut(c).into_iter().for_each(|pressures| pressures.fill(0.0));
+            self.slots.active[c].fill(acts && self.model.contacts[c].always_holds());
+            self.ledger.stored[c] = [0.0; 2];
             if acts {
                 self.begin_coupling(c)?;
             }
@@ -299,20 +277,20 @@ impl Simulation {
         let pair = &mut self.model.contacts[c];
         let q = &self.state.q;
         let length = pair.term.length_scale();
-        let rates = self.scheme.is_some();
+        let rates = self.how.scheme.is_some();
         let begins =
-            ContactStep { rates, reach: length, support: &self.support, ..at_rest(&self.state, self.clock.dt()) };
+            ContactStep { rates, reach: length, support: &self.stage.support, ..at_rest(&self.state, self.clock.dt()) };
         let term = &mut pair.term;
         if term.unilateral().is_some() {
             // What slid before has no meaning where the surfaces are now.
             term.begin(&begins).map_err(StepError::from)?;
-            term.commit(&At::end(q, &self.pressures[c], &self.active[c]));
+            term.commit(&At::end(q, &self.slots.pressures[c], &self.slots.active[c]));
         }
         if term.bilateral().is_some() {
             term.begin(&begins).map_err(StepError::from)?;
             let mut farthest = (0.0, None);
             let weights: Vec<f64> = (0..term.slot_count()).map(|slot| term.slot_weight(slot)).collect();
-            term.assemble(&At::end(q, &self.pressures[c], &self.active[c]), false, &mut |local| {
+            term.assemble(&At::end(q, &self.slots.pressures[c], &self.slots.active[c]), false, &mut |local| {
                 let rows = &local.residual[3 * local.nodes.len()..];
                 for (&slot, row) in local.slots.iter().zip(rows) {
                     let distance = (row / weights[slot as usize]).abs();
@@ -331,7 +309,7 @@ impl Simulation {
         } else if term.potential().is_some() {
             // Springs that were stretched before have no meaning where the surfaces are now.
             term.load_history(&[]).map_err(StepError::from)?;
-            self.stored[c][0] = term.energy(q).map_err(StepError::from)?;
+            self.ledger.stored[c][0] = term.energy(q).map_err(StepError::from)?;
         }
         Ok(())
     }
@@ -343,23 +321,23 @@ impl Simulation {
         prescribed: Vec<(u32, u32, u32)>,
     ) -> Result<Option<System>, SimulationError> {
         let mut before = None;
-        if acting.prescriptions == self.system.acting.prescriptions {
-            self.system.acting = acting;
+        if acting.prescriptions == self.system.present.acting.prescriptions {
+            self.system.present.acting = acting;
         } else {
-            let has_mass = self.system.has_mass();
+            let has_mass = self.system.inertia.exists;
             let mut system = System::new(&self.model, acting, has_mass, Box::new(AutoSolver::new()))?;
             std::mem::swap(&mut system.solver, &mut self.system.solver);
             // It goes on after a release.
-            system.stabilisation = self.system.stabilisation.take();
+            system.present.stabilisation = self.system.present.stabilisation.take();
             before = Some(std::mem::replace(&mut self.system, system));
         }
-        self.set_has_rates(self.scheme.is_some());
-        let mut reactions = vec![0.0; self.reactions.len()];
+        self.set_has_rates(self.how.scheme.is_some());
+        let mut reactions = vec![0.0; self.forces.reactions.len()];
         for &(component, ..) in &prescribed {
-            reactions[component as usize] = self.reactions[component as usize];
+            reactions[component as usize] = self.forces.reactions[component as usize];
         }
-        self.reactions = reactions;
-        self.prescribed = prescribed;
+        self.forces.reactions = reactions;
+        self.stage.prescribed = prescribed;
         Ok(before)
     }
 
@@ -367,7 +345,7 @@ impl Simulation {
     fn check_jump(&self, prescribed: &[(u32, u32, u32)]) -> Result<(), SimulationError> {
         let time = self.state.time;
         for &(component, p, column) in prescribed {
-            if self.prescribed.binary_search_by_key(&component, |&(known, ..)| known).is_ok() {
+            if self.stage.prescribed.binary_search_by_key(&component, |&(known, ..)| known).is_ok() {
                 continue;
             }
             let node = component / 3;
@@ -406,7 +384,7 @@ impl Simulation {
 
     fn start_velocities(&mut self, was_dynamic: bool) {
         let mut v = std::mem::take(&mut self.state.v);
-        if self.scheme.is_none() {
+        if self.how.scheme.is_none() {
             v.fill(0.0);
         } else {
             if !was_dynamic {
@@ -424,25 +402,28 @@ impl Simulation {
     fn settle(&mut self, new_stage: bool) -> Result<(), SimulationError> {
         self.state.a.clear();
         self.state.history.clear();
-        if self.scheme.is_some() {
+        if self.how.scheme.is_some() {
             self.complete_state()?;
         } else if new_stage {
             self.close_touching()?;
         } else {
             self.state.v.fill(0.0);
         }
-        let before = self.balance;
+        let before = self.ledger.balance;
         // Of the same positions; springs may have been switched.
-        self.energies.clear();
+        self.ledger.energies.clear();
         let strain = self.strain_energy(&self.state.q)?;
         let now = self.measure_balance(strain, before.external_work);
-        let (contact, friction_stored) =
-            self.stored.iter().fold((0.0, 0.0), |(all, friction), stored| (all + stored[0], friction + stored[1]));
+        let (contact, friction_stored) = self
+            .ledger
+            .stored
+            .iter()
+            .fold((0.0, 0.0), |(all, friction), stored| (all + stored[0], friction + stored[1]));
         let kinetic = now.kinetic - before.kinetic;
         let switched = (now.potential - before.potential) + (contact - before.contact) + (strain - before.strain);
-        let given = if self.scheme.is_some() { kinetic } else { 0.0 };
-        let dropped = if self.scheme.is_some() { 0.0 } else { -kinetic };
-        self.balance = Balance {
+        let given = if self.how.scheme.is_some() { kinetic } else { 0.0 };
+        let dropped = if self.how.scheme.is_some() { 0.0 } else { -kinetic };
+        self.ledger.balance = Balance {
             linear_momentum: now.linear_momentum,
             angular_momentum: now.angular_momentum,
             kinetic: now.kinetic,

@@ -1,6 +1,7 @@
 //! Accelerations and forces at the start, for schemes that carry them.
 
 use super::Simulation;
+use super::state::SlotState;
 use crate::assembly::no_auxiliaries;
 use crate::system::FeSystem;
 use crate::terms::Line;
@@ -16,14 +17,14 @@ const MOTION: f64 = 0.01;
 impl Simulation {
     /// Acceleration and forces at the start of a run.
     pub(super) fn complete_initial_state(&mut self) -> Result<(), StepError> {
-        if self.scheme.is_some() && self.model.contacts.iter().any(acts_always) {
+        if self.how.scheme.is_some() && self.model.contacts.iter().any(acts_always) {
             return self.complete_state();
         }
         let rule = self.step_rule(self.clock.dt());
         self.set_dead_loads(self.state.time);
-        let auxiliaries = &no_auxiliaries(&self.model);
-        let Self { model, system, state, pressures, active, .. } = self;
-        start(&mut FeSystem { model, system, pressures, auxiliaries, active }, &rule, state)
+        let auxiliaries = no_auxiliaries(&self.model);
+        let (mut fe, state) = self.equations_of(&auxiliaries);
+        start(&mut fe, &rule, state)
     }
 
     /// Acceleration and forces of the end point at the present state with the present multipliers, which those of bilateral constraints are not yet:
@@ -41,18 +42,16 @@ impl Simulation {
         self.begin_at_rest(rule)?;
         let n = self.state.q.len();
         let auxiliaries = no_auxiliaries(&self.model);
-        let Self { model, system, state, pressures, active, .. } = &mut *self;
+        let (mut fe, state) = self.equations_of(&auxiliaries);
         let at = StepConfiguration { time: state.time, dt: 0.0, q_n: &state.q, q_np1: &state.q };
         let mut force = vec![0.0; n];
-        let mut fe = FeSystem { model, system, pressures, auxiliaries: &auxiliaries, active };
         fe.add_force(at, ForceRule::END_POINT, None, &mut force)?;
         let mut constraint = vec![0.0; n];
         let others = |pair: &Coupling| !acts_always(pair);
         self.add_coupling_force(others, &mut constraint)?;
         let mut rhs: Vec<f64> = constraint.iter().zip(&force).map(|(c, f)| c - f).collect();
-        if self.system.has_damping {
-            let Self { model, system, state, pressures, active, .. } = &mut *self;
-            let mut fe = FeSystem { model, system, pressures, auxiliaries: &auxiliaries, active };
+        if self.system.present.has_damping {
+            let (mut fe, state) = self.equations_of(&auxiliaries);
             let mut damping = vec![0.0; n];
             fe.add_damping(&state.q, &state.v, None, &mut damping)?;
             vector::axpy(-1.0, &damping, &mut rhs);
@@ -62,8 +61,7 @@ impl Simulation {
             self.solve_with_constraints(&mut rhs, &mut a)?;
             self.add_coupling_force(acts_always, &mut constraint)?;
         } else {
-            let Self { model, system, pressures, active, .. } = &mut *self;
-            FeSystem { model, system, pressures, auxiliaries: &auxiliaries, active }.solve_mass(&rhs, &mut a)?;
+            self.equations_of(&auxiliaries).0.solve_mass(&rhs, &mut a)?;
         }
         if rule.acceleration.is_some() {
             self.model.embedding.follow(&mut a);
@@ -82,13 +80,19 @@ impl Simulation {
         Ok(())
     }
 
+    /// The equations at the present multipliers, and the state.
+    pub(super) fn equations_of<'a>(&'a mut self, auxiliaries: &'a [Vec<f64>]) -> (FeSystem<'a>, &'a mut State) {
+        let Self { model, system, state, slots: SlotState { pressures, active, .. }, .. } = self;
+        (FeSystem { model, system, pressures, auxiliaries, active }, state)
+    }
+
     /// Search and integrals at the present positions, as for a step that goes nowhere.
     fn begin_at_rest(&mut self, rule: StepRule) -> Result<(), StepError> {
         let auxiliaries = no_auxiliaries(&self.model);
         let dt = self.clock.dt();
-        let Self { model, system, state, pressures, active, support, .. } = self;
-        let step = ContactStep { rates: rule.has_inertia(), support, ..at_rest(state, dt) };
-        for (line, _, term) in model.terms_mut(&system.acting).filter(|(_, acts, _)| *acts) {
+        let Self { model, system, state, slots: SlotState { pressures, active, .. }, stage, .. } = self;
+        let step = ContactStep { rates: rule.has_inertia(), support: &stage.support, ..at_rest(state, dt) };
+        for (line, _, term) in model.terms_mut(&system.present.acting).filter(|(_, acts, _)| *acts) {
             term.begin(&ContactStep { reach: 0.5 * term.length_scale(), ..step })?;
             if let Line::Constraint(c) = line {
                 term.renew(&At::end(&state.q, &pressures[c], &active[c]).with_auxiliaries(&auxiliaries[c]), false)?;
@@ -102,7 +106,7 @@ impl Simulation {
         let q = &self.state.q;
         let step = ContactConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
         for (c, pair) in self.model.couplings().filter(|(_, pair)| which(pair)) {
-            pair.term.assemble(&step.at(&self.pressures[c], &self.active[c]), false, &mut |local| {
+            pair.term.assemble(&step.at(&self.slots.pressures[c], &self.slots.active[c]), false, &mut |local| {
                 for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                     let first = 3 * node as usize;
                     out[first..first + 3].iter_mut().zip(residual).for_each(|(out, r)| *out -= r);
@@ -129,8 +133,8 @@ impl Simulation {
     }
 
     fn solve_saddle_point(&mut self, forces: &[f64], a: &mut [f64]) -> Result<(), StepError> {
-        let Self { model, system, state, pressures, active, .. } = self;
-        let free = system.numbering.free.len();
+        let Self { model, system, state, slots: SlotState { pressures, active, .. }, .. } = self;
+        let free = system.matrix.free();
         let active: Vec<Vec<bool>> = model
             .contacts
             .iter()
@@ -171,24 +175,26 @@ impl Simulation {
             curvature = rows.map(|((p, m), o)| ((p - o) + (m - o)) / (distance * distance)).collect();
         }
         functions(0.0, true)?;
-        system.drop_constraint_stiffness();
-        for (rhs, &component) in system.rhs.iter_mut().zip(&system.numbering.free) {
+        system.matrix.drop_constraint_stiffness();
+        for (rhs, &component) in system.rhs.iter_mut().zip(&system.matrix.numbering.free) {
             *rhs = forces[component as usize] + at_zero[component as usize];
         }
         system.rhs[free..].fill(0.0);
         system.rhs[free..].iter_mut().zip(curvature).for_each(|(rhs, curvature)| *rhs = curvature);
         let solver = &mut system.solver;
         let solved = solver
-            .analyse(&system.pattern, MatrixKind::General)
-            .and_then(|()| solver.factorise(&system.values))
+            .analyse(&system.matrix.pattern, MatrixKind::General)
+            .and_then(|()| solver.factorise(&system.matrix.values))
             .and_then(|()| solver.solve(&system.rhs, &mut system.increment));
         solver.forget();
         solved.map_err(StepError::Start)?;
-        for (&component, value) in system.numbering.free.iter().zip(&system.increment) {
+        for (&component, value) in system.matrix.numbering.free.iter().zip(&system.increment) {
             a[component as usize] = *value;
         }
         for c in 0..active.len() {
-            for (slot, &equation) in system.slot_equation[c].iter().enumerate().filter(|&(slot, _)| active[c][slot]) {
+            for (slot, &equation) in
+                system.matrix.slots.equation[c].iter().enumerate().filter(|&(slot, _)| active[c][slot])
+            {
                 pressures[c][slot] = system.increment[equation as usize];
             }
         }

@@ -8,7 +8,7 @@ impl Simulation {
     /// Loads that act with their whole present value in the next step whatever its size, by their numbers in `Model::loads`: in statics those that are not zero where
     /// the run, or the stage that switches them on, begins.
     pub fn loads_at_once(&self) -> &[usize] {
-        if self.scheme.is_none() { &self.sudden } else { &[] }
+        if self.how.scheme.is_none() { &self.stage.sudden } else { &[] }
     }
 
     /// Those of what is to act that begin at the present time with another value than zero; none of what acted `before`.

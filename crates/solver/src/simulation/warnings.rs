@@ -49,13 +49,13 @@ impl Simulation {
             decision(step, time, dt, DecisionKind::Warning, reason)
         };
         let warnings: Vec<_> = self.newly_inside_out(now).map(warn).collect();
-        self.decisions.extend(warnings);
+        self.log.decisions.extend(warnings);
     }
 
     /// Warns at the end of a stage if its stabilisation has taken much energy.
     pub(super) fn warn_stabilisation(&mut self) {
-        let Balance { largest_energy, stabilisation, .. } = self.balance;
-        if self.system.stabilisation.is_none()
+        let Balance { largest_energy, stabilisation, .. } = self.ledger.balance;
+        if self.system.present.stabilisation.is_none()
             || !self.clock.finished()
             || stabilisation.abs() <= REPORTED_STABILISATION * largest_energy
         {
@@ -66,20 +66,20 @@ impl Simulation {
              the result depends on the path. Where bodies only closed gaps this is harmless; otherwise reduce the steps or the fraction of the stage, or support the bodies that move",
             part_of(stabilisation / largest_energy)
         );
-        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+        self.log.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }
 
     /// Adds a warning to the records of the step that comes next, for what the caller found.
     pub fn warn(&mut self, reason: impl Into<String>) {
         let warning = decision(self.step + 1, self.state.time, self.clock.dt(), DecisionKind::Warning, reason);
-        self.decisions.push(warning);
+        self.log.decisions.push(warning);
     }
 
     /// Warns once in a run that a step needed the compliance of rows (theory/constraints#compliance): of pressures that are determined only together each may be another one.
     pub(super) fn warn_dependent(&mut self) {
         let Some(cause) = self.system.rows.dependent.take() else { return };
         let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(DEPENDENT);
-        if !self.decisions.iter().any(reported) {
+        if !self.log.decisions.iter().any(reported) {
             self.warn(format!(
                 "{DEPENDENT}; without compliance {cause}. Of the pressures that fit those nearest to the last ones are taken: single ones mean little there"
             ));
@@ -93,7 +93,7 @@ impl Simulation {
         let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(WITHOUT_PIVOTS);
         if all < KNOWN_FACTORISATIONS
             || (twice as f64) < REPORTED_FALLBACKS * all as f64
-            || self.decisions.iter().any(reported)
+            || self.log.decisions.iter().any(reported)
         {
             return;
         }
@@ -102,34 +102,34 @@ impl Simulation {
              as accurate, but large models take several times as long and more memory. `linear = \"faer\"` in [solver] leaves the first attempt out; `method = \"nts\"`, or friction \
              with `stick = \"penalty\"`, may do without. This warning is given once in a run"
         );
-        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+        self.log.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }
 
     /// Warns once in a run that the iterative solver left systems to the direct one.
     pub(super) fn warn_handed_over(&mut self) {
         let Some(reason) = self.system.solver.take_reason() else { return };
         let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(HANDED_OVER);
-        if self.decisions.iter().any(reported) {
+        if self.log.decisions.iter().any(reported) {
             return;
         }
         let reason = format!(
             "{HANDED_OVER} but by factorisation until the end of this step, which takes more time and memory: {reason}. Every step tries again; `linear = \"multifrontal\"` in [solver] leaves the \
              attempts out. This warning is given once in a run, the number of such steps is in `linear_solver_counts` of the summary"
         );
-        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+        self.log.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }
 
     /// Warns once in a run that contact added energy: its forces did this `work` in the step, more than its springs released. That can happen at edges,
     /// or where closed nodes penetrate, under every scheme that does not conserve energy.
     pub(super) fn warn_contact_gain(&mut self, work: f64, before: &Balance) {
-        let now = &self.balance;
+        let now = &self.ledger.balance;
         let gain = work + now.contact - before.contact;
         let energy = now.largest_energy;
         let length = self.model.contacts.iter().map(|pair| pair.term.length_scale()).fold(0.0, f64::max);
         // Energy of motions that are not resolved.
-        let nothing = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION * self.system.stiffness_force * length;
+        let nothing = SMALLEST_RESOLVED_MOTION * SMALLEST_RESOLVED_MOTION * self.system.scales.force * length;
         let reported = |d: &Decision| d.kind == DecisionKind::Warning && d.reason.starts_with(CONTACT_ADDED);
-        if gain <= REPORTED_GAIN * energy || gain <= nothing || self.decisions.iter().any(reported) {
+        if gain <= REPORTED_GAIN * energy || gain <= nothing || self.log.decisions.iter().any(reported) {
             return;
         }
         let reason = format!(
@@ -137,6 +137,6 @@ impl Simulation {
              modified constraint cannot add energy; smaller steps, or exchanging slave and master, may help. This warning is given once in a run",
             100.0 * gain / energy
         );
-        self.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
+        self.log.decisions.push(decision(self.step, self.state.time, self.clock.dt(), DecisionKind::Warning, reason));
     }
 }

@@ -144,7 +144,7 @@ impl Simulation {
         }
         let (rigid, largest) = (self.model.bodies.is_empty(), self.impacts.largest_rate);
         let closes = |c: usize| {
-            let before = self.active[c].iter().zip(&iterate.active[c]);
+            let before = self.slots.active[c].iter().zip(&iterate.active[c]);
             self.model.contacts[c].always_holds() || before.into_iter().any(|(before, now)| *now && !before)
         };
         let mut with_law = (0..self.model.contacts.len()).filter(|&c| self.model.contacts[c].restitution.is_some());
@@ -219,10 +219,10 @@ impl Simulation {
                 let carrying: Vec<bool> = active.iter().zip(pressures).map(|(active, p)| *active && *p > 0.0).collect();
                 method.constraint_gradients(q, &carrying, &mut |slot, nodes, gradient| {
                     let row = Row::new(&model.embedding, nodes, gradient, 1.0);
-                    add(row, slot, method.settling(slot), !self.active[c][slot]);
+                    add(row, slot, method.settling(slot), !self.slots.active[c][slot]);
                 })?;
             } else if let Some(of) = pair.bilateral().filter(|of| of.has_limits()) {
-                let before = &self.pressures[c];
+                let before = &self.slots.pressures[c];
                 self.bilateral_rows(c, iterate, q, &mut |slot, nodes, gradient| {
                     if of.slot_kind(slot) == SlotKind::Limit && pressures[slot] != 0.0 {
                         // The row is minus the gradient of the gap where the multiplier is positive.
@@ -348,12 +348,12 @@ impl Simulation {
         };
         let forces = by_constraint.iter().map(|rows| gather(rows)).collect();
         let mut reactions = Vec::new();
-        if !self.prescribed.is_empty() {
+        if !self.stage.prescribed.is_empty() {
             // What changes the momentum and is no impulse of a row comes from the supports.
             let mut momentum = vec![0.0; change.len()];
-            self.system.masses.multiply_add(1.0 / time, change, &mut momentum);
+            self.system.inertia.masses.multiply_add(1.0 / time, change, &mut momentum);
             by_constraint.iter().flatten().for_each(|(row, force)| row.add_to(-force, &mut momentum));
-            reactions.extend(self.prescribed.iter().map(|&(c, ..)| (c, momentum[c as usize])));
+            reactions.extend(self.stage.prescribed.iter().map(|&(c, ..)| (c, momentum[c as usize])));
         }
         Mean { pressures, forces, reactions }
     }
@@ -372,10 +372,10 @@ impl Simulation {
         let v_1 = &next.v;
         let of_rows = |rows: &[Row], v: &[f64]| -> Vec<f64> { rows.iter().map(|row| row.dot(v)).collect() };
         let rates_held = of_rows(&held, v_1);
-        let Self { impacts, system, state, balance, prescribed, .. } = &mut *self;
+        let Self { impacts, system, state, ledger, stage, .. } = &mut *self;
         impacts.response.prepare(system, held)?;
         let response = &mut impacts.response;
-        let (masses, free) = (&system.masses, &system.numbering.free[..]);
+        let (masses, free) = (&system.inertia.masses, &system.matrix.numbering.free[..]);
         let m = closed.rows.len();
         // Impulses of the slots, then of their friction.
         let along = || sliding.iter().flat_map(|of| &of.rows);
@@ -468,7 +468,7 @@ impl Simulation {
         sliding.iter().for_each(|of| has_friction[closed.slots[of.slot].0] = true);
         let by_friction: f64 = has_friction.iter().zip(&slipped).filter(|(has, _)| **has).map(|(_, work)| work).sum();
         let target = if has_mean_velocity { first + closing + by_friction } else { energy(response, &free_end) };
-        let round_off = ROUND_OFF * balance.largest_energy.max(target);
+        let round_off = ROUND_OFF * ledger.balance.largest_energy.max(target);
         let of_plastic = energy(response, &plastic);
         let mut excess = 0.0;
         let between = |from: &[f64], to: &[f64], s: f64| -> Vec<f64> {
@@ -561,7 +561,8 @@ impl Simulation {
         };
         let of_last = energy(response, &last);
         let is_carried = sliding.iter().any(|of| of.carried != [0.0; 2]);
-        let moves = is_driven.contains(&true) || is_carried || prescribed.iter().any(|&(c, ..)| v_1[c as usize] != 0.0);
+        let moves =
+            is_driven.contains(&true) || is_carried || stage.prescribed.iter().any(|&(c, ..)| v_1[c as usize] != 0.0);
         let kinetic = masses.kinetic_energy(&last.v);
         let (mut loss, external) = if moves { (target - of_last, kinetic - of_last) } else { (target - kinetic, 0.0) };
         // What friction takes of it.

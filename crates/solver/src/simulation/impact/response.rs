@@ -44,7 +44,7 @@ pub(super) struct Response {
 impl Response {
     /// Takes the rows of the bilateral constraints and factorises, if anything is different from the last time.
     pub fn prepare(&mut self, system: &System, rows: Vec<Row>) -> Result<(), StepError> {
-        let numbering = &system.numbering;
+        let numbering = &system.matrix.numbering;
         let free = numbering.free.len();
         let equation = |component: u32| numbering.equation[component as usize];
         let own = |row: &Row| -> Vec<(u32, f64)> {
@@ -56,14 +56,14 @@ impl Response {
             columns.push(NONE);
             columns.extend(own(row).iter().flat_map(|&(equation, _)| [equation, (free + k) as u32]));
         }
-        let is_base = self.base.as_ref().is_some_and(|base| Arc::ptr_eq(base, &system.solid_pattern));
+        let is_base = self.base.as_ref().is_some_and(|base| Arc::ptr_eq(base, &system.matrix.fixed.pattern));
         if !is_base || columns != self.columns {
             self.set_pattern(system, &rows, &own)?;
             self.columns = columns;
         }
         let Some(pattern) = &self.pattern else { return Ok(()) };
         let mut values = vec![0.0; pattern.nnz()];
-        self.mass_at.iter().zip(&system.mass_values).for_each(|(&at, &mass)| values[at as usize] += mass);
+        self.mass_at.iter().zip(&system.matrix.fixed.mass).for_each(|(&at, &mass)| values[at as usize] += mass);
         let place = |row: usize, column: usize| pattern.position(row as u32, column as u32);
         let diagonal: Vec<f64> = (0..free).map(|i| place(i, i).map_or(0.0, |at| values[at])).collect();
         let missing = MISSING_MASS * diagonal.iter().copied().fold(0.0, f64::max);
@@ -109,8 +109,8 @@ impl Response {
         rows: &[Row],
         own: &dyn Fn(&Row) -> Vec<(u32, f64)>,
     ) -> Result<(), StepError> {
-        let free = system.numbering.free.len();
-        let base = &system.solid_pattern;
+        let free = system.matrix.free();
+        let base = &system.matrix.fixed.pattern;
         self.is_factorised = false;
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for (k, row) in rows.iter().enumerate() {
@@ -120,7 +120,12 @@ impl Response {
         }
         // Diagonals of components without elements, which have neither mass nor stiffness.
         let diagonal: Vec<[u32; 1]> = (0..free as u32).map(|i| [i]).collect();
-        let stencils = system.stencils.iter().chain(pairs.iter().map(|pair| &pair[usize::from(pair[0] == pair[1])..]));
+        let stencils = system
+            .matrix
+            .fixed
+            .stencils
+            .iter()
+            .chain(pairs.iter().map(|pair| &pair[usize::from(pair[0] == pair[1])..]));
         let pattern =
             SparsityPattern::from_stencils(free + rows.len(), stencils.chain(diagonal.iter().map(|i| &i[..])))?;
         let mut groups = base.groups().map(<[u32]>::to_vec).unwrap_or_else(|| (0..free as u32).collect());
