@@ -50,8 +50,9 @@ impl Numbering {
             }
         }
         for part in &model.parts {
-            let own = part.own_vectors();
-            blocked[3 * own.start as usize..3 * own.end as usize].fill(false);
+            for vector in part.own_vectors() {
+                blocked[3 * vector as usize..][..part.width()].fill(false);
+            }
         }
         for (prescription, _) in model.prescriptions.iter().zip(&acting.prescriptions).filter(|(_, acts)| **acts) {
             for &node in &prescription.nodes {

@@ -203,6 +203,11 @@ impl dyn Term + '_ {
         self.vectors().map_or(0..0, |of| of.own_vectors())
     }
 
+    /// See [`Vectors::width`].
+    pub fn width(&self) -> usize {
+        self.vectors().map_or(3, |of| of.width())
+    }
+
     /// See [`Vectors::is_direction`].
     pub fn is_direction(&self, vector: u32) -> bool {
         self.vectors().is_some_and(|of| of.is_direction(vector))

@@ -7,6 +7,12 @@ pub trait Vectors: Sync {
     /// Their numbers.
     fn own_vectors(&self) -> Range<u32>;
 
+    /// Number of components of each that are unknowns, the first ones: three of a vector in space, one of a number at a point, a temperature for instance. The others stay as they are. Numbers are scaled such
+    /// that their rows are forces times a length over them: rows are judged together, by forces.
+    fn width(&self) -> usize {
+        3
+    }
+
     /// Whether one of them is a director: a translation of the system does not change it, so that it does not contribute to linear momentum.
     fn is_direction(&self, _vector: u32) -> bool {
         false
