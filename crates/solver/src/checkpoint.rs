@@ -1,7 +1,7 @@
 //! Checkpoints: the whole state of a run, from which it continues with the same bits; written atomically.
 
 use crate::control::Clock;
-use crate::{Balance, Decision, Departure, Release, Switches, Timings};
+use crate::run_state::{Ledger, Log, NodalForces, SlotState, StageState};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 #[cfg(feature = "checkpoints")]
@@ -9,6 +9,7 @@ use std::io::Write;
 #[cfg(feature = "checkpoints")]
 use std::path::Path;
 use std::path::PathBuf;
+use stoss_integrators::State;
 
 #[cfg(feature = "checkpoints")]
 const MAGIC: &[u8; 8] = b"STOSSCP\x0b";
@@ -48,52 +49,38 @@ pub struct Checkpoint {
     pub tag: String,
     /// Clock and step control.
     pub clock: Clock,
-    /// Number of the stage, from 1.
-    pub stage: u32,
-    /// What is switched off in the stage.
-    pub off: Switches,
-    /// What has been released.
-    pub released: Vec<Release>,
-    /// Where components were whose prescription was switched on and begins there.
-    pub departures: Vec<Departure>,
-    /// Energy that each contact pair stores, and the part of it that is in springs of friction.
-    pub stored: Vec<[f64; 2]>,
+    /// The stage, and what does not act.
+    pub stage: StageState,
     /// Completed steps.
     pub step: u64,
-    /// Time.
-    pub time: f64,
-    /// Positions.
-    pub q: Vec<f64>,
-    /// Velocities (in quasi-static runs: last displacement increment over its time).
-    pub v: Vec<f64>,
-    /// Accelerations, if the scheme carries them.
-    pub a: Vec<f64>,
-    /// Forces of the last end point, if the scheme carries them.
-    pub history: Vec<f64>,
-    /// Pressures of each contact pair.
-    pub pressures: Vec<Vec<f64>>,
-    /// The same with the impulses of the law of impact, where it acted in the last step.
-    pub mean_pressures: Vec<Vec<f64>>,
-    /// Active slots of each contact pair.
-    pub active: Vec<Vec<bool>>,
-    /// Histories of all terms: bodies, parts, loads, couplings.
-    pub histories: Vec<Vec<u8>>,
-    /// Forces at prescribed components and contact forces at the last step, for output.
-    pub reactions: Vec<f64>,
-    /// Contact forces of the last step.
-    pub contact_force: Vec<f64>,
+    /// Positions, velocities (in quasi-static runs: last displacement increment over its time), and whatever else the scheme carries.
+    #[serde(with = "StateParts")]
+    pub state: State,
+    /// Multipliers of the couplings.
+    pub slots: SlotState,
     /// Balance at the last step.
-    pub balance: Balance,
-    /// Seconds so far.
-    pub timings: Timings,
-    /// Decisions so far.
-    pub decisions: Vec<Decision>,
-    /// Linear solves so far.
-    pub solves: u64,
+    pub ledger: Ledger,
+    /// Forces of the last step, for output.
+    pub forces: NodalForces,
+    /// What was done.
+    pub log: Log,
     /// Largest rate of a gap that closed under the law of impact.
     pub largest_rate: f64,
+    /// Histories of all terms: bodies, parts, loads, couplings.
+    pub histories: Vec<Vec<u8>>,
     /// Further data of the caller by name, for instance the lengths of result files.
     pub attachments: BTreeMap<String, Vec<u8>>,
+}
+
+/// How a state is written.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "State")]
+struct StateParts {
+    time: f64,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    history: Vec<f64>,
 }
 
 /// 64-bit FNV-1a: detects a torn or damaged file; it is no protection against intent.

@@ -37,36 +37,21 @@ impl System {
 
     /// Energy whose gradient the forces of the stabilisation are in a static step of this `increment`.
     pub fn stabilisation_energy(&self, increment: &[f64], dt: f64) -> f64 {
-        let Some(stabilisation) = self.present.stabilisation.as_ref().filter(|_| self.present.has_damping) else {
-            return 0.0;
-        };
-        let mut force = vec![0.0; increment.len()];
-        for mass in stabilisation.masses() {
-            mass.multiply_add(0.5 * stabilisation.ramp / dt, increment, &mut force);
-        }
-        vector::dot(&force, increment)
+        let Some(of) = self.present.stabilisation.as_ref().filter(|_| self.present.has_damping) else { return 0.0 };
+        vector::dot(&of.sum(&[(0.5 * of.ramp / dt, increment)]), increment)
     }
 
     /// Work that stabilisation took in a static step with this `increment`, by the trapezium rule as that of loads is measured: before the step, where `ramp_n` of it acted, the
     /// velocities were `v_n`.
     pub fn stabilised(&self, ramp_n: f64, v_n: &[f64], increment: &[f64], dt: f64) -> f64 {
-        let Some(stabilisation) = &self.present.stabilisation else { return 0.0 };
-        let mut force = vec![0.0; increment.len()];
-        for mass in stabilisation.masses() {
-            mass.multiply_add(0.5 * ramp_n, v_n, &mut force);
-            mass.multiply_add(0.5 * stabilisation.ramp / dt, increment, &mut force);
-        }
-        vector::dot(&force, increment)
+        let Some(of) = &self.present.stabilisation else { return 0.0 };
+        vector::dot(&of.sum(&[(0.5 * ramp_n, v_n), (0.5 * of.ramp / dt, increment)]), increment)
     }
 
     /// Sum of the magnitudes of the components of the forces of stabilisation at the end of a static step with this `increment`; nothing without a stabilisation.
     pub fn stabilising(&self, increment: &[f64], dt: f64) -> Option<f64> {
-        let stabilisation = self.present.stabilisation.as_ref()?;
-        let mut force = vec![0.0; increment.len()];
-        for mass in stabilisation.masses() {
-            mass.multiply_add(stabilisation.ramp / dt, increment, &mut force);
-        }
-        Some(force.iter().map(|f| f.abs()).sum())
+        let of = self.present.stabilisation.as_ref()?;
+        Some(of.sum(&[(of.ramp / dt, increment)]).iter().map(|f| f.abs()).sum())
     }
 }
 

@@ -11,19 +11,18 @@ mod sliding_supports;
 mod smoothed;
 mod stage;
 mod start;
-mod state;
 mod sudden;
 mod warnings;
 
 pub use stage::Stage;
 use start::at_rest;
-use state::{How, Ledger, Log, NodalForces, SlotState, StageState};
 
 use crate::assembly::System;
 use crate::books::work_at;
 use crate::control::Clock;
 use crate::held::depends_on_free;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
+use crate::run_state::{Ledger, Log, NodalForces, SlotState, StageState};
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{
@@ -123,6 +122,15 @@ pub struct Plan {
     pub memory_bytes: usize,
 }
 
+/// How steps are done.
+#[derive(Debug)]
+struct How {
+    control: StepControl,
+    scheme: Option<Box<dyn Scheme>>,
+    newton: NewtonOptions,
+    inside_out: InsideOutRule,
+}
+
 /// A running simulation. See [`Self::advance`].
 #[derive(Debug)]
 pub struct Simulation {
@@ -138,6 +146,8 @@ pub struct Simulation {
     forces: NodalForces,
     impacts: impact::Impacts,
     log: Log,
+    /// Of the step that was tried last.
+    failures: Vec<FailedAttempt>,
 }
 
 /// What couplings are told of what acts; nothing if there are none.
@@ -200,6 +210,8 @@ impl Simulation {
             model.embedding.follow(&mut state.v);
         }
         let (departures, sudden) = (Vec::new(), Vec::new());
+        let count = |pair: &crate::Coupling| pair.term.slot_count();
+        let has_supports = model.prescriptions.iter().any(|p| !p.nodes.is_empty());
         let mut simulation = Self {
             how: How { control, scheme, newton, inside_out },
             stage: StageState { number: 1, off, released: Vec::new(), prescribed, support, departures, sudden },
@@ -207,16 +219,25 @@ impl Simulation {
             clock,
             state,
             step: 0,
-            slots: SlotState::new(&model),
+            slots: SlotState {
+                pressures: model.contacts.iter().map(|pair| vec![0.0; count(pair)]).collect(),
+                mean_pressures: Vec::new(),
+                active: model.contacts.iter().map(|pair| vec![pair.bilateral().is_some(); count(pair)]).collect(),
+            },
             ledger: Ledger {
                 balance: Balance::default(),
                 books: Books::default(),
                 stored: vec![[0.0; 2]; model.contacts.len()],
                 energies: Vec::new(),
             },
-            forces: NodalForces::new(&model),
+            forces: NodalForces {
+                reactions: vec![0.0; if has_supports { components } else { 0 }],
+                contact: vec![0.0; if model.contacts.is_empty() { 0 } else { components }],
+                ..NodalForces::default()
+            },
             impacts: impact::Impacts::default(),
             log: Log::default(),
+            failures: Vec::new(),
             model,
         };
         simulation.stage.departures = simulation.departures_of(&simulation.system.present.acting, None);
@@ -418,7 +439,7 @@ impl Simulation {
     }
     /// Failed attempts at the last step, in order; of a completed step those before it succeeded.
     pub fn failures(&self) -> &[FailedAttempt] {
-        &self.log.failures
+        &self.failures
     }
     /// Linear solves so far, failed attempts included.
     pub fn solves(&self) -> u64 {

@@ -101,6 +101,29 @@ struct Merit {
     scale: f64,
 }
 
+/// By what lengths and pressures are measured.
+struct Scale {
+    /// Of each pair, a stress: by what pressures are measured.
+    moduli: Vec<f64>,
+    /// Shortest edge of surfaces in contact.
+    edge: f64,
+    /// Largest pressure, in moduli.
+    reference: f64,
+}
+
+/// The iterates with one smoothing.
+struct Course {
+    merits: Vec<f64>,
+    smallest: f64,
+    /// Iterates since the smallest one.
+    since: u32,
+    rounds: u32,
+}
+
+impl Course {
+    const NEW: Self = Self { merits: Vec::new(), smallest: f64::INFINITY, since: 0, rounds: 0 };
+}
+
 /// The way with less and less smoothing.
 struct Path<'a> {
     model: &'a mut Model,
@@ -110,12 +133,7 @@ struct Path<'a> {
     timings: &'a mut Timings,
     trace: &'a mut AttemptLog,
     gaps: Vec<Vec<f64>>,
-    /// Of each pair, a stress: by what pressures are measured.
-    moduli: Vec<f64>,
-    /// Shortest edge of surfaces in contact.
-    edge: f64,
-    /// Largest pressure, in moduli.
-    reference: f64,
+    scale: Scale,
     /// Smoothing, in parts of the largest pressure.
     theta: f64,
     /// Factor from the last smoothing that was solved for, that smoothing and its solution.
@@ -123,12 +141,7 @@ struct Path<'a> {
     solved: Option<(f64, Iterate)>,
     /// Shift of the next tangent.
     shift: f64,
-    /// Of the iterates with this smoothing.
-    merits: Vec<f64>,
-    smallest: f64,
-    since: u32,
-    /// Rounds with this smoothing.
-    rounds: u32,
+    course: Course,
     /// Solutions before.
     before: u32,
     changes: usize,
@@ -161,17 +174,12 @@ impl<'a> Path<'a> {
             timings,
             trace,
             gaps,
-            moduli,
-            edge,
-            reference,
+            scale: Scale { moduli, edge, reference },
             theta: FIRST,
             factor: SLOW,
             solved: None,
             shift: 0.0,
-            merits: Vec::new(),
-            smallest: f64::INFINITY,
-            since: 0,
-            rounds: 0,
+            course: Course::NEW,
             before,
             changes: 0,
         }
@@ -198,7 +206,7 @@ impl<'a> Path<'a> {
 
     /// Smoothing of a pair, a stress.
     fn smoothing(&self, pair: usize) -> f64 {
-        self.theta * self.reference * self.moduli[pair]
+        self.theta * self.scale.reference * self.scale.moduli[pair]
     }
 
     fn smooth_rows(&mut self) {
@@ -285,9 +293,9 @@ impl<'a> Path<'a> {
 
     /// Less smoothing, after a solution.
     fn sharpen(&mut self) {
-        self.factor = if self.rounds <= FEW {
+        self.factor = if self.course.rounds <= FEW {
             QUICK
-        } else if self.rounds <= SOME {
+        } else if self.course.rounds <= SOME {
             SLOW.max(self.factor * self.factor)
         } else {
             SLOW.max(self.factor)
@@ -316,8 +324,7 @@ impl<'a> Path<'a> {
         if let Some((solved, _)) = &self.solved {
             self.theta = (self.factor * solved).max(LAST);
         }
-        self.merits.clear();
-        (self.smallest, self.since, self.rounds, self.shift) = (f64::INFINITY, 0, 0, 0.0);
+        (self.course, self.shift) = (Course::NEW, 0.0);
         if let Some(anchor) = self.system.present.anchor.take() {
             self.hold(anchor.from);
         }
@@ -325,21 +332,21 @@ impl<'a> Path<'a> {
 
     /// One iterate: the shift grows until a part of the increment is acceptable. Returns the norm of the increment.
     fn advance(&mut self, merit: Merit) -> Result<f64, StepError> {
-        self.rounds += 1;
-        self.merits.push(merit.value);
-        if merit.value < BETTER * self.smallest {
-            (self.smallest, self.since) = (merit.value, 0);
+        self.course.rounds += 1;
+        self.course.merits.push(merit.value);
+        if merit.value < BETTER * self.course.smallest {
+            (self.course.smallest, self.course.since) = (merit.value, 0);
         } else {
-            self.since += 1;
+            self.course.since += 1;
         }
-        let watched = self.since >= PATIENCE;
+        let watched = self.course.since >= PATIENCE;
         if watched && self.may_go_back() {
             return Err(self.spent());
         }
         if watched {
             self.shift = (MORE * self.shift).clamp(LEAST_SHIFT, WATCHED_SHIFT);
         }
-        let last = &self.merits[self.merits.len().saturating_sub(3)..];
+        let last = &self.course.merits[self.course.merits.len().saturating_sub(3)..];
         let ceiling = last.iter().fold(0.0_f64, |most, value| most.max(*value));
         let mean = self.problem().mean_diagonal();
         let mut shift = if merit.value < NEAR && !watched { 0.0 } else { self.shift };
@@ -349,7 +356,7 @@ impl<'a> Path<'a> {
             if self.trace.solves - self.before >= BUDGET {
                 return Err(self.spent());
             }
-            let reach = REACH * self.edge;
+            let reach = REACH * self.scale.edge;
             let mut problem = self.problem();
             let solved = problem.factorise_shifted(MatrixKind::General, shift * mean);
             let mut length = None;
@@ -368,7 +375,7 @@ impl<'a> Path<'a> {
                 self.shift = used * if length == 1.0 { LESS } else { 1.0 };
                 return Ok(length * increment);
             }
-            if self.rounds == 1 && self.may_go_back() {
+            if self.course.rounds == 1 && self.may_go_back() {
                 break;
             }
             if is_based {
@@ -427,7 +434,7 @@ impl<'a> Path<'a> {
             let factor = self.model.contacts[c].complementarity;
             let Some(method) = self.model.contacts[c].unilateral_mut() else { continue };
             let (active, pressures) = (&mut self.iterate.active[c], &mut self.iterate.pressures[c]);
-            let (gaps, q, reach) = (&mut self.gaps[c], &self.iterate.q, self.edge);
+            let (gaps, q, reach) = (&mut self.gaps[c], &self.iterate.q, self.scale.edge);
             self.trace.begin(active);
             changes += self.timings.measure(Phase::Search, || -> Result<usize, StepError> {
                 let mut changes = 0;

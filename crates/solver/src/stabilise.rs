@@ -41,6 +41,15 @@ impl Stabilisation {
         Self { masses: model.bodies.iter().map(mass).collect(), ramp: 1.0 }
     }
 
+    /// `sum factor c M_1 x`.
+    pub fn sum(&self, of: &[(f64, &[f64])]) -> Vec<f64> {
+        let mut sum = vec![0.0; of.first().map_or(0, |(_, x)| x.len())];
+        for mass in &self.masses {
+            of.iter().for_each(|(factor, x)| mass.multiply_add(*factor, x, &mut sum));
+        }
+        sum
+    }
+
     /// `c M_1` of each body.
     pub fn masses(&self) -> &[MassMatrix] {
         &self.masses

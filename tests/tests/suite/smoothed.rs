@@ -152,7 +152,6 @@ fn a_trial_that_fails_leaves_no_trace() {
     };
     assert!(count(&run, DecisionKind::Smoothed) > 0);
     let after = run.checkpoint("t", Default::default());
-    assert_eq!(failed.q, after.q);
-    assert_eq!(failed.pressures, after.pressures);
-    assert_eq!(failed.active, after.active);
+    assert_eq!(failed.state.q, after.state.q);
+    assert_eq!(failed.slots, after.slots);
 }

@@ -100,13 +100,13 @@ impl Simulation {
     fn advance_untimed(&mut self) -> Result<StepRecord, SimulationError> {
         // Those between the steps belong to the step that follows.
         let first_decision = self.log.decisions.partition_point(|decision| decision.step <= self.step);
-        self.log.failures.clear();
+        self.failures.clear();
         loop {
             match self.try_step() {
                 Ok(completed) => return Ok(self.accept(completed, first_decision)),
                 Err(cause) => {
                     let (time, dt) = (self.state.time, self.clock.dt());
-                    let at_any_size = self.log.failures.last().is_some_and(|failure| failure.at_any_size);
+                    let at_any_size = self.failures.last().is_some_and(|failure| failure.at_any_size);
                     if !at_any_size && self.ramps_overlaps(&cause) {
                         continue;
                     }
@@ -116,7 +116,7 @@ impl Simulation {
                             step: self.step + 1,
                             time,
                             dt,
-                            were_smaller: self.log.failures.iter().any(|failure| failure.dt > dt),
+                            were_smaller: self.failures.iter().any(|failure| failure.dt > dt),
                             cause: Box::new(cause),
                             hint,
                         });
@@ -226,7 +226,7 @@ impl Simulation {
                 && !goes_on
                 && trace.first_was_singular(cause);
             let failed = trace.failed(&self.model, (self.step + 1, self.state.time, dt), cause);
-            self.log.failures.push(FailedAttempt { at_any_size, ..failed });
+            self.failures.push(FailedAttempt { at_any_size, ..failed });
         }
         result
     }

@@ -1,9 +1,9 @@
 //! Checkpoints of a run, and going on from them.
 
 use super::{Simulation, Stage, support};
+use crate::run_state::{Ledger, NodalForces};
 use crate::{Checkpoint, CheckpointError, Clock, SimulationError, StepControl, StepError};
 use std::collections::BTreeMap;
-use stoss_integrators::State;
 
 impl Simulation {
     /// The present state as a checkpoint.
@@ -11,28 +11,15 @@ impl Simulation {
         Checkpoint {
             tag: tag.to_owned(),
             clock: self.clock,
-            stage: self.stage.number,
-            off: self.stage.off.clone(),
-            released: self.stage.released.clone(),
-            departures: self.stage.departures.clone(),
-            stored: self.ledger.stored.clone(),
+            stage: self.stage.clone(),
             step: self.step,
-            time: self.state.time,
-            q: self.state.q.clone(),
-            v: self.state.v.clone(),
-            a: self.state.a.clone(),
-            history: self.state.history.clone(),
-            pressures: self.slots.pressures.clone(),
-            mean_pressures: self.slots.mean_pressures.clone(),
-            active: self.slots.active.clone(),
-            histories: self.histories(),
-            reactions: self.forces.reactions.clone(),
-            contact_force: self.forces.contact.clone(),
-            balance: self.ledger.balance,
-            timings: self.log.timings,
-            decisions: self.log.decisions.clone(),
-            solves: self.log.solves,
+            state: self.state.clone(),
+            slots: self.slots.clone(),
+            ledger: self.ledger.clone(),
+            forces: self.forces.clone(),
+            log: self.log.clone(),
             largest_rate: self.impacts.largest_rate,
+            histories: self.histories(),
             attachments,
         }
     }
@@ -47,8 +34,9 @@ impl Simulation {
     /// # Errors
     /// [`CheckpointError::Mismatch`] if tag, stage or sizes differ, or if the end is such that no step leads there ([`Clock::take_end_of`]).
     pub fn restore(&mut self, checkpoint: Checkpoint, tag: &str) -> Result<BTreeMap<String, Vec<u8>>, SimulationError> {
-        if checkpoint.stage != self.stage.number {
-            let reason = format!("it is in stage {}, this run in stage {}", checkpoint.stage, self.stage.number);
+        let (own, other) = (self.stage.number, checkpoint.stage.number);
+        if own != other {
+            let reason = format!("it is in stage {other}, this run in stage {own}");
             return Err(SimulationError::Checkpoint(CheckpointError::Mismatch { reason }));
         }
         self.load(checkpoint, tag, None)
@@ -79,17 +67,17 @@ impl Simulation {
             return Err(mismatch(format!("it was written for {}, but this is {tag}", checkpoint.tag)));
         }
         let sizes = |p: &[Vec<f64>]| p.iter().map(Vec::len).collect::<Vec<_>>();
-        if checkpoint.q.len() != self.state.q.len()
+        if checkpoint.state.q.len() != self.state.q.len()
             || checkpoint.histories.len() != self.model.terms().count()
-            || sizes(&checkpoint.pressures) != sizes(&self.slots.pressures)
+            || sizes(&checkpoint.slots.pressures) != sizes(&self.slots.pressures)
         {
             return Err(mismatch("numbers of unknowns or of terms differ".into()));
         }
         let off = stage.as_ref().map_or(&self.stage.off, |stage| &stage.off);
-        if *off != checkpoint.off {
+        if *off != checkpoint.stage.off {
             return Err(mismatch("the list of what is switched off in the stage differs".into()));
         }
-        let acting = self.model.acting(off, &checkpoint.released).map_err(mismatch)?;
+        let acting = self.model.acting(off, &checkpoint.stage.released).map_err(mismatch)?;
         let mut clock = checkpoint.clock;
         let end = match &stage {
             Some(stage) => {
@@ -102,14 +90,14 @@ impl Simulation {
         if !clock.take_end_of(&end) {
             return Err(mismatch(format!(
                 "it is at t = {}, which is after the new end of the run, or the end of a step that was shortened to meet the old one",
-                checkpoint.time
+                checkpoint.state.time
             )));
         }
         let prescribed = self.model.prescribed_components(&acting)?;
         for (pair, &acts) in self.model.contacts.iter_mut().zip(&acting.contacts) {
             pair.acts = acts;
         }
-        self.stage.support = support(&self.model, &acting);
+        let support = support(&self.model, &acting);
         let stabilise = stage.as_ref().map(|stage| stage.stabilise);
         if let Some(stage) = stage {
             self.how.control =
@@ -118,42 +106,25 @@ impl Simulation {
         }
         self.install(acting, prescribed)?;
         self.load_histories(&checkpoint.histories)?;
-        self.stage.number = checkpoint.stage;
-        self.stage.off = checkpoint.off;
-        self.stage.released = checkpoint.released;
-        self.ledger.stored = checkpoint.stored;
-        self.ledger.energies.clear();
-        self.stage.departures = checkpoint.departures;
+        let Checkpoint { stage, step, state, slots, ledger, forces, log, largest_rate, attachments, .. } = checkpoint;
+        // What is not written is that of this process, or follows from the rest.
+        let own = std::mem::replace(&mut self.stage, stage);
+        self.stage.prescribed = own.prescribed;
+        self.stage.support = support;
+        self.stage.sudden = if step > 0 { Vec::new() } else { own.sudden };
         self.clock = clock;
         if let Some(how) = stabilise {
             self.set_stabilisation(how);
         }
-        self.step = checkpoint.step;
-        if self.step > 0 {
-            self.stage.sudden.clear();
-        }
-        self.state = State {
-            time: checkpoint.time,
-            q: checkpoint.q,
-            v: checkpoint.v,
-            a: checkpoint.a,
-            history: checkpoint.history,
-        };
-        self.slots.pressures = checkpoint.pressures;
-        self.slots.mean_pressures = checkpoint.mean_pressures;
-        self.slots.active = checkpoint.active;
-        self.forces.reactions = checkpoint.reactions;
-        self.forces.contact = checkpoint.contact_force;
-        let has_force = |node: &u32| self.forces.contact[3 * *node as usize..][..3] != [0.0; 3];
-        let embedded = self.model.embedding.nodes().iter().copied();
-        self.forces.pushed =
-            if self.forces.contact.is_empty() { Vec::new() } else { embedded.filter(has_force).collect() };
-        self.ledger.balance = checkpoint.balance;
-        self.log.timings = checkpoint.timings;
-        self.log.decisions = checkpoint.decisions;
-        self.log.solves = checkpoint.solves;
-        self.impacts.largest_rate = checkpoint.largest_rate;
-        Ok(checkpoint.attachments)
+        (self.step, self.state, self.slots) = (step, state, slots);
+        let books = std::mem::take(&mut self.ledger.books);
+        self.ledger = Ledger { books, energies: Vec::new(), ..ledger };
+        let has_force = |node: &u32| forces.contact.get(3 * *node as usize..).is_some_and(|f| f[..3] != [0.0; 3]);
+        let pushed = self.model.embedding.nodes().iter().copied().filter(has_force).collect();
+        self.forces = NodalForces { pushed, moved: BTreeMap::new(), ..forces };
+        self.log = log;
+        self.impacts.largest_rate = largest_rate;
+        Ok(attachments)
     }
 
     pub(super) fn load_histories(&mut self, histories: &[Vec<u8>]) -> Result<(), StepError> {

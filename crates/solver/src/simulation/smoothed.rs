@@ -48,7 +48,7 @@ impl Simulation {
                 Ok(completed) if matches!(cause, StepError::Singular { .. }) && completed.is_unstable() => break,
                 Ok(completed) => return Ok(completed),
                 // The diagnosis looks at plain attempts.
-                Err(_) => drop(self.log.failures.pop()),
+                Err(_) => drop(self.failures.pop()),
             }
         }
         Err(cause)

@@ -1,9 +1,9 @@
 //! Stages of a run, and releases: changes of the model between two steps.
 
-use super::state::{Ledger, NodalForces, SlotState, StageState};
 use super::{Simulation, at_rest, support};
 use crate::assembly::System;
 use crate::diagnosis::node_name;
+use crate::run_state::{Ledger, NodalForces, SlotState, StageState};
 use crate::stabilise::Stabilisation;
 use crate::step::decision;
 use crate::switches::Acting;

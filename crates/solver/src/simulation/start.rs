@@ -1,8 +1,8 @@
 //! Accelerations and forces at the start, for schemes that carry them.
 
 use super::Simulation;
-use super::state::SlotState;
 use crate::assembly::no_auxiliaries;
+use crate::run_state::SlotState;
 use crate::system::FeSystem;
 use crate::terms::Line;
 use crate::{Coupling, StepError};

@@ -483,7 +483,7 @@ fn checkpoints_know_stage_and_releases() {
         drop(stopped);
         let read = || stoss_solver::Checkpoint::read(&path).unwrap();
         let mut resumed = start();
-        assert_eq!((read().stage, read().released), (2, vec![Release::Constraint(1)]));
+        assert_eq!((read().stage.number, read().stage.released), (2, vec![Release::Constraint(1)]));
         assert!(matches!(resumed.restore(read(), "tag"), Err(SimulationError::Checkpoint(_))));
         let other = Stage { off: Switches::default(), ..second() };
         assert!(matches!(resumed.restore_in(other, read(), "tag"), Err(SimulationError::Checkpoint(_))));

@@ -112,7 +112,7 @@ impl ResultFolder {
         }
         let tag = settings.identity.hash();
         // A new simulation is in the first stage.
-        let stage = settings.schedule.stage(checkpoint.stage).filter(|_| checkpoint.stage > 1);
+        let stage = settings.schedule.stage(checkpoint.stage.number).filter(|_| checkpoint.stage.number > 1);
         let restored = match stage {
             Some(stage) => simulation.restore_in(stage, checkpoint, &tag),
             None => simulation.restore(checkpoint, &tag),

@@ -1,0 +1,80 @@
+//! What a run carries from step to step, beside positions and velocities; what a checkpoint has of it.
+
+use crate::{Balance, Books, Decision, Departure, Release, Switches, Timings};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use stoss_term::{Support, SurfaceForce};
+
+/// The present stage, and what does not act in it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageState {
+    /// Number of the stage, from 1.
+    pub number: u32,
+    /// What is switched off in it.
+    pub off: Switches,
+    /// What has been released.
+    pub released: Vec<Release>,
+    /// Where components were whose prescription was switched on and begins there.
+    pub departures: Vec<Departure>,
+    /// (component, prescription, column), sorted; follows from the model.
+    #[serde(skip)]
+    pub(crate) prescribed: Vec<(u32, u32, u32)>,
+    /// What terms are told of what acts; follows from the model.
+    #[serde(skip)]
+    pub(crate) support: Support,
+    /// See [`crate::Simulation::loads_at_once`].
+    #[serde(skip)]
+    pub(crate) sudden: Vec<usize>,
+}
+
+/// Multipliers and flags of the slots of each coupling in the last step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SlotState {
+    /// One a slot.
+    pub pressures: Vec<Vec<f64>>,
+    /// See [`crate::Simulation::mean_pressures`]; empty where the law of impact did not act in the last step.
+    pub mean_pressures: Vec<Vec<f64>>,
+    /// Whether it acts.
+    pub active: Vec<Vec<bool>>,
+}
+
+/// Energies and momenta.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ledger {
+    /// Of the last step.
+    pub balance: Balance,
+    /// Of each coupling: energy that it stores, and the part of it in springs of friction.
+    pub stored: Vec<[f64; 2]>,
+    /// Of the steps of this process.
+    #[serde(skip)]
+    pub(crate) books: Books,
+    /// Stored energies of bodies and parts; empty where they are not known.
+    #[serde(skip)]
+    pub(crate) energies: Vec<f64>,
+}
+
+/// Forces at nodes in the last step.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NodalForces {
+    /// Of supports.
+    pub reactions: Vec<f64>,
+    /// See [`crate::Simulation::contact_force`].
+    pub contact: Vec<f64>,
+    /// What [`crate::Simulation::moved_contact_force`] tells.
+    #[serde(skip)]
+    pub(crate) moved: BTreeMap<u32, SurfaceForce>,
+    /// Embedded nodes that have a contact force.
+    #[serde(skip)]
+    pub(crate) pushed: Vec<u32>,
+}
+
+/// What was done.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Log {
+    /// Seconds.
+    pub timings: Timings,
+    /// All so far.
+    pub decisions: Vec<Decision>,
+    /// Linear solves, failed attempts included.
+    pub solves: u64,
+}
