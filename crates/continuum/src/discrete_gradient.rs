@@ -38,7 +38,8 @@ impl Increment {
     }
 
     fn has_quotient(&self, law: &(impl HyperelasticLaw + ?Sized)) -> bool {
-        !law.is_quadratic() && self.square > SMALLEST_STRAIN_INCREMENT * SMALLEST_STRAIN_INCREMENT
+        let smallest = law.smallest_strain_increment();
+        !law.is_quadratic() && self.square > smallest * smallest
     }
 
     /// `k` of theory/integrators#eq-ems.

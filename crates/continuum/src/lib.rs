@@ -5,17 +5,22 @@
 //!
 //! * [`HyperelasticLaw`]: energy, stress and elasticity tensor as functions of the right Cauchy-Green tensor; [`SmallStrainModuli`];
 //! * [`VolumetricEnergy`], [`VolumetricSplit`]: a law as the sum of an energy of the change of volume and of the rest;
+//! * [`Material`], [`StepLaw`]: a law with a state, and what it is in one step: a hyperelastic law again;
 //! * [`energy_momentum_stress`], [`energy_momentum_stress_and_tangent`]: the stress of a step, whose work is the change of the energy;
 //! * [`green_lagrange`], [`logarithmic_strain`], [`cauchy_stress`], [`von_mises`], [`principal_values`]: measures.
 //!
 #![doc = include_str!("../README.md")]
 
 pub mod discrete_gradient;
+mod material;
 mod measures;
 mod moduli;
 pub mod volume;
 
 pub use discrete_gradient::{energy_momentum_stress, energy_momentum_stress_and_tangent};
+pub use material::{
+    Loss, Material, PointStep, Response, SMALLEST_STRAIN_INCREMENT_WITH_STATE, StateEntry, StepLaw, StepStress, Want,
+};
 pub use measures::{cauchy_stress, green_lagrange, logarithmic_strain, principal_values, von_mises};
 pub use moduli::SmallStrainModuli;
 pub use stoss_tensor::{SymmetricTensor2, Tensor2, Tensor4};
@@ -95,5 +100,13 @@ pub trait HyperelasticLaw: std::fmt::Debug + Send + Sync {
     /// The law as `W(C) + U(J)` for elements that average the change of volume ([`volume`]), if it has this form. All of a large bulk modulus must be in `U`.
     fn volumetric(&self) -> Option<VolumetricSplit> {
         None
+    }
+    /// The law with its state, if it has one. The other methods are then those of a virgin point without flow.
+    fn history(&self) -> Option<&dyn Material> {
+        None
+    }
+    /// Strain increments up to this have no quotient in the discrete gradient, see [`discrete_gradient::SMALLEST_STRAIN_INCREMENT`].
+    fn smallest_strain_increment(&self) -> f64 {
+        discrete_gradient::SMALLEST_STRAIN_INCREMENT
     }
 }

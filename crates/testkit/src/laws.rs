@@ -295,12 +295,12 @@ fn discrete_gradient(law: &dyn HyperelasticLaw, c_n: &SymmetricTensor2, c_np1: &
     // The quotient divides the round-off of the energies by |dC|.
     let energies = energy_n.abs() + energy_np1.abs() + elasticity.max_abs();
     let noise = ROUND_OFF * (stress.norm() + elasticity.max_abs());
-    let quotient_noise = ROUND_OFF * energies / size.max(1e-6);
+    let quotient_noise = ROUND_OFF * energies / size.max(law.smallest_strain_increment());
     assert!((alone - stress).norm() <= noise + quotient_noise, "{name}: stress with and without tangent differ");
     let work = 0.5 * stress.double_contract(&delta);
     let error = (work - (energy_np1 - energy_n)).abs() / (energies + size * (stress.norm() + mean_stress.norm()));
     assert!(error < tolerance, "{name}: directionality {error:e} from {c_n:?} to {c_np1:?}");
-    if size <= 1e-6 {
+    if size <= law.smallest_strain_increment() {
         assert!((stress - mean_stress).norm() <= noise, "{name}: S_alg is not S at the mean for |dC| = {size:e}");
         let error = oracle::max_relative_error(
             tangent.0.as_flattened(),
