@@ -38,6 +38,14 @@ pub enum MaterialError {
         /// Entries of `alpha`.
         alpha: usize,
     },
+    /// A part with a history on a law that has no energy of the change of volume of its own, or that cannot take it.
+    #[error("{law} cannot have {part}: it is not the sum of an energy of the change of volume and a rest")]
+    NoSplit {
+        /// The law.
+        law: &'static str,
+        /// What was to be added.
+        part: &'static str,
+    },
     /// The body would not be stable at the reference state.
     #[error(
         "{law}: the parameters imply the shear modulus {shear} and the bulk modulus {bulk} at small strains; both must be positive ({remedy})"

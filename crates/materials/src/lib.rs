@@ -1,15 +1,17 @@
-//! The catalogue of hyperelastic laws (theory/kinematics#laws).
+//! The catalogue of material laws (theory/kinematics#laws, theory/inelastic).
 //!
-//! Every law gives energy, second Piola-Kirchhoff stress and elasticity tensor in closed form, is isotropic, and has no
+//! Every elastic law gives energy, second Piola-Kirchhoff stress and elasticity tensor in closed form, is isotropic, and has no
 //! stress and no energy at `C = 1`. Constructors validate their parameters; the implied small-strain moduli can be asked
 //! for. Elements know only the trait [`stoss_continuum::HyperelasticLaw`]: this crate can be left out.
 //!
 //! * [`SaintVenantKirchhoff`]: linear in the Green-Lagrange strain;
 //! * [`NeoHooke`], [`MooneyRivlin`]: coupled forms with the logarithm of the change of volume;
 //! * [`Ogden`]: powers of the principal stretches, decoupled, any number of terms;
+//! * [`Hencky`]: linear in the logarithmic strain, the elastic part of metals;
+//! * [`Inelastic`]: a law with [`Plasticity`], Maxwell branches or [`Mullins`] softening, which has a state ([`stoss_continuum::Material`]);
 //! * [`MaterialError`]: parameters that are refused.
 //!
-//! Not here: elements, and laws with a memory (plastic, viscous), which the trait does not cover.
+//! Not here: elements, and where states are kept.
 //!
 //! # How to add a law
 //! One file with a struct, a validating constructor and the trait; one `pub use` here; one line in `tests/battery.rs` with the
@@ -70,18 +72,30 @@
 #![doc = include_str!("../README.md")]
 
 mod error;
+mod hardening;
+mod hencky;
+mod inelastic;
+mod logarithmic;
+mod maxwell;
 mod mooney_rivlin;
+mod mullins;
 mod neo_hooke;
 mod ogden;
+mod plasticity;
 mod registry;
 mod saint_venant_kirchhoff;
 mod state;
 mod volume;
 
 pub use error::MaterialError;
+pub use hardening::Hardening;
+pub use hencky::Hencky;
+pub use inelastic::{Inelastic, Moduli};
 pub use mooney_rivlin::MooneyRivlin;
+pub use mullins::Mullins;
 pub use neo_hooke::NeoHooke;
 pub use ogden::Ogden;
+pub use plasticity::{Overstress, Plasticity};
 pub use registry::{LAWS, LawEntry, entry};
 pub use saint_venant_kirchhoff::SaintVenantKirchhoff;
 pub use stoss_registry::{Given, Parameter, Refusal, Unit, Values};

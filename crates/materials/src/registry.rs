@@ -1,6 +1,6 @@
 //! All laws by name, as data: parameters, ranges, and what makes the law. A scene format, its schema and its messages follow from the rows.
 
-use crate::{MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use crate::{Hencky, MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_registry::{Given, Parameter, Refusal, Row, Unit, Values, list};
@@ -80,6 +80,16 @@ pub const LAWS: &[LawEntry] = &[
         make: |way, given| {
             let [a, b] = bulk_of(way, given)?;
             let law = if way == 0 { NeoHooke::from_young_poisson(a, b) } else { NeoHooke::new(a, b) };
+            Ok(Arc::new(law.map_err(by_law(MODULI[way][0].name))?))
+        },
+    },
+    LawEntry {
+        name: "hencky",
+        about: "Hencky law, linear in the logarithmic strain `E = ln(C)/2`: `W = mu dev E : dev E + K/2 (ln J)^2`. The elastic part of metals, for moderate elastic strains.",
+        ways: MODULI,
+        make: |way, given| {
+            let [a, b] = bulk_of(way, given)?;
+            let law = if way == 0 { Hencky::from_young_poisson(a, b) } else { Hencky::new(a, b) };
             Ok(Arc::new(law.map_err(by_law(MODULI[way][0].name))?))
         },
     },

@@ -1,5 +1,6 @@
 //! Energies of the change of volume of the catalogue's laws, see [`stoss_continuum::volume`].
 
+use std::sync::Arc;
 use stoss_continuum::VolumetricEnergy;
 use stoss_continuum::volume::logarithm_divided_difference;
 
@@ -21,6 +22,27 @@ impl VolumetricEnergy for Logarithmic {
         let (quotient, slope) = logarithm_divided_difference(a, b);
         let mean = 0.5 * (a.ln() + b.ln());
         (self.lambda * mean * quotient, self.lambda * (0.5 * quotient / b + mean * slope))
+    }
+}
+
+/// An energy and a logarithmic one.
+#[derive(Clone, Debug)]
+pub(crate) struct Sum {
+    pub one: Arc<dyn VolumetricEnergy>,
+    pub more: Logarithmic,
+}
+
+impl VolumetricEnergy for Sum {
+    fn energy(&self, j: f64) -> f64 {
+        self.one.energy(j) + self.more.energy(j)
+    }
+    fn pressure(&self, j: f64) -> (f64, f64) {
+        let (a, b) = (self.one.pressure(j), self.more.pressure(j));
+        (a.0 + b.0, a.1 + b.1)
+    }
+    fn divided_difference(&self, a: f64, b: f64) -> (f64, f64) {
+        let (one, more) = (self.one.divided_difference(a, b), self.more.divided_difference(a, b));
+        (one.0 + more.0, one.1 + more.1)
     }
 }
 

@@ -2,3 +2,5 @@
 
 mod battery;
 mod energy_momentum;
+mod inelastic;
+mod inelastic_closed_forms;
