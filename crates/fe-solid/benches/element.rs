@@ -98,7 +98,7 @@ fn bodies(criterion: &mut Criterion) {
         for law in laws() {
             let mut problem = Problem::new(n, law.clone());
             for rule in [ForceRule::END_POINT, ForceRule::MIDPOINT, ForceRule::DiscreteGradient] {
-                problem.body.begin_step(&problem.q_n, rule).expect("no element is inverted");
+                problem.body.begin_step(&problem.q_n, rule, 1.0).expect("no element is inverted");
                 group.bench_function(format!("{} {rule:?} force and tangent", law.name()), |bencher| {
                     bencher.iter(|| problem.assemble(black_box(rule), true));
                 });
@@ -132,7 +132,7 @@ fn cells(criterion: &mut Criterion) {
         for volumetric in [Volumetric::Displacement, Volumetric::Mixed] {
             let mut problem = Problem::of(&mesh, laws().swap_remove(0), SolidOptions { integration, volumetric });
             for rule in [ForceRule::END_POINT, ForceRule::DiscreteGradient] {
-                problem.body.begin_step(&problem.q_n, rule).expect("no element is inverted");
+                problem.body.begin_step(&problem.q_n, rule, 1.0).expect("no element is inverted");
                 group.bench_function(
                     format!("{kind} {integration:?} {volumetric:?} {rule:?}, {points} points"),
                     |bencher| {

@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     solver.analyse(&pattern, MatrixKind::Symmetric)?;
 
     let rule = ForceRule::END_POINT;
-    body.begin_step(&reference, rule)?;
+    body.begin_step(&reference, rule, 1.0)?;
     let (mut q, mut workspace) = (reference.clone(), Workspace::default());
     println!("iteration  residual");
     for iteration in 0..20 {

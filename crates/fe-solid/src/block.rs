@@ -1,16 +1,17 @@
 //! The elements of one kind in a body: their reference integrals, and the averages that are those of an element.
 
 use crate::{
-    ForceRule, SolidOptions, SolidStep, TimeLevel, Volumetric,
+    ForceRule, SolidOptions, SolidStep, StepEnd, TimeLevel, Volumetric,
     assembly::{self, AssemblyTarget, ElementEvaluator},
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory, gather, natural_gradients},
     element_block::{BlockError, ElementBlock, ElementFailure, Material, PointStrain},
     kernel::{self, ElementIntegration, Gradients, LocalTangent, NodalVectors, TangentFactors},
+    laws::Laws,
     mixed::{self, Averages, Basis, Mixed, Parts},
     viscous::{Viscosity, ViscousElements},
 };
 use rayon::prelude::*;
-use stoss_continuum::SymmetricTensor2;
+use stoss_continuum::{HyperelasticLaw, Loss, PointStep, StepStress, SymmetricTensor2};
 use stoss_mesh::CellBlock;
 use stoss_reference_element::{CellKind, Rule};
 
@@ -40,10 +41,22 @@ pub(crate) struct Block<const N: usize, const G: usize> {
     jacobians: Vec<[f64; G]>,
     /// Gradients in natural coordinates at the nodes.
     at_nodes: Vec<Gradients<N>>,
+    /// States at the begin of the step and at its end; empty of elastic laws.
+    states: Vec<f64>,
+    next: Vec<f64>,
+    /// Size and rule of the step that has begun; of use to laws with a state.
+    dt: f64,
+    stress: StepStress,
 }
 
 impl<const N: usize, const G: usize> Block<N, G> {
-    pub fn new(cells: &CellBlock, reference: &[[f64; 3]], options: SolidOptions) -> Result<Self, BlockError> {
+    /// With the states of virgin points, if `law` has states.
+    pub fn new(
+        cells: &CellBlock,
+        reference: &[[f64; 3]],
+        options: SolidOptions,
+        law: &dyn HyperelasticLaw,
+    ) -> Result<Self, BlockError> {
         let kind = cells.kind();
         let rule = kind.rule(options.integration).ok_or(BlockError::NoRule)?;
         let natural: [Gradients<N>; G] = std::array::from_fn(|g| natural_gradients(kind, rule[g].0));
@@ -66,6 +79,12 @@ impl<const N: usize, const G: usize> Block<N, G> {
             }
             (Volumetric::Mixed, _) => Projection::Constant,
         };
+        let mut states = Vec::new();
+        if let Some(material) = law.history() {
+            let len = material.state_len();
+            states.resize(len * G * integration.len(), 0.0);
+            states.chunks_exact_mut(len.max(1)).for_each(|state| material.virgin(state));
+        }
         Ok(Self {
             rule,
             projection,
@@ -73,13 +92,29 @@ impl<const N: usize, const G: usize> Block<N, G> {
             history: Vec::new(),
             jacobians: Vec::new(),
             at_nodes: kind.table().nodes.iter().map(|&xi| natural_gradients(kind, xi)).collect(),
+            states,
+            next: Vec::new(),
+            dt: 0.0,
+            stress: StepStress::Frozen,
         })
+    }
+
+    /// What the points of an element are in a step by `rule`, or as they are.
+    #[inline]
+    pub(crate) fn laws<'a>(&'a self, material: Material<'a>, element: usize, rule: Option<ForceRule>) -> Laws<'a> {
+        match material.law.history() {
+            None => Laws::elastic(material.law),
+            Some(history) => {
+                let len = G * history.state_len();
+                Laws::of_step(history, &self.states[element * len..(element + 1) * len], self.dt, rule)
+            }
+        }
     }
 
     /// An element's averages, if it has any.
     #[inline]
-    fn averages<'a>(&'a self, material: Material<'a>, element: usize) -> Option<Averages<'a, N, G>> {
-        let parts = |volume| Parts { rest: material.law, volume };
+    fn averages<'a>(&'a self, material: Material<'a>, element: usize, laws: Laws<'a>) -> Option<Averages<'a, N, G>> {
+        let parts = |volume| Parts { rest: laws, volume };
         let integration = &self.integration[element];
         Some(match &self.projection {
             Projection::None => return None,
@@ -92,6 +127,59 @@ impl<const N: usize, const G: usize> Block<N, G> {
                 Averages::Linear(Mixed { parts: parts(material.volume?), integration, basis: bases[element] })
             }
         })
+    }
+
+    /// Energy of an element whose points are these.
+    fn energy<'a>(
+        &'a self,
+        material: Material<'a>,
+        element: usize,
+        laws: Laws<'a>,
+        q: &NodalVectors<N>,
+    ) -> Result<f64, Failure> {
+        match self.averages(material, element, laws) {
+            None => element::energy(laws, &self.integration[element], q),
+            Some(averages) => averages.energy(q),
+        }
+    }
+
+    /// Writes the states of an element's points at the end of the step, and says what was lost.
+    fn next_states(
+        &self,
+        history: &dyn stoss_continuum::Material,
+        element: usize,
+        q_np1: &NodalVectors<N>,
+        next: &mut [f64],
+    ) -> Result<Loss, Failure> {
+        let (len, mut loss) = (history.state_len(), Loss::default());
+        for g in 0..G {
+            let first = (element * G + g) * len;
+            let (_, c_np1) = element::strain(q_np1, &self.integration[element], g, TimeLevel::End)?;
+            let at = PointStep { state: &self.states[first..first + len], dt: self.dt, stress: self.stress };
+            let c_n = &self.history[element][g].right_cauchy_green;
+            let of_point = history
+                .commit(&at, c_n, &c_np1, &mut next[g * len..(g + 1) * len])
+                .map_err(|error| FailureKind::from(error).at(g))?;
+            loss.add(self.integration[element].weights[g], &of_point);
+        }
+        Ok(loss)
+    }
+
+    /// What a step did to an element; `next` is room for the states of its points.
+    fn element_end(
+        &self,
+        material: Material<'_>,
+        history: &dyn stoss_continuum::Material,
+        element: usize,
+        q_np1: &NodalVectors<N>,
+        next: &mut [f64],
+    ) -> Result<StepEnd, Failure> {
+        let loss = self.next_states(history, element, q_np1, next)?;
+        let stored = self.energy(material, element, Laws::of_step(history, next, 0.0, None), q_np1)?;
+        let weights = self.integration[element].weights.iter();
+        let states = next.chunks_exact(history.state_len().max(1));
+        let hardening = states.zip(weights).map(|(state, weight)| weight * history.hardening_energy(state)).sum();
+        Ok(StepEnd { stored, hardening, loss })
     }
 
     /// What [`ElementBlock::begin_step`] kept of an element.
@@ -130,6 +218,7 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
                 Projection::Linear(bases) => bases.capacity() * size_of::<Basis<G, 4>>(),
             }
             + self.at_nodes.capacity() * size_of::<Gradients<N>>()
+            + (self.states.capacity() + self.next.capacity()) * size_of::<f64>()
     }
 
     fn add_volume(&self, total: &mut f64) {
@@ -142,8 +231,21 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         self.integration[element].weights.iter().sum()
     }
 
-    fn begin_step(&mut self, material: Material<'_>, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure> {
+    fn begin_step(
+        &mut self,
+        material: Material<'_>,
+        nodes: &[u32],
+        q_n: &[f64],
+        rule: ForceRule,
+        dt: f64,
+    ) -> Result<(), ElementFailure> {
         let nodes = elements::<N>(nodes);
+        let rule = Some(rule);
+        self.dt = dt;
+        self.stress = match rule {
+            Some(ForceRule::DiscreteGradient) => StepStress::DiscreteGradient,
+            _ => StepStress::End,
+        };
         let identity = GaussPointHistory { right_cauchy_green: SymmetricTensor2::IDENTITY, energy: 0.0 };
         let (mut history, mut jacobians) = (std::mem::take(&mut self.history), std::mem::take(&mut self.jacobians));
         history.resize(nodes.len(), [identity; G]);
@@ -151,9 +253,10 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         jacobians.resize(if averaged { nodes.len() } else { 0 }, [0.0; G]);
         let one = |element: usize, slot: &mut [GaussPointHistory; G], jacobians: Option<&mut [f64; G]>| {
             let q = gather(&nodes[element], q_n);
-            let found = match (self.averages(material, element), jacobians) {
+            let laws = self.laws(material, element, rule);
+            let found = match (self.averages(material, element, laws), jacobians) {
                 (Some(averages), Some(jacobians)) => averages.history(&q).map(|found| (*slot, *jacobians) = found),
-                _ => element::history(material.law, &self.integration[element], &q).map(|found| *slot = found),
+                _ => element::history(laws, &self.integration[element], &q).map(|found| *slot = found),
             };
             found.map_err(|failure| (element, failure))
         };
@@ -224,15 +327,13 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         material: Material<'_>,
         nodes: &[u32],
         q: &[f64],
+        rule: Option<ForceRule>,
         total: &mut f64,
     ) -> Result<(), ElementFailure> {
         for (element, nodes) in elements::<N>(nodes).iter().enumerate() {
             let q = gather(nodes, q);
-            let energy = match self.averages(material, element) {
-                None => element::energy(material.law, &self.integration[element], &q),
-                Some(averages) => averages.energy(&q),
-            };
-            *total += energy.map_err(|failure| (element, failure))?;
+            let laws = self.laws(material, element, rule);
+            *total += self.energy(material, element, laws, &q).map_err(|failure| (element, failure))?;
         }
         Ok(())
     }
@@ -243,11 +344,12 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         nodes: &[u32],
         element: usize,
         q: &[f64],
-        visit: &mut dyn FnMut(PointStrain) -> Result<(), FailureKind>,
+        visit: &mut dyn FnMut(PointStrain<'_>) -> Result<(), FailureKind>,
     ) -> Result<(), Failure> {
         let q = gather(&elements::<N>(nodes)[element], q);
         let integration = &self.integration[element];
-        let averaged = match self.averages(material, element) {
+        let laws = self.laws(material, element, None);
+        let averaged = match self.averages(material, element, laws) {
             None => None,
             Some(averages) => Some(averages.pressure_and_energy(&averages.state(&q, TimeLevel::End)?)),
         };
@@ -258,6 +360,8 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
                 gauss_point,
                 deformation_gradient,
                 right_cauchy_green,
+                law: laws.at(gauss_point),
+                state: laws.state(gauss_point),
                 volume: integration.weights[gauss_point],
                 pressure: averaged.map_or(0.0, |(pressure, _)| pressure[gauss_point]),
                 volumetric_energy: averaged.map_or(0.0, |(_, energy)| energy[gauss_point]),
@@ -265,6 +369,81 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
             visit(point).map_err(|kind| Failure { gauss_point, kind })?;
         }
         Ok(())
+    }
+
+    fn states(&self) -> &[f64] {
+        &self.states
+    }
+
+    fn states_mut(&mut self) -> &mut [f64] {
+        &mut self.states
+    }
+
+    fn add_step_end(
+        &self,
+        material: Material<'_>,
+        nodes: &[u32],
+        q_np1: &[f64],
+        total: &mut StepEnd,
+    ) -> Result<(), ElementFailure> {
+        let Some(history) = material.law.history() else { return Ok(()) };
+        let nodes = elements::<N>(nodes);
+        let of_chunk = |chunk: usize| {
+            let mut next = vec![0.0; G * history.state_len()];
+            let elements = CHUNK * chunk..(CHUNK * (chunk + 1)).min(nodes.len());
+            let ends = elements.map(|element| {
+                let q = gather(&nodes[element], q_np1);
+                self.element_end(material, history, element, &q, &mut next).map_err(|failure| (element, failure))
+            });
+            ends.collect::<Result<Vec<StepEnd>, _>>()
+        };
+        let chunks = nodes.len().div_ceil(CHUNK);
+        // The first failure in element order, whichever thread was first in time.
+        let ends: Vec<_> = if rayon::current_num_threads() == 1 {
+            (0..chunks).map(of_chunk).collect()
+        } else {
+            (0..chunks).into_par_iter().map(of_chunk).collect()
+        };
+        for chunk in ends {
+            chunk?.iter().for_each(|end| total.add(end));
+        }
+        Ok(())
+    }
+
+    fn commit(&mut self, material: Material<'_>, nodes: &[u32], q_np1: &[f64]) -> Result<(), ElementFailure> {
+        let Some(history) = material.law.history() else { return Ok(()) };
+        let nodes = elements::<N>(nodes);
+        let mut next = std::mem::take(&mut self.next);
+        next.resize(self.states.len(), 0.0);
+        let of_element = (G * history.state_len()).max(1);
+        let fill = |(chunk, next): (usize, &mut [f64])| -> Option<ElementFailure> {
+            for (k, next) in next.chunks_exact_mut(of_element).enumerate() {
+                let element = CHUNK * chunk + k;
+                if let Err(failure) = self.next_states(history, element, &gather(&nodes[element], q_np1), next) {
+                    return Some((element, failure));
+                }
+            }
+            None
+        };
+        let failure = if rayon::current_num_threads() == 1 {
+            next.chunks_mut(CHUNK * of_element).enumerate().find_map(fill)
+        } else {
+            next.par_chunks_mut(CHUNK * of_element).enumerate().map(fill).reduce(|| None, |a, b| a.or(b))
+        };
+        self.next = next;
+        match failure {
+            None => std::mem::swap(&mut self.states, &mut self.next),
+            Some(failure) => return Err(failure),
+        }
+        Ok(())
+    }
+
+    fn add_hardening_energy(&self, material: Material<'_>, total: &mut f64) {
+        let Some(history) = material.law.history() else { return };
+        let weights = self.integration.iter().flat_map(|element| element.weights);
+        for (state, weight) in self.states.chunks_exact(history.state_len().max(1)).zip(weights) {
+            *total += weight * history.hardening_energy(state);
+        }
     }
 
     fn worst_node(&self, nodes: &[u32], element: usize, q: &[f64]) -> (usize, f64) {
@@ -304,8 +483,9 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for BlockStep<'_, N,
         let q_n = if rule.reads_start() && rule.reads_end() { at(step.q_n) } else { q_np1 };
         let history = block.history.get(element).filter(|_| rule == ForceRule::DiscreteGradient);
         let step = ElementStep { rule, q_n: &q_n, q_np1: &q_np1, history };
-        match block.averages(*material, element) {
-            None => element::force_and_tangent(material.law, block.integration(element), step, *factor, force, tangent),
+        let laws = block.laws(*material, element, Some(rule));
+        match block.averages(*material, element, laws) {
+            None => element::force_and_tangent(laws, block.integration(element), step, *factor, force, tangent),
             Some(averages) => {
                 let before = before.map(|before| gather(&nodes[element], before));
                 averages.force_and_tangent(step, block.jacobians.get(element), before.as_ref(), *factor, force, tangent)

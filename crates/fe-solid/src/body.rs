@@ -81,6 +81,7 @@ impl SolidBody {
                     .ok_or_else(|| SolidError::NoVolumetricPart { body: body(), law: law.name().to_string() })?,
             ),
         };
+        let seen = material(&law, &split).law;
         let count = mesh.nodes.len();
         for (element, nodes) in mesh.elements.iter().enumerate() {
             if let Some(&node) = nodes.iter().find(|&&node| node as usize >= count) {
@@ -90,10 +91,10 @@ impl SolidBody {
         let mut blocks = Vec::with_capacity(mesh.elements.blocks().len());
         for cells in mesh.elements.blocks() {
             let first = cells.first() as usize;
-            let mut block = blocks::of_cells(cells, &mesh.nodes, options, node_offset);
+            let mut block = blocks::of_cells(cells, &mesh.nodes, options, seen, node_offset);
             if let Err(BlockError::NoRule) = block {
                 let options = SolidOptions { integration: Integration::Full, ..options };
-                block = blocks::of_cells(cells, &mesh.nodes, options, node_offset);
+                block = blocks::of_cells(cells, &mesh.nodes, options, seen, node_offset);
             }
             // Where the rule of the mass has points of its own.
             let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
@@ -199,19 +200,19 @@ impl SolidBody {
         numbers + size_of_val(&*self.reference) + self.blocks.iter().map(|block| block.memory_bytes()).sum::<usize>()
     }
 
-    /// Caches what depends on `q_n` only: `C_n` and `W_n` at every Gauss point for [`ForceRule::DiscreteGradient`]. For
-    /// other rules it does nothing.
+    /// Caches what depends on `q_n` only: `C_n` and `W_n` at every Gauss point for [`ForceRule::DiscreteGradient`]; for
+    /// other rules only of a law with a state. `dt`: size of the step, which such a law needs to flow in; a step that is tried once more with another size begins once more.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Constitutive`] (the cache is then empty), [`SolidError::Length`].
-    pub fn begin_step(&mut self, q_n: &[f64], rule: ForceRule) -> Result<(), SolidError> {
-        if rule != ForceRule::DiscreteGradient {
+    pub fn begin_step(&mut self, q_n: &[f64], rule: ForceRule, dt: f64) -> Result<(), SolidError> {
+        if rule != ForceRule::DiscreteGradient && !self.has_history() {
             return Ok(());
         }
         self.check_length("the positions q_n", q_n)?;
         let material = material(&self.law, &self.split);
         for (cells, block) in self.elements.blocks().iter().zip(&mut self.blocks) {
-            if let Err((element, failure)) = block.begin_step(material, cells.nodes(), q_n) {
+            if let Err((element, failure)) = block.begin_step(material, cells.nodes(), q_n, rule, dt) {
                 let error = self.error(cells.first() as usize + element, failure);
                 self.blocks.iter_mut().for_each(|block| block.end_step());
                 return Err(error);
@@ -283,7 +284,7 @@ impl SolidBody {
         if step.rule.reads_start() {
             self.check_length("the positions q_n", step.q_n)?;
         }
-        if step.rule == ForceRule::DiscreteGradient && !self.blocks.iter().all(|block| block.has_begun()) {
+        if step.rule == ForceRule::DiscreteGradient && !self.has_begun() {
             return Err(SolidError::StepNotBegun { body: self.name.clone() });
         }
         let mut first = self.first_stencils();
@@ -332,6 +333,26 @@ impl SolidBody {
         })
     }
 
+    pub(crate) fn blocks(&self) -> &[Box<dyn ElementBlock>] {
+        &self.blocks
+    }
+
+    pub(crate) fn blocks_mut(&mut self) -> &mut [Box<dyn ElementBlock>] {
+        &mut self.blocks
+    }
+
+    /// Whether a step has begun.
+    pub(crate) fn has_begun(&self) -> bool {
+        self.blocks.iter().all(|block| block.has_begun())
+    }
+
+    /// Each block with its elements, to change its states, and what elements see of the law.
+    pub(crate) fn blocks_with_material(
+        &mut self,
+    ) -> (Material<'_>, impl Iterator<Item = (&CellBlock, &mut Box<dyn ElementBlock>)>) {
+        (material(&self.law, &self.split), self.elements.blocks().iter().zip(&mut self.blocks))
+    }
+
     /// Calls with each block and its elements.
     pub(crate) fn for_each_block(
         &self,
@@ -344,14 +365,28 @@ impl SolidBody {
         Ok(())
     }
 
-    /// `int W dV` over the reference volume; in a mixed body that of the averaged energy.
+    /// `int W dV` over the reference volume; in a mixed body that of the averaged energy. Of a law with a state the energy that the accepted states store at `q`,
+    /// elastically and by hardening.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
     pub fn strain_energy(&self, q: &[f64]) -> Result<f64, SolidError> {
+        self.energy(q, None)
+    }
+
+    /// The energy whose gradient is the force of a step by [`ForceRule::END_POINT`], for iterates: that of deformation, and of a law with a state the work of the
+    /// step that has begun, but for a constant.
+    ///
+    /// # Errors
+    /// Those of [`Self::strain_energy`].
+    pub fn potential(&self, q: &[f64]) -> Result<f64, SolidError> {
+        self.energy(q, Some(ForceRule::END_POINT))
+    }
+
+    fn energy(&self, q: &[f64], rule: Option<ForceRule>) -> Result<f64, SolidError> {
         self.check_length("the positions", q)?;
         let mut total = 0.0;
-        self.for_each_block(|block, cells| block.add_energy(self.material(), cells.nodes(), q, &mut total))?;
+        self.for_each_block(|block, cells| block.add_energy(self.material(), cells.nodes(), q, rule, &mut total))?;
         Ok(total)
     }
 

@@ -3,8 +3,9 @@
 use crate::{
     ForceRule, TimeLevel,
     kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    laws::Laws,
 };
-use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2};
+use stoss_continuum::{ConstitutiveError, SymmetricTensor2};
 use stoss_reference_element::CellKind;
 
 /// An element's values from a vector of the model (length checked before).
@@ -82,14 +83,14 @@ pub(crate) fn strain<const N: usize, const G: usize>(
 
 /// `C_n` and `W_n` at every Gauss point.
 pub(crate) fn history<const N: usize, const G: usize>(
-    law: &dyn HyperelasticLaw,
+    laws: Laws<'_>,
     integration: &ElementIntegration<N, G>,
     q: &NodalVectors<N>,
 ) -> Result<[GaussPointHistory; G], Failure> {
     let mut out = [GaussPointHistory { right_cauchy_green: SymmetricTensor2::IDENTITY, energy: 0.0 }; G];
     for (g, slot) in out.iter_mut().enumerate() {
         let (_, c) = strain(q, integration, g, TimeLevel::Start)?;
-        let energy = law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
+        let energy = laws.at(g).energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
         *slot = GaussPointHistory { right_cauchy_green: c, energy };
     }
     Ok(out)
@@ -97,14 +98,14 @@ pub(crate) fn history<const N: usize, const G: usize>(
 
 /// `int W dV`.
 pub(crate) fn energy<const N: usize, const G: usize>(
-    law: &dyn HyperelasticLaw,
+    laws: Laws<'_>,
     integration: &ElementIntegration<N, G>,
     q: &NodalVectors<N>,
 ) -> Result<f64, Failure> {
     let mut total = 0.0;
     for g in 0..G {
         let (_, c) = strain(q, integration, g, TimeLevel::End)?;
-        total += integration.weights[g] * law.energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
+        total += integration.weights[g] * laws.at(g).energy(&c).map_err(|e| FailureKind::from(e).at(g))?;
     }
     Ok(total)
 }
@@ -123,7 +124,7 @@ pub(crate) struct ElementStep<'a, const N: usize, const G: usize> {
 /// Internal force (overwritten) and, if wanted, `factor` times its derivative by `q_np1` (overwritten; not asked for
 /// under a rule that does not read `q_np1`).
 pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
-    law: &dyn HyperelasticLaw,
+    laws: Laws<'_>,
     integration: &ElementIntegration<N, G>,
     step: ElementStep<'_, N, G>,
     factor: f64,
@@ -133,16 +134,16 @@ pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
     *force = [[0.0; N]; 3];
     match (step.rule, step.history) {
         (ForceRule::DiscreteGradient, Some(history)) => {
-            energy_momentum(law, integration, step, history, factor, force, tangent)
+            energy_momentum(laws, integration, step, history, factor, force, tangent)
         }
         // The body hands over the history whenever the rule is energy-momentum.
         (ForceRule::DiscreteGradient, None) => unreachable!("energy-momentum rule without history"),
         (ForceRule::Configuration { theta }, _) => {
             if !step.rule.reads_start() {
-                return one_configuration(law, integration, step.q_np1, TimeLevel::End, factor, force, tangent);
+                return one_configuration(laws, integration, step.q_np1, TimeLevel::End, factor, force, tangent);
             }
             if !step.rule.reads_end() {
-                return one_configuration(law, integration, step.q_n, TimeLevel::Start, 0.0, force, None);
+                return one_configuration(laws, integration, step.q_n, TimeLevel::Start, 0.0, force, None);
             }
             for g in 0..G {
                 let f = kernel::deformation_gradient(step.q_np1, &integration.gradients[g]);
@@ -150,7 +151,7 @@ pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
             }
             let q = between(step.q_n, step.q_np1, theta);
             // d q_{n+theta} / d q_np1 = theta
-            one_configuration(law, integration, &q, TimeLevel::Intermediate, theta * factor, force, tangent)
+            one_configuration(laws, integration, &q, TimeLevel::Intermediate, theta * factor, force, tangent)
         }
     }
 }
@@ -164,7 +165,7 @@ pub(crate) fn between<const N: usize>(a: &NodalVectors<N>, b: &NodalVectors<N>, 
 
 /// Force and tangent of a stress that depends on the same configuration as `B` does (theory/kinematics#tangent).
 fn one_configuration<const N: usize, const G: usize>(
-    law: &dyn HyperelasticLaw,
+    laws: Laws<'_>,
     integration: &ElementIntegration<N, G>,
     q: &NodalVectors<N>,
     level: TimeLevel,
@@ -175,14 +176,14 @@ fn one_configuration<const N: usize, const G: usize>(
     let Some((tangent, factors)) = tangent else {
         for g in 0..G {
             let (f, c) = strain(q, integration, g, level)?;
-            let stress = law.stress(&c).map_err(|e| FailureKind::from(e).at(g))?;
+            let stress = laws.at(g).stress(&c).map_err(|e| FailureKind::from(e).at(g))?;
             kernel::add_force(&f, &stress.to_components(), &integration.gradients[g], integration.weights[g], force);
         }
         return Ok(());
     };
     for g in 0..G {
         let (f, c) = strain(q, integration, g, level)?;
-        let (stress, moduli) = law.stress_and_elasticity(&c).map_err(|e| FailureKind::from(e).at(g))?;
+        let (stress, moduli) = laws.at(g).stress_and_elasticity(&c).map_err(|e| FailureKind::from(e).at(g))?;
         let stress = stress.to_components();
         let (gradients, weight) = (&integration.gradients[g], integration.weights[g]);
         kernel::add_force(&f, &stress, gradients, weight, force);
@@ -194,7 +195,7 @@ fn one_configuration<const N: usize, const G: usize>(
 
 /// Force and tangent with the energy-momentum stress (theory/integrators#eq-ems, theory/integrators#eq-ems-tangent).
 fn energy_momentum<const N: usize, const G: usize>(
-    law: &dyn HyperelasticLaw,
+    laws: Laws<'_>,
     integration: &ElementIntegration<N, G>,
     step: ElementStep<'_, N, G>,
     history: &[GaussPointHistory; G],
@@ -211,13 +212,14 @@ fn energy_momentum<const N: usize, const G: usize>(
         let GaussPointHistory { right_cauchy_green: c_n, energy } = &history[g];
         match &mut tangent {
             None => {
-                let stress = stoss_continuum::energy_momentum_stress(law, c_n, *energy, &c_np1)
+                let stress = stoss_continuum::energy_momentum_stress(&*laws.at(g), c_n, *energy, &c_np1)
                     .map_err(|e| FailureKind::from(e).at(g))?;
                 kernel::add_force(&f_mid, &stress.to_components(), gradients, weight, force);
             }
             Some((_, factors)) => {
-                let (stress, moduli) = stoss_continuum::energy_momentum_stress_and_tangent(law, c_n, *energy, &c_np1)
-                    .map_err(|e| FailureKind::from(e).at(g))?;
+                let (stress, moduli) =
+                    stoss_continuum::energy_momentum_stress_and_tangent(&*laws.at(g), c_n, *energy, &c_np1)
+                        .map_err(|e| FailureKind::from(e).at(g))?;
                 let stress = stress.to_components();
                 kernel::add_force(&f_mid, &stress, gradients, weight, force);
                 kernel::tangent_factors(&f_mid, &f_np1, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);

@@ -2,10 +2,11 @@
 //! which is called once a block.
 
 use crate::{
-    SolidStep,
+    ForceRule, SolidStep, StepEnd,
     assembly::AssemblyTarget,
     element::{Failure, FailureKind},
     kernel::Matrix3,
+    laws::PointLaw,
     viscous::Viscosity,
 };
 use stoss_continuum::{HyperelasticLaw, SymmetricTensor2, VolumetricEnergy};
@@ -40,10 +41,13 @@ impl<'a> Material<'a> {
 }
 
 /// Strain and place of a Gauss point.
-pub(crate) struct PointStrain {
+pub(crate) struct PointStrain<'a> {
     pub gauss_point: usize,
     pub deformation_gradient: Matrix3,
     pub right_cauchy_green: SymmetricTensor2,
+    /// The law of the accepted state, and the state.
+    pub law: PointLaw<'a>,
+    pub state: &'a [f64],
     pub volume: f64,
     /// Averaged pressure, positive in tension, and `U`; zero if nothing is averaged.
     pub pressure: f64,
@@ -58,7 +62,15 @@ pub(crate) trait ElementBlock: std::fmt::Debug + Send + Sync {
     /// Adds the volumes of all Gauss points, one after the other.
     fn add_volume(&self, total: &mut f64);
     fn element_volume(&self, element: usize) -> f64;
-    fn begin_step(&mut self, material: Material<'_>, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure>;
+    /// Keeps `C_n`, `w_n(C_n)` and what averages need of `q_n`, and the size of the step.
+    fn begin_step(
+        &mut self,
+        material: Material<'_>,
+        nodes: &[u32],
+        q_n: &[f64],
+        rule: ForceRule,
+        dt: f64,
+    ) -> Result<(), ElementFailure>;
     /// Forgets what [`ElementBlock::begin_step`] kept.
     fn end_step(&mut self);
     fn has_begun(&self) -> bool;
@@ -83,12 +95,13 @@ pub(crate) trait ElementBlock: std::fmt::Debug + Send + Sync {
         viscosity: Viscosity<'_>,
         to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure>;
-    /// Adds the energies of all elements, one after the other.
+    /// Adds the energies of all elements, one after the other: of the accepted states, or those of a step.
     fn add_energy(
         &self,
         material: Material<'_>,
         nodes: &[u32],
         q: &[f64],
+        rule: Option<ForceRule>,
         total: &mut f64,
     ) -> Result<(), ElementFailure>;
     /// The strains at the Gauss points of an element.
@@ -98,8 +111,23 @@ pub(crate) trait ElementBlock: std::fmt::Debug + Send + Sync {
         nodes: &[u32],
         element: usize,
         q: &[f64],
-        visit: &mut dyn FnMut(PointStrain) -> Result<(), FailureKind>,
+        visit: &mut dyn FnMut(PointStrain<'_>) -> Result<(), FailureKind>,
     ) -> Result<(), Failure>;
+    /// States of the Gauss points, `[element][point][number]`; empty of elastic laws.
+    fn states(&self) -> &[f64];
+    fn states_mut(&mut self) -> &mut [f64];
+    /// Adds what the states at the end of the step store and what was lost in it, one element after the other.
+    fn add_step_end(
+        &self,
+        material: Material<'_>,
+        nodes: &[u32],
+        q_np1: &[f64],
+        total: &mut StepEnd,
+    ) -> Result<(), ElementFailure>;
+    /// The states at the end of the step become those at the begin of the next one.
+    fn commit(&mut self, material: Material<'_>, nodes: &[u32], q_np1: &[f64]) -> Result<(), ElementFailure>;
+    /// Adds what hardening has stored.
+    fn add_hardening_energy(&self, material: Material<'_>, total: &mut f64);
     /// The node of an element with the smallest `det dx/dxi`, and that determinant (the last one that is not a number, if there is one).
     fn worst_node(&self, nodes: &[u32], element: usize, q: &[f64]) -> (usize, f64);
 }

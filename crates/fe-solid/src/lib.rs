@@ -19,7 +19,7 @@
 //! Free of units: with lengths in L and stresses in P, forces are in P L^2 and energies in P L^3.
 //!
 //! The layers inside, from below: [`kernel`] (plain arrays, one element), `element` (the stress rules at the Gauss
-//! points of one element), `mixed` (the same with averages of the change of volume), `block` (the elements of one kind, with the numbers of nodes and points as constants) and `nodal` (tet4 with averages at nodes), behind the trait `element_block::ElementBlock`; [`SolidBody`] (all
+//! points of one element, of which `laws` says what function of the strain each is), `mixed` (the same with averages of the change of volume), `block` (the elements of one kind, with the numbers of nodes and points as constants) and `nodal` (tet4 with averages at nodes), behind the trait `element_block::ElementBlock`; [`SolidBody`] (all
 //! elements, order, threads, scatter). A new kind of cell is a line in `blocks` and one in `mass`.
 //!
 #![doc = include_str!("../README.md")]
@@ -31,7 +31,9 @@ mod body;
 mod element;
 mod element_block;
 mod error;
+mod history;
 pub mod kernel;
+mod laws;
 mod load;
 mod mass;
 mod massless;
@@ -48,6 +50,7 @@ mod viscous;
 pub use assembly::{TangentTarget, Workspace};
 pub use body::{InsideOut, SolidBody};
 pub use error::{SolidError, TimeLevel};
+pub use history::StepEnd;
 pub use load::{
     FollowerPressure, add_follower_pressure, area_matrix, dead_pressure, dead_traction, external_work,
     follower_pressure, surface_area,

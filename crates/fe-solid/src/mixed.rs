@@ -8,9 +8,10 @@ use crate::{
     ForceRule, TimeLevel,
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
     kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    laws::Laws,
 };
 use stoss_continuum::{
-    HyperelasticLaw, SymmetricTensor2, VolumetricEnergy,
+    SymmetricTensor2, VolumetricEnergy,
     volume::{discrete_jacobian_gradient, discrete_jacobian_gradient_tangent, pressure_stress},
 };
 
@@ -46,7 +47,7 @@ pub(crate) fn linear<const G: usize>(weights: &[f64; G], points: &[[f64; 3]; G])
 #[derive(Clone, Copy)]
 pub(crate) struct Parts<'a> {
     /// `W`.
-    pub rest: &'a dyn HyperelasticLaw,
+    pub rest: Laws<'a>,
     /// `U`.
     pub volume: &'a dyn VolumetricEnergy,
 }
@@ -178,7 +179,8 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         let (_, of_volume) = self.pressure_and_energy(&state);
         let mut total = 0.0;
         for g in 0..G {
-            let rest = self.parts.rest.energy(&state.right_cauchy_green[g]).map_err(|e| FailureKind::from(e).at(g))?;
+            let rest =
+                self.parts.rest.at(g).energy(&state.right_cauchy_green[g]).map_err(|e| FailureKind::from(e).at(g))?;
             total += self.integration.weights[g] * (rest + of_volume[g]);
         }
         Ok(total)
@@ -248,11 +250,12 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             let (gradients, weight) = (&self.integration.gradients[g], self.integration.weights[g]);
             let (of_pressure, of_pressure_moduli) = pressure_stress(pressure[g], c, j);
             let Some((_, factors)) = &mut tangent else {
-                let rest = self.parts.rest.stress(c).map_err(|e| FailureKind::from(e).at(g))?;
+                let rest = self.parts.rest.at(g).stress(c).map_err(|e| FailureKind::from(e).at(g))?;
                 kernel::add_force(f, &(rest + of_pressure).to_components(), gradients, weight, force);
                 continue;
             };
-            let (rest, moduli) = self.parts.rest.stress_and_elasticity(c).map_err(|e| FailureKind::from(e).at(g))?;
+            let (rest, moduli) =
+                self.parts.rest.at(g).stress_and_elasticity(c).map_err(|e| FailureKind::from(e).at(g))?;
             kernel::add_force(f, &(rest + of_pressure).to_components(), gradients, weight, force);
             let (of_pressure, of_pressure_moduli) = match before {
                 None => (of_pressure, of_pressure_moduli),
@@ -304,13 +307,13 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             let k = discrete_jacobian_gradient(c_n, jacobians[g], c, j);
             let of_pressure = k * (2.0 * pressure[g]);
             let Some((_, factors)) = &mut tangent else {
-                let rest = stoss_continuum::energy_momentum_stress(self.parts.rest, c_n, *energy, c)
+                let rest = stoss_continuum::energy_momentum_stress(&*self.parts.rest.at(g), c_n, *energy, c)
                     .map_err(|e| FailureKind::from(e).at(g))?;
                 kernel::add_force(&f_mid, &(rest + of_pressure).to_components(), gradients, weight, force);
                 continue;
             };
             let (rest, mut moduli) =
-                stoss_continuum::energy_momentum_stress_and_tangent(self.parts.rest, c_n, *energy, c)
+                stoss_continuum::energy_momentum_stress_and_tangent(&*self.parts.rest.at(g), c_n, *energy, c)
                     .map_err(|e| FailureKind::from(e).at(g))?;
             kernel::add_force(&f_mid, &(rest + of_pressure).to_components(), gradients, weight, force);
             let stress = (rest + k * (2.0 * continued[g])).to_components();

@@ -4,7 +4,7 @@
 //! the forces of an element depend on all elements around its nodes, and the tangent has a stencil for each node beside those of the elements.
 
 use crate::{
-    ForceRule, SolidStep, TimeLevel,
+    ForceRule, SolidStep, StepEnd, TimeLevel,
     assembly::{self, AssemblyTarget, ElementEvaluator},
     block::Block,
     element::{self, Failure, FailureKind, gather},
@@ -126,6 +126,23 @@ impl NodalTetrahedra {
         }
     }
 
+    /// `sum_I V_I U(theta_I)`.
+    fn add_volumetric_energy(
+        &self,
+        material: Material<'_>,
+        nodes: &[u32],
+        q: &[f64],
+        total: &mut f64,
+    ) -> Result<(), ElementFailure> {
+        let nodes = nodes.as_chunks::<4>().0;
+        let mut jacobians = Vec::new();
+        self.determinants(|element| gather(&nodes[element], q), TimeLevel::End, &mut jacobians)?;
+        for (node, volume) in self.patches.volumes.iter().enumerate() {
+            *total += volume * material.volume().energy(self.dilatation(node, |e| jacobians[e]));
+        }
+        Ok(())
+    }
+
     /// `theta_I`.
     fn dilatation(&self, node: usize, jacobian: impl Fn(usize) -> f64) -> f64 {
         let around = self.patches.around(node).iter().map(|&e| e as usize);
@@ -182,6 +199,7 @@ impl NodalTetrahedra {
             material,
             place: &place,
             mid: &mid,
+            rule: step.rule,
             conserving,
             jacobians: &scratch.jacobians,
             pressures: &scratch.pressures,
@@ -230,6 +248,7 @@ struct NodalElements<'a, P, M> {
     material: Material<'a>,
     place: &'a P,
     mid: &'a M,
+    rule: ForceRule,
     conserving: bool,
     jacobians: &'a [f64],
     pressures: &'a [f64],
@@ -275,7 +294,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
         let (gradients, weight) = (&integration.gradients[0], integration.weights[0]);
         let (f, c) = self.strain(element, &(self.place)(element));
         let (j, p) = (self.jacobians[element], self.pressures[element]);
-        let law = self.material.law;
+        let law = self.tetrahedra.block.laws(self.material, element, Some(self.rule)).at(0);
         let failure = |error| FailureKind::Constitutive(error).at(0);
         *force = [[0.0; 4]; 3];
         let history = self.conserving.then(|| &self.tetrahedra.block.history(element)[0]);
@@ -293,7 +312,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
                 (Some(history), Some(k)) => {
                     let c_n = &history.right_cauchy_green;
                     k * (2.0 * p)
-                        + stoss_continuum::energy_momentum_stress(law, c_n, history.energy, &c).map_err(failure)?
+                        + stoss_continuum::energy_momentum_stress(&*law, c_n, history.energy, &c).map_err(failure)?
                 }
                 _ => law.stress(&c).map_err(failure)? + pressure_stress(p, &c, j).0,
             };
@@ -304,7 +323,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
             (Some(history), Some(k)) => {
                 let c_n = &history.right_cauchy_green;
                 let (rest, mut moduli) =
-                    stoss_continuum::energy_momentum_stress_and_tangent(law, c_n, history.energy, &c)
+                    stoss_continuum::energy_momentum_stress_and_tangent(&*law, c_n, history.energy, &c)
                         .map_err(failure)?;
                 moduli.add_scaled(2.0 * p, &discrete_jacobian_gradient_tangent(c_n, j_n, &c, j, &k));
                 (rest + k * (2.0 * p), moduli)
@@ -353,8 +372,15 @@ impl ElementBlock for NodalTetrahedra {
         self.block.element_volume(element)
     }
 
-    fn begin_step(&mut self, material: Material<'_>, nodes: &[u32], q_n: &[f64]) -> Result<(), ElementFailure> {
-        self.block.begin_step(material, nodes, q_n)?;
+    fn begin_step(
+        &mut self,
+        material: Material<'_>,
+        nodes: &[u32],
+        q_n: &[f64],
+        rule: ForceRule,
+        dt: f64,
+    ) -> Result<(), ElementFailure> {
+        self.block.begin_step(material, nodes, q_n, rule, dt)?;
         let nodes = nodes.as_chunks::<4>().0;
         let mut jacobians = std::mem::take(&mut self.jacobians);
         self.determinants(|element| gather(&nodes[element], q_n), TimeLevel::Start, &mut jacobians)?;
@@ -409,16 +435,11 @@ impl ElementBlock for NodalTetrahedra {
         material: Material<'_>,
         nodes: &[u32],
         q: &[f64],
+        rule: Option<ForceRule>,
         total: &mut f64,
     ) -> Result<(), ElementFailure> {
-        self.block.add_energy(material, nodes, q, total)?;
-        let nodes = nodes.as_chunks::<4>().0;
-        let mut jacobians = Vec::new();
-        self.determinants(|element| gather(&nodes[element], q), TimeLevel::End, &mut jacobians)?;
-        for (node, volume) in self.patches.volumes.iter().enumerate() {
-            *total += volume * material.volume().energy(self.dilatation(node, |e| jacobians[e]));
-        }
-        Ok(())
+        self.block.add_energy(material, nodes, q, rule, total)?;
+        self.add_volumetric_energy(material, nodes, q, total)
     }
 
     fn visit_points(
@@ -427,7 +448,7 @@ impl ElementBlock for NodalTetrahedra {
         nodes: &[u32],
         element: usize,
         q: &[f64],
-        visit: &mut dyn FnMut(PointStrain) -> Result<(), FailureKind>,
+        visit: &mut dyn FnMut(PointStrain<'_>) -> Result<(), FailureKind>,
     ) -> Result<(), Failure> {
         let all = nodes.as_chunks::<4>().0;
         let jacobian = |e: usize| {
@@ -446,6 +467,33 @@ impl ElementBlock for NodalTetrahedra {
         self.block.visit_points(material, nodes, element, q, &mut |point| {
             visit(PointStrain { pressure, volumetric_energy: energy, ..point })
         })
+    }
+
+    fn states(&self) -> &[f64] {
+        self.block.states()
+    }
+
+    fn states_mut(&mut self) -> &mut [f64] {
+        self.block.states_mut()
+    }
+
+    fn add_step_end(
+        &self,
+        material: Material<'_>,
+        nodes: &[u32],
+        q_np1: &[f64],
+        total: &mut StepEnd,
+    ) -> Result<(), ElementFailure> {
+        self.block.add_step_end(material, nodes, q_np1, total)?;
+        self.add_volumetric_energy(material, nodes, q_np1, &mut total.stored)
+    }
+
+    fn commit(&mut self, material: Material<'_>, nodes: &[u32], q_np1: &[f64]) -> Result<(), ElementFailure> {
+        self.block.commit(material, nodes, q_np1)
+    }
+
+    fn add_hardening_energy(&self, material: Material<'_>, total: &mut f64) {
+        self.block.add_hardening_energy(material, total);
     }
 
     fn worst_node(&self, nodes: &[u32], element: usize, q: &[f64]) -> (usize, f64) {

@@ -120,6 +120,21 @@ impl SolidBody {
         }
         let c = SymmetricTensor2::from_components(kernel::right_cauchy_green(&f));
         let material = self.material();
+        if material.law.history().is_some() {
+            // Between the Gauss points there is no state: their stresses are extrapolated, as for fields.
+            let weights = recovery::extrapolation(cells.kind(), block.rule(), &[point.natural]);
+            let mut cauchy = [0.0; 6];
+            block
+                .visit_points(material, cells.nodes(), local, q, &mut |at| {
+                    let weight = weights[at.gauss_point];
+                    let stress = recovery::point_state(&at)?.cauchy;
+                    cauchy.iter_mut().zip(stress).for_each(|(sum, stress)| *sum += weight * stress);
+                    Ok(())
+                })
+                .map_err(|failure| self.error(point.element, failure))?;
+            let green_lagrange = stoss_continuum::green_lagrange(&c).to_components();
+            return Ok(PointState { deformation_gradient: f, green_lagrange, cauchy });
+        }
         let s = material.law.stress(&c).map_err(|error| failure(FailureKind::Constitutive(error)))?;
         // The averaged pressure, which is linear in the element.
         let mut pressure = 0.0;

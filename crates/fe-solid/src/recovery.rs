@@ -40,7 +40,7 @@ impl SolidBody {
                 let mut states = Vec::with_capacity(block.rule().len());
                 block
                     .visit_points(self.material(), cells.nodes(), element, q, &mut |point| {
-                        states.push(self.point_state(&point)?);
+                        states.push(point_state(&point)?);
                         Ok(())
                     })
                     .map_err(|failure| (element, failure))?;
@@ -61,7 +61,7 @@ impl SolidBody {
     /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
     pub fn nodal_cauchy_stress(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
         self.nodal_mean(q, out, |f, point| {
-            let stress = self.material().law.stress(&point.right_cauchy_green)?;
+            let stress = point.law.stress(&point.right_cauchy_green)?;
             Ok(with_pressure(stoss_continuum::cauchy_stress(f, &stress).to_components(), point.pressure))
         })
     }
@@ -96,12 +96,23 @@ impl SolidBody {
         self.nodal_mean(q, out, |f, _| Ok(stoss_continuum::logarithmic_strain(f).to_components()))
     }
 
+    /// Numbers of the state of the law at the body's nodes, made as [`Self::nodal_cauchy_stress`]: those of one entry of [`Self::state_entries`], of which `first` is the place of
+    /// the first one and `N` the count.
+    ///
+    /// # Errors
+    /// [`SolidError::InvertedElement`], [`SolidError::Length`].
+    pub fn nodal_state<const N: usize>(&self, q: &[f64], first: usize, out: &mut [[f64; N]]) -> Result<(), SolidError> {
+        self.nodal_mean(q, out, |_, point| {
+            Ok(std::array::from_fn(|k| point.state.get(first + k).copied().unwrap_or(0.0)))
+        })
+    }
+
     /// The mean at the body's nodes of what `value` makes of `F` and the other strains at the Gauss points, see [`Self::nodal_cauchy_stress`].
     fn nodal_mean<const N: usize>(
         &self,
         q: &[f64],
         out: &mut [[f64; N]],
-        value: impl Fn(&Tensor2, &PointStrain) -> Result<[f64; N], ConstitutiveError>,
+        value: impl Fn(&Tensor2, &PointStrain<'_>) -> Result<[f64; N], ConstitutiveError>,
     ) -> Result<(), SolidError> {
         self.check_length("the positions", q)?;
         if out.len() != self.node_count() {
@@ -148,19 +159,19 @@ impl SolidBody {
         }
         Ok(())
     }
+}
 
-    fn point_state(&self, point: &PointStrain) -> Result<GaussPointState, FailureKind> {
-        let (f, c) = (point.deformation_gradient, point.right_cauchy_green);
-        let law = self.material().law;
-        let s = law.stress(&c)?;
-        let cauchy = stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s);
-        Ok(GaussPointState {
-            deformation_gradient: f,
-            cauchy: with_pressure(cauchy.to_components(), point.pressure),
-            energy: law.energy(&c)? + point.volumetric_energy,
-            volume: point.volume,
-        })
-    }
+/// The state of a Gauss point.
+pub(crate) fn point_state(point: &PointStrain<'_>) -> Result<GaussPointState, FailureKind> {
+    let (f, c) = (point.deformation_gradient, point.right_cauchy_green);
+    let (energy, s) = point.law.energy_and_stress(&c)?;
+    let cauchy = stoss_continuum::cauchy_stress(&Tensor2::from_fn(|i, a| f[i][a]), &s);
+    Ok(GaussPointState {
+        deformation_gradient: f,
+        cauchy: with_pressure(cauchy.to_components(), point.pressure),
+        energy: energy + point.volumetric_energy,
+        volume: point.volume,
+    })
 }
 
 /// A stress with the averaged pressure of a mixed element, positive in tension; that is zero in others.

@@ -1,7 +1,7 @@
 //! A body as a term of a step: what a solver of whole models asks of it.
 
-use crate::{ForceRule, SolidBody, SolidError, SolidStep};
-use stoss_term::{At, Fault, Local, Rule, Step, Term};
+use crate::{ForceRule, SolidBody, SolidError, SolidStep, StepEnd};
+use stoss_term::{At, Fault, Local, Rule, Step, Term, Work};
 
 /// An element that is inverted, or whose law has no stress, has no force at these positions.
 impl From<SolidError> for Fault {
@@ -29,7 +29,7 @@ impl Term for SolidBody {
     }
 
     fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
-        Ok(self.begin_step(step.q_n, step.force)?)
+        Ok(self.begin_step(step.q_n, step.force, step.dt)?)
     }
 
     fn stencils(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
@@ -49,5 +49,32 @@ impl Term for SolidBody {
 
     fn energy(&self, q: &[f64]) -> Result<f64, Fault> {
         Ok(self.strain_energy(q)?)
+    }
+
+    /// What the material stores and what it has lost.
+    fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
+        Ok(match self.step_end(at.q_np1)? {
+            None => Work { stored: self.strain_energy(at.q_np1)?, ..Work::default() },
+            Some(StepEnd { stored, loss, .. }) => Work { stored, dissipated: loss.total(), ..Work::default() },
+        })
+    }
+
+    fn merit(&self, at: &At<'_>) -> Result<f64, Fault> {
+        Ok(SolidBody::potential(self, at.q_np1)?)
+    }
+
+    fn commit(&mut self, at: &At<'_>) {
+        // cannot fail: `work` has made the same states before the step was accepted.
+        self.end_step(at.q_np1).unwrap_or(());
+    }
+
+    /// The states of the Gauss points.
+    fn save_history(&self) -> Vec<u8> {
+        self.states().flatten().flat_map(|number| number.to_le_bytes()).collect()
+    }
+
+    fn load_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        let states: Vec<f64> = bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+        self.set_states(&states).map_err(Fault::other)
     }
 }

@@ -5,6 +5,7 @@ mod common;
 mod conservation;
 mod derivatives;
 mod errors;
+mod inelastic;
 mod kernel;
 mod loads;
 mod mass_and_momenta;

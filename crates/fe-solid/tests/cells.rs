@@ -68,7 +68,7 @@ fn a_step_does_the_work_of_the_energy_and_keeps_the_momenta() {
             let increment: Vec<f64> = q_np1.iter().zip(&q_n).map(|(a, b)| a - b).collect();
             for law in laws() {
                 let mut body = body_with(&mesh, &law, integration);
-                body.begin_step(&q_n, ForceRule::DiscreteGradient).unwrap();
+                body.begin_step(&q_n, ForceRule::DiscreteGradient, 1.0).unwrap();
                 let step = SolidStep { q_n: &q_n, q_np1: &q_np1, rule: ForceRule::DiscreteGradient };
                 let f = force(&body, step).unwrap();
                 let (v_n, v_np1) = (body.strain_energy(&q_n).unwrap(), body.strain_energy(&q_np1).unwrap());
@@ -453,7 +453,7 @@ fn any_number_of_threads_gives_the_same_bits() {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 let mut workspace = Workspace::default();
                 pool.install(|| {
-                    body.begin_step(&q_n, rule).unwrap();
+                    body.begin_step(&q_n, rule, 1.0).unwrap();
                     for _ in 0..2 {
                         let (mut force, mut values) = (vec![0.0; q_n.len()], vec![0.0; pattern.nnz()]);
                         let target = TangentTarget { map: &map, first_stencil: 0, factor: 0.7, values: &mut values };

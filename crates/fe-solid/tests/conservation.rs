@@ -20,7 +20,7 @@ proptest! {
         let mut body = body(&mesh, &laws()[law]);
         for (rule, theta) in [(ForceRule::Configuration { theta }, theta), (ForceRule::DiscreteGradient, 0.5)] {
             let q: Vec<f64> = q_n.iter().zip(&q_np1).map(|(a, b)| (1.0 - theta) * a + theta * b).collect();
-            body.begin_step(&q_n, rule).unwrap();
+            body.begin_step(&q_n, rule, 1.0).unwrap();
             let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule }).unwrap();
             let scale = max_abs(&f);
             prop_assume!(scale > 1e-3);
@@ -38,7 +38,7 @@ proptest! {
         // Increments from 1e-5 to 0.12.
         let q_np1 = random.perturbed(&q_n, 10f64.powf(size));
         let mut body = body(&mesh, &laws()[law]);
-        body.begin_step(&q_n, ForceRule::DiscreteGradient).unwrap();
+        body.begin_step(&q_n, ForceRule::DiscreteGradient, 1.0).unwrap();
         let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule: ForceRule::DiscreteGradient }).unwrap();
         let increment: Vec<f64> = q_np1.iter().zip(&q_n).map(|(a, b)| a - b).collect();
         let (v_n, v_np1) = (body.strain_energy(&q_n).unwrap(), body.strain_energy(&q_np1).unwrap());
@@ -62,7 +62,7 @@ proptest! {
         let translated: Vec<f64> = q_n.iter().map(|x| x + 0.7).collect();
         let law = &laws()[law];
         let mut body = body(&mesh, law);
-        body.begin_step(&q_n, ForceRule::DiscreteGradient).unwrap();
+        body.begin_step(&q_n, ForceRule::DiscreteGradient, 1.0).unwrap();
         let moduli = law.small_strain_moduli();
         for (q_np1, rule) in [
             (&q_np1, ForceRule::END_POINT),

@@ -27,7 +27,7 @@ fn tangents_of_all_rules_match_differences_of_the_force() {
         let between = [0.3, 0.5, 0.7, 1.0].map(|theta| ForceRule::Configuration { theta });
         for rule in between.into_iter().chain([ForceRule::DiscreteGradient]) {
             let mut body = body(&mesh, &law);
-            body.begin_step(&q_n, rule).unwrap();
+            body.begin_step(&q_n, rule, 1.0).unwrap();
             let at = |q: &[f64]| force(&body, SolidStep { q_n: &q_n, q_np1: q, rule }).unwrap();
             let (with_tangent, tangent) = force_and_tangent(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule });
             let alone = at(&q_np1);
@@ -57,7 +57,7 @@ fn energy_momentum_tangent_in_the_limit_of_no_motion_is_half_the_static_one() {
     let q = Random(8).perturbed(&positions(&mesh), 0.1);
     for law in laws() {
         let mut body = body(&mesh, &law);
-        body.begin_step(&q, ForceRule::DiscreteGradient).unwrap();
+        body.begin_step(&q, ForceRule::DiscreteGradient, 1.0).unwrap();
         let (force_static, tangent_static) =
             force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT });
         let (force, tangent) =

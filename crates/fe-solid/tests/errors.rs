@@ -25,7 +25,7 @@ fn inverted_element_is_found_by_the_sign_of_det_f() {
     }
     for law in laws() {
         let mut body = body(&mesh, &law);
-        body.begin_step(&x, ForceRule::DiscreteGradient).unwrap();
+        body.begin_step(&x, ForceRule::DiscreteGradient, 1.0).unwrap();
         for rule in [ForceRule::END_POINT, ForceRule::MIDPOINT, ForceRule::DiscreteGradient] {
             for threads in [1, 2] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -41,7 +41,7 @@ fn inverted_element_is_found_by_the_sign_of_det_f() {
         assert!(matches!(body.strain_energy(&mirrored), Err(SolidError::InvertedElement { element: 1, .. })));
         assert!(matches!(body.gauss_point_state(&mirrored), Err(SolidError::InvertedElement { element: 1, .. })));
         assert!(matches!(
-            body.begin_step(&mirrored, ForceRule::DiscreteGradient),
+            body.begin_step(&mirrored, ForceRule::DiscreteGradient, 1.0),
             Err(SolidError::InvertedElement { element: 1, level: TimeLevel::Start, .. })
         ));
     }
@@ -53,7 +53,7 @@ fn half_a_turn_has_no_midpoint_configuration_but_an_energy_momentum_force() {
     let x = positions(&mesh);
     let turned = map_positions(&x, |x| [-x[0], -x[1], x[2]]);
     let mut body = body(&mesh, &laws()[0]);
-    body.begin_step(&x, ForceRule::DiscreteGradient).unwrap();
+    body.begin_step(&x, ForceRule::DiscreteGradient, 1.0).unwrap();
     let step = |rule| SolidStep { q_n: &x, q_np1: &turned, rule };
     assert!(matches!(
         force(&body, step(ForceRule::MIDPOINT)),
@@ -109,7 +109,7 @@ fn a_law_without_a_value_is_reported_with_its_place() {
         source: ConstitutiveError::NonFinite,
     };
     assert_eq!(body.strain_energy(&q), Err(expected(0)));
-    assert_eq!(body.begin_step(&q, ForceRule::DiscreteGradient), Err(expected(0)));
+    assert_eq!(body.begin_step(&q, ForceRule::DiscreteGradient, 1.0), Err(expected(0)));
     assert_eq!(force(&body, SolidStep { q_n: &q, q_np1: &q, rule: ForceRule::END_POINT }), Err(expected(0)));
     assert_eq!(
         expected(0).to_string(),

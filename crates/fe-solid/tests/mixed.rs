@@ -35,7 +35,7 @@ fn a_step_does_the_work_of_the_energy_and_keeps_the_momenta() {
                 let near: Vec<f64> = Random(seed).perturbed(&q_n, 1e-9);
                 for law in stiff_laws(ratio) {
                     let mut body = mixed_body(&mesh, &law, integration);
-                    body.begin_step(&q_n, ForceRule::DiscreteGradient).unwrap();
+                    body.begin_step(&q_n, ForceRule::DiscreteGradient, 1.0).unwrap();
                     for end in [&q_np1, &near] {
                         let step = SolidStep { q_n: &q_n, q_np1: end, rule: ForceRule::DiscreteGradient };
                         let f = force(&body, step).unwrap();
@@ -92,7 +92,7 @@ fn without_motion_the_force_is_the_static_one_and_the_tangent_half_of_it() {
         let q = Random(8).perturbed(&positions(&mesh), amplitude(kind));
         for law in stiff_laws(5e3) {
             let mut body = mixed_body(&mesh, &law, integration);
-            body.begin_step(&q, ForceRule::DiscreteGradient).unwrap();
+            body.begin_step(&q, ForceRule::DiscreteGradient, 1.0).unwrap();
             let of = |rule| force_and_tangent(&body, SolidStep { q_n: &q, q_np1: &q, rule });
             let ((f0, k0), (f, k)) = (of(ForceRule::END_POINT), of(ForceRule::DiscreteGradient));
             let scale = k0.iter().map(|row| max_abs(row)).fold(0.0, f64::max);
@@ -207,7 +207,7 @@ fn free_flight_keeps_energy_and_momenta() {
             mass.angular_momentum(&q, &v),
         );
         for _ in 0..10 {
-            body.begin_step(&q, ForceRule::DiscreteGradient).unwrap();
+            body.begin_step(&q, ForceRule::DiscreteGradient, 1.0).unwrap();
             let mut end: Vec<f64> = q.iter().zip(&v).map(|(q, v)| q + dt * v).collect();
             for iteration in 0.. {
                 let step = SolidStep { q_n: &q, q_np1: &end, rule: ForceRule::DiscreteGradient };
@@ -414,7 +414,7 @@ fn an_average_that_is_not_positive_is_named() {
     assert!(dilatation < 0.0 && error.to_string().contains("has no volume on average"), "{error}");
     assert!(matches!(body.strain_energy(&q), Err(SolidError::CollapsedElement { .. })));
     assert!(matches!(
-        body.begin_step(&q, ForceRule::DiscreteGradient),
+        body.begin_step(&q, ForceRule::DiscreteGradient, 1.0),
         Err(SolidError::CollapsedElement { level: TimeLevel::Start, .. })
     ));
 }
@@ -442,7 +442,7 @@ fn any_number_of_threads_gives_the_same_bits() {
             for threads in [1, 2, 3] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| {
-                    body.begin_step(&q_n, rule).unwrap();
+                    body.begin_step(&q_n, rule, 1.0).unwrap();
                     let (mut force, mut values) = (vec![0.0; q_n.len()], vec![0.0; pattern.nnz()]);
                     let target = TangentTarget { map: &map, first_stencil: 0, factor: 0.7, values: &mut values };
                     let step = SolidStep { q_n: &q_n, q_np1: &q_np1, rule };
@@ -475,7 +475,7 @@ fn pressures_of_the_linear_solution_widen_the_reach_of_the_iteration() {
         let mut random = Random(71);
         let (q_n, q) = (random.perturbed(&x, 0.02), random.perturbed(&x, 0.02));
         for rule in [ForceRule::END_POINT, ForceRule::MIDPOINT, ForceRule::DiscreteGradient] {
-            body.begin_step(&q_n, rule).unwrap();
+            body.begin_step(&q_n, rule, 1.0).unwrap();
             let step = SolidStep { q_n: &q_n, q_np1: &q, rule };
             let (force, tangent) = after(None, &q, &body, step);
             let (same_force, same) = after(Some(&q), &q, &body, step);

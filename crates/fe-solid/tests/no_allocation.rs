@@ -81,7 +81,7 @@ fn assembly_allocates_nothing_once_warm() {
                     ForceRule::MIDPOINT,
                     ForceRule::DiscreteGradient,
                 ] {
-                    body.begin_step(&q_n, rule).unwrap();
+                    body.begin_step(&q_n, rule, 1.0).unwrap();
                     let step = SolidStep { q_n: &q_n, q_np1: &q_np1, rule };
                     let mut assemble = || {
                         let target = TangentTarget { map: &map, first_stencil: 0, factor: 1.0, values: &mut values };
@@ -99,7 +99,7 @@ fn assembly_allocates_nothing_once_warm() {
                     assert_eq!(least, Some(0), "{law} {rule:?} {threads} threads");
                     // A later step reuses the history.
                     let warm = ALLOCATIONS.load(Ordering::Relaxed);
-                    body.begin_step(&q_n, rule).unwrap();
+                    body.begin_step(&q_n, rule, 1.0).unwrap();
                     assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - warm, 0);
                 }
             });

@@ -23,7 +23,7 @@ fn serial_and_parallel_assembly_give_the_same_bits() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut workspace = Workspace::default();
             pool.install(|| {
-                body.begin_step(&q_n, rule).unwrap();
+                body.begin_step(&q_n, rule, 1.0).unwrap();
                 // Twice with one workspace: nothing of the first call may be left in it.
                 for _ in 0..2 {
                     let (mut force, mut values) = (vec![0.0; n], vec![0.0; pattern.nnz()]);

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use stoss_integrators::{Buffers, Step, evaluate};
 use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
 use stoss_newton::{LineSearch, NewtonProblem, Potential, ResidualNorms};
-use stoss_term::{Auxiliary, Rule, Term as _, Work};
+use stoss_term::{Auxiliary, Rule, Term as _};
 
 /// Motions below this fraction of an edge length in a step are not resolved relative to themselves: the forces that they
 /// need are the smallest scale that the residual is measured against. Without it a free, unstressed flight, whose
@@ -274,9 +274,7 @@ fn potential_energy(model: &Model, system: &System, iterate: &Iterate, step: &St
     let mut energy = 0.0;
     let at = iterate.force_at(step);
     for (term, _) in model.forces(&system.present.acting).filter(|(_, acts)| *acts) {
-        // Of what dissipates without rates, the potential of the step has both.
-        let Work { stored, dissipated, .. } = term.work(&at)?;
-        energy += stored + dissipated;
+        energy += term.merit(&at)?;
     }
     for (c, pair) in model.couplings() {
         energy += pair.term.work(&iterate.at(c, step))?.stored;

@@ -142,6 +142,15 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
         Ok(Work { stored: self.energy(at.q_np1)?, ..Work::default() })
     }
+    /// A function whose gradient at the end of the step is the force there, of a term whose tangent is symmetric, in statics: what a line search lets fall. By default what is stored
+    /// and dissipated.
+    ///
+    /// # Errors
+    /// As of [`Self::assemble`].
+    fn merit(&self, at: &At<'_>) -> Result<f64, Fault> {
+        let Work { stored, dissipated, .. } = self.work(at)?;
+        Ok(stored + dissipated)
+    }
     /// Checks invariants of the discretisation at the end of a converged step, before it is accepted.
     ///
     /// # Errors

@@ -247,7 +247,7 @@ pub fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
 /// Forces with and without a tangent are the same, the tangent is the difference of the force, and but for the conserving step it is symmetric up to `symmetric` of its size.
 pub fn check_tangents(body: &mut SolidBody, q_n: &[f64], q_np1: &[f64], symmetric: f64, place: &str) {
     for rule in [ForceRule::Configuration { theta: 0.3 }, ForceRule::END_POINT, ForceRule::DiscreteGradient] {
-        body.begin_step(q_n, rule).unwrap();
+        body.begin_step(q_n, rule, 1.0).unwrap();
         let at = |q: &[f64]| force(body, SolidStep { q_n, q_np1: q, rule }).unwrap();
         let (with_tangent, tangent) = force_and_tangent(body, SolidStep { q_n, q_np1, rule });
         let alone = at(q_np1);

@@ -209,7 +209,7 @@ impl Element {
             node.copy_from_slice(x);
         }
         let mut body = SolidBody::new("element", &mesh, 0, law.clone()).ok()?;
-        body.begin_step(&q_n, rule).ok()?;
+        body.begin_step(&q_n, rule, 1.0).ok()?;
         let tangent = dense_tangent(&body, &mesh, SolidStep { q_n: &q_n, q_np1: &q_np1, rule })?;
         Some(Self { body, rule, q_n, q_np1, tangent })
     }

@@ -1,0 +1,117 @@
+//! States of the Gauss points of a body whose law has some: the end of a step, what it lost, and the states as numbers for restarts and output.
+
+use crate::{SolidBody, SolidError};
+use stoss_continuum::{Loss, Material, StateEntry};
+
+/// What a step did to a body whose law has a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepEnd {
+    /// `int psi dV` at the end, elastic and by hardening.
+    pub stored: f64,
+    /// What of it hardening has stored.
+    pub hardening: f64,
+    /// What was lost in the step.
+    pub loss: Loss,
+}
+
+impl StepEnd {
+    /// Adds another one.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.stored += other.stored;
+        self.hardening += other.hardening;
+        self.loss.add(1.0, &other.loss);
+    }
+}
+
+impl SolidBody {
+    /// Whether the law has a state.
+    pub fn has_history(&self) -> bool {
+        self.history().is_some()
+    }
+
+    fn history(&self) -> Option<&dyn Material> {
+        self.material().law.history()
+    }
+
+    /// What the step that has begun did if it ends at `q_np1`: what is stored then and what was lost; `None` of an elastic law. Changes nothing.
+    ///
+    /// # Errors
+    /// Those of [`Self::strain_energy`], [`SolidError::StepNotBegun`].
+    pub fn step_end(&self, q_np1: &[f64]) -> Result<Option<StepEnd>, SolidError> {
+        if !self.has_history() {
+            return Ok(None);
+        }
+        self.check_length("the positions q_np1", q_np1)?;
+        if !self.has_begun() {
+            return Err(SolidError::StepNotBegun { body: self.name().to_string() });
+        }
+        let mut end = StepEnd::default();
+        self.for_each_block(|block, cells| block.add_step_end(self.material(), cells.nodes(), q_np1, &mut end))?;
+        Ok(Some(end))
+    }
+
+    /// What hardening has stored in the accepted states.
+    pub fn hardening_energy(&self) -> f64 {
+        let mut total = 0.0;
+        self.blocks().iter().for_each(|block| block.add_hardening_energy(self.material(), &mut total));
+        total
+    }
+
+    /// The step that has begun was accepted with this end: the states at its end are those at the begin of the next one. Nothing happens to an elastic law.
+    ///
+    /// # Errors
+    /// Those of [`Self::step_end`], which is to be asked before: states of some elements may have changed.
+    pub fn end_step(&mut self, q_np1: &[f64]) -> Result<(), SolidError> {
+        if !self.has_history() {
+            return Ok(());
+        }
+        self.check_length("the positions q_np1", q_np1)?;
+        if !self.has_begun() {
+            return Err(SolidError::StepNotBegun { body: self.name().to_string() });
+        }
+        let mut failed = None;
+        let (material, blocks) = self.blocks_with_material();
+        for (cells, block) in blocks {
+            if let Err((element, failure)) = block.commit(material, cells.nodes(), q_np1) {
+                failed = failed.or(Some((cells.first() as usize + element, failure)));
+            }
+        }
+        match failed {
+            None => Ok(()),
+            Some((element, failure)) => Err(self.error(element, failure)),
+        }
+    }
+
+    /// The numbers of the state of a point; none of an elastic law.
+    pub fn state_entries(&self) -> &[StateEntry] {
+        self.history().map_or(&[], |material| material.state())
+    }
+
+    /// The accepted states of all Gauss points, `[element][point][number]`, the elements in their order; empty of an elastic law.
+    pub fn states(&self) -> impl Iterator<Item = &[f64]> {
+        self.blocks().iter().map(|block| block.states())
+    }
+
+    /// Takes accepted states, as many as [`Self::states`] gives.
+    ///
+    /// # Errors
+    /// [`SolidError::Length`] if they are of another mesh or law.
+    pub fn set_states(&mut self, states: &[f64]) -> Result<(), SolidError> {
+        let expected: usize = self.states().map(<[f64]>::len).sum();
+        if states.len() != expected {
+            return Err(SolidError::Length {
+                name: self.name().to_string(),
+                what: "the states of the Gauss points",
+                found: states.len(),
+                expected,
+            });
+        }
+        let mut rest = states;
+        for block in self.blocks_mut() {
+            let (own, others) = rest.split_at(block.states().len());
+            block.states_mut().copy_from_slice(own);
+            rest = others;
+        }
+        Ok(())
+    }
+}

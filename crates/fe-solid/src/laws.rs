@@ -1,0 +1,80 @@
+//! Which function of the strain each Gauss point of an element is: the law of the body, or that of a step from the point's state. Not where states are kept
+//! (`block`), not what elements do with the function.
+
+use crate::ForceRule;
+use stoss_continuum::{HyperelasticLaw, Material, PointStep, StepLaw, StepStress};
+
+/// The laws of the points of an element.
+#[derive(Clone, Copy)]
+pub(crate) struct Laws<'a> {
+    law: &'a dyn HyperelasticLaw,
+    /// Nothing of an elastic law.
+    history: Option<History<'a>>,
+}
+
+/// The states of an element's points.
+#[derive(Clone, Copy)]
+struct History<'a> {
+    material: &'a dyn Material,
+    /// `len` numbers for each point.
+    states: &'a [f64],
+    len: usize,
+    dt: f64,
+    stress: StepStress,
+}
+
+/// The law of a point.
+pub(crate) enum PointLaw<'a> {
+    Elastic(&'a dyn HyperelasticLaw),
+    Step(StepLaw<'a>),
+}
+
+impl<'a> std::ops::Deref for PointLaw<'a> {
+    type Target = dyn HyperelasticLaw + 'a;
+
+    #[inline]
+    fn deref(&self) -> &Self::Target {
+        match self {
+            Self::Elastic(law) => *law,
+            Self::Step(law) => law,
+        }
+    }
+}
+
+impl<'a> Laws<'a> {
+    /// Of an elastic law: of all points the same.
+    pub fn elastic(law: &'a dyn HyperelasticLaw) -> Self {
+        Self { law, history: None }
+    }
+
+    /// Of a material for the states of an element at the begin of a step of the size `dt`.
+    ///
+    /// A stress at `q_{n+theta}` is that of the end of a step of the part `theta`; without a step it is that of the state as it is.
+    pub fn of_step(material: &'a dyn Material, states: &'a [f64], dt: f64, rule: Option<ForceRule>) -> Self {
+        let (stress, dt) = match rule {
+            None => (StepStress::Frozen, 0.0),
+            Some(ForceRule::DiscreteGradient) => (StepStress::DiscreteGradient, dt),
+            Some(rule @ ForceRule::Configuration { .. }) if !rule.reads_end() => (StepStress::Frozen, 0.0),
+            Some(ForceRule::Configuration { theta }) => (StepStress::End, theta * dt),
+        };
+        let len = material.state_len();
+        Self { law: material, history: Some(History { material, states, len, dt, stress }) }
+    }
+
+    /// The law of a Gauss point.
+    #[inline]
+    pub fn at(&self, gauss_point: usize) -> PointLaw<'a> {
+        match &self.history {
+            None => PointLaw::Elastic(self.law),
+            Some(History { material, states, len, dt, stress }) => {
+                let state = &states[gauss_point * len..(gauss_point + 1) * len];
+                PointLaw::Step(StepLaw { material: *material, at: PointStep { state, dt: *dt, stress: *stress } })
+            }
+        }
+    }
+
+    /// State of a Gauss point; empty of an elastic law.
+    pub fn state(&self, gauss_point: usize) -> &'a [f64] {
+        self.history.as_ref().map_or(&[], |h| &h.states[gauss_point * h.len..(gauss_point + 1) * h.len])
+    }
+}
