@@ -30,7 +30,7 @@ mod problem;
 mod report;
 mod solve;
 
-pub use options::{LineSearch, NewtonOptions};
+pub use options::{LineSearch, NewtonOptions, OVERSHOOT};
 pub use problem::{NewtonProblem, Potential, ResidualNorms};
 pub use report::{IterationRecord, NewtonFailure, NewtonReport, StopReason};
 pub use solve::solve;

@@ -20,6 +20,19 @@ pub enum LineSearch {
         /// At most so many reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
         max_reductions: u32,
     },
+    /// As [`Self::Backtracking`], and where no constraint is violated a full step that goes too far is shortened by the slope `g(s) = R(u + s du) . du`: it is accepted if `g` has changed
+    /// its sign by at most [`OVERSHOOT`]; else a root of `g` is sought by false position. For forces with kinks, as of points that begin to yield, between which full steps
+    /// may jump for ever while the residual grows by little.
+    Slope {
+        /// See [`Self::Backtracking`].
+        max_growth: f64,
+        /// See [`Self::Backtracking`].
+        small: f64,
+        /// See [`Self::Backtracking`].
+        reduction: f64,
+        /// See [`Self::Backtracking`]; also the largest number of trials along the slope.
+        max_reductions: u32,
+    },
     /// If the problem has a [`crate::Potential`], a step is accepted if the potential falls sufficiently (Armijo's condition), up to round-off; the residual may grow. Without a potential a step is accepted if the residual does
     /// not grow. Otherwise the step is reduced, and if no length is accepted, the one with the smallest potential, or residual, is taken.
     /// For forces that grow without bound as surfaces approach each other.
@@ -31,10 +44,23 @@ pub enum LineSearch {
     },
 }
 
+/// Part of the slope at the start by which the slope may change its sign over a full step.
+pub const OVERSHOOT: f64 = 0.3;
+
 impl LineSearch {
     /// Halving, at most 8 times, when the residual grows tenfold.
     pub fn backtracking() -> Self {
         Self::Backtracking { max_growth: 10.0, small: 0.0, reduction: 0.5, max_reductions: 8 }
+    }
+
+    /// The same search with a look at the slope; [`Self::Off`] and others stay what they are.
+    pub fn with_slope(self) -> Self {
+        match self {
+            Self::Backtracking { max_growth, small, reduction, max_reductions } => {
+                Self::Slope { max_growth, small, reduction, max_reductions }
+            }
+            other => other,
+        }
     }
 
     /// Halving, at most 5 times, down to the smallest potential or residual.

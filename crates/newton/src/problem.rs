@@ -68,7 +68,7 @@ pub trait NewtonProblem {
         Ok(None)
     }
 
-    /// Derivative of the potential along the increment that was solved for last, at the iterate that was evaluated last: residual times increment. Used only with a potential.
+    /// Derivative of the potential along the increment that was solved for last, at the iterate that was evaluated last: residual times increment. Used with a potential, and with [`crate::LineSearch::Slope`].
     fn slope(&self) -> f64 {
         0.0
     }

@@ -1,5 +1,6 @@
 //! The iteration itself.
 
+use crate::options::OVERSHOOT;
 use crate::{
     IterationRecord, LineSearch, NewtonFailure, NewtonOptions, NewtonProblem, NewtonReport, Potential, ResidualNorms,
     StopReason,
@@ -57,6 +58,9 @@ const ARMIJO: f64 = 1e-4;
 /// Constant of the curvature condition (strong Wolfe), used where round-off hides the decrease: beyond a minimum the potential rises again, and a step that ends with
 /// a slope of more than this part of the slope at the start is too long (nearly twice the distance of the minimum of a parabola).
 const CURVATURE: f64 = 0.9;
+
+/// A shorter step is long enough if the slope at its end is at most this part of that at the start.
+const ENOUGH: f64 = 0.8;
 
 /// Potential, and its slope along the increment, where a line search starts.
 #[derive(Clone, Copy)]
@@ -282,12 +286,18 @@ impl Iteration<'_> {
         if let (Some(start), LineSearch::Best { reduction, max_reductions }) = (start, line_search) {
             return self.descend(problem, previous, (first, reduction, max_reductions), start);
         }
+        // Along an increment that leads down, from where no constraint is violated.
+        let start = match line_search {
+            LineSearch::Slope { .. } if previous.violation <= self.options.relative_tolerance => problem.slope(),
+            _ => 0.0,
+        };
         let full = match problem.update(first) {
             Ok(()) => assemble(problem),
             Err(error) => Err(error),
         };
         let (max_growth, small, reduction, max_reductions, take_best) = match line_search {
-            LineSearch::Backtracking { max_growth, small, reduction, max_reductions } => {
+            LineSearch::Backtracking { max_growth, small, reduction, max_reductions }
+            | LineSearch::Slope { max_growth, small, reduction, max_reductions } => {
                 (max_growth, small, reduction, max_reductions, false)
             }
             LineSearch::Best { reduction, max_reductions } => (1.0, 0.0, reduction, max_reductions, true),
@@ -296,6 +306,15 @@ impl Iteration<'_> {
                 return Ok(self.taken(norms, first));
             }
         };
+        if start < 0.0
+            && let Ok(norms) = &full
+            && norms.is_finite()
+            && !self.within_tolerance(*norms)
+            && let slope = problem.slope()
+            && slope > -OVERSHOOT * start
+        {
+            return self.follow_slope(problem, (first, max_reductions), [start, slope]);
+        }
         let limit = max_growth * previous.measure.max(small * previous.scale);
         // Any step is acceptable then: every one brings constraint forces that were zero before.
         let unbounded = self.begins_in_balance(previous);
@@ -338,6 +357,35 @@ impl Iteration<'_> {
             return Ok(self.taken(norms, best.1));
         }
         last_error.map_or(Ok(Trial::NotAcceptable), Err)
+    }
+
+    /// A step along an increment whose full length goes too far: false position on the slope, which is `[at the start, at the full length]`.
+    fn follow_slope<P: NewtonProblem>(
+        &self,
+        problem: &mut P,
+        (first, trials): (f64, u32),
+        [start, end]: [f64; 2],
+    ) -> Result<Trial, P::Error> {
+        let (mut low, mut high) = ((0.0, start), (first, end));
+        let mut length = first;
+        for _ in 0..trials {
+            let part = (low.1 / (low.1 - high.1)).clamp(0.1, 0.9);
+            length = low.0 + part * (high.0 - low.0);
+            let slope = match problem.update(length).and_then(|()| problem.residual_norm()) {
+                Ok(_) => problem.slope(),
+                Err(error) if problem.is_recoverable(&error) => f64::INFINITY,
+                Err(error) => return Err(error),
+            };
+            if slope.is_nan() {
+                return Ok(Trial::NotFinite);
+            }
+            if slope <= -OVERSHOOT * start && slope >= ENOUGH * start {
+                break;
+            }
+            if slope < 0.0 { low = (length, slope) } else { high = (length, slope.min(-1e3 * start)) }
+        }
+        let norms = assemble(problem)?;
+        Ok(self.taken(norms, length))
     }
 
     /// An accepted step without a potential.

@@ -548,7 +548,14 @@ impl NewtonProblem for StepProblem<'_> {
 
     fn line_search(&self, chosen: LineSearch) -> LineSearch {
         let is_steep = self.model.contacts.iter().filter_map(Coupling::potential).any(|of| of.acts());
-        if is_steep && chosen != LineSearch::Off { LineSearch::best() } else { chosen }
+        if is_steep && chosen != LineSearch::Off {
+            LineSearch::best()
+        } else if self.model.bodies.iter().any(|body| body.solid.has_history()) {
+            // Points that begin to yield are kinks of the force.
+            chosen.with_slope()
+        } else {
+            chosen
+        }
     }
 
     fn solve_downhill(&mut self) -> Result<f64, StepError> {
