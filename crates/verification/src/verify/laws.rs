@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use stoss_continuum::{HyperelasticLaw, SymmetricTensor2};
-use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_materials::{Hencky, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_numerical_derivative::{Analytic, AnalyticVector, Method, Scalar, Step, Workspace, jacobian};
 
 use crate::workspace::Outcome;
@@ -16,6 +16,8 @@ pub enum Energy {
     SaintVenantKirchhoff(f64, f64),
     /// `lambda`, `mu`.
     NeoHooke(f64, f64),
+    /// `lambda`, `mu`.
+    Hencky(f64, f64),
     /// `c1`, `c2`, `c`.
     MooneyRivlin(f64, f64, f64),
     /// `mu_P`, `alpha_P`, `kappa`, `beta`.
@@ -32,9 +34,10 @@ pub struct Sample {
 }
 
 /// All laws that a scene can name.
-pub const LAWS: [Sample; 4] = [
+pub const LAWS: [Sample; 5] = [
     Sample { energy: Energy::SaintVenantKirchhoff(1298.0769, 865.3846), literature: (2250.0, 0.3) },
     Sample { energy: Energy::NeoHooke(1298.0769, 865.3846), literature: (2250.0, 0.3) },
+    Sample { energy: Energy::Hencky(1298.0769, 865.3846), literature: (2250.0, 0.3) },
     Sample { energy: Energy::MooneyRivlin(176_051.0, 4332.63, 2e6), literature: (1.05257e6, 0.4588) },
     Sample {
         energy: Energy::Ogden([6300.0, 12.0, -100.0], [1.3, 5.0, -2.0], 2000.0, 9.0),
@@ -48,6 +51,7 @@ impl Energy {
         Ok(match self {
             Self::SaintVenantKirchhoff(lambda, mu) => Arc::new(SaintVenantKirchhoff::new(*lambda, *mu)?),
             Self::NeoHooke(lambda, mu) => Arc::new(NeoHooke::new(*lambda, *mu)?),
+            Self::Hencky(lambda, mu) => Arc::new(Hencky::new(*lambda, *mu)?),
             Self::MooneyRivlin(c1, c2, c) => Arc::new(MooneyRivlin::new(*c1, *c2, *c)?),
             Self::Ogden(mu, alpha, kappa, beta) => Arc::new(Ogden::new(mu, alpha, *kappa, *beta)?),
         })
@@ -82,6 +86,11 @@ impl AnalyticVector for Energy {
                 trace_e * trace_e * (0.5 * lambda) + square * mu
             }
             Self::NeoHooke(lambda, mu) => (trace - 3.0) * (0.5 * mu) + log_j * log_j * (0.5 * lambda) - log_j * mu,
+            Self::Hencky(lambda, mu) => {
+                // E = ln(C)/2: mu E:E + lambda/2 (tr E)^2.
+                trace_of_squared_logarithm(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) * (0.25 * mu)
+                    + log_j * log_j * (0.5 * lambda)
+            }
             Self::MooneyRivlin(c1, c2, c) => {
                 let volume = det.sqrt() - 1.0;
                 (trace - 3.0) * c1 + (second - 3.0) * c2 + volume * volume * c - log_j * (2.0 * (c1 + 2.0 * c2))
@@ -119,17 +128,19 @@ fn inverse<S: Scalar>(a: &Matrix<S>) -> Matrix<S> {
     matrix(|i, j| cofactor(j, i) / det)
 }
 
-/// `tr C^e` for real exponents without eigenvalues, which have no derivative where they meet:
-/// `C^e = ((1 + X)^e)^(2^k)`, where `1 + X = C^(2^-k)` by square roots (Denman and Beavers) and `(1 + X)^e` by its
-/// binomial series.
-fn traces_of_powers<S: Scalar>(c: &Matrix<S>, exponents: [f64; 3]) -> [S; 3] {
-    // Six roots bring eigenvalues between 0.02 and 10 to |X| < 0.07, where 14 terms reach 1e-17.
-    const ROOTS: usize = 6;
-    const TERMS: u32 = 14;
-    let unit = |i: usize, j: usize| S::from(if i == j { 1.0 } else { 0.0 });
+/// Square roots that are taken of a tensor: they bring eigenvalues between 0.02 and 10 to `|X| < 0.07`, where 14 terms reach 1e-17.
+const ROOTS: usize = 6;
+const TERMS: u32 = 14;
+
+fn unit<S: Scalar>(i: usize, j: usize) -> S {
+    S::from(if i == j { 1.0 } else { 0.0 })
+}
+
+/// `X` with `1 + X = C^(2^-ROOTS)`, by square roots (Denman and Beavers).
+fn root_less_one<S: Scalar>(c: &Matrix<S>) -> Matrix<S> {
     let mut root = *c;
     for _ in 0..ROOTS {
-        let (mut y, mut z) = (root, matrix(unit));
+        let (mut y, mut z) = (root, matrix(unit::<S>));
         // Quadratic convergence; that of the imaginary part is one iteration late.
         for _ in 0..10 {
             let (y_inverse, z_inverse) = (inverse(&y), inverse(&z));
@@ -138,13 +149,34 @@ fn traces_of_powers<S: Scalar>(c: &Matrix<S>, exponents: [f64; 3]) -> [S; 3] {
         }
         root = y;
     }
-    let x = matrix(|i, j| root[i][j] - unit(i, j));
+    matrix(|i, j| root[i][j] - unit::<S>(i, j))
+}
+
+/// `tr (ln C)^2` without eigenvalues: `ln C = 2^k ln(1 + X)`.
+fn trace_of_squared_logarithm<S: Scalar>(c: &Matrix<S>) -> S {
+    let x = root_less_one(c);
+    // ln(1 + X) = X (1 - X (1/2 - X (1/3 - ...)))
+    let mut sum = matrix(|i, j| unit::<S>(i, j) * (1.0 / f64::from(TERMS)));
+    for n in (1..TERMS).rev() {
+        let next = product(&x, &sum);
+        sum = matrix(|i, j| unit::<S>(i, j) * (1.0 / f64::from(n)) - next[i][j]);
+    }
+    let log = product(&x, &sum);
+    let square = product(&log, &log);
+    let scale = f64::from(1_u32 << ROOTS);
+    (square[0][0] + square[1][1] + square[2][2]) * (scale * scale)
+}
+
+/// `tr C^e` for real exponents without eigenvalues, which have no derivative where they meet:
+/// `C^e = ((1 + X)^e)^(2^k)`, `(1 + X)^e` by its binomial series.
+fn traces_of_powers<S: Scalar>(c: &Matrix<S>, exponents: [f64; 3]) -> [S; 3] {
+    let x = root_less_one(c);
     exponents.map(|exponent| {
-        let mut power = matrix(unit);
+        let mut power = matrix(unit::<S>);
         for n in (1..=TERMS).rev() {
             let next = product(&x, &power);
             let factor = (exponent - f64::from(n) + 1.0) / f64::from(n);
-            power = matrix(|i, j| unit(i, j) + next[i][j] * factor);
+            power = matrix(|i, j| unit::<S>(i, j) + next[i][j] * factor);
         }
         for _ in 0..ROOTS {
             power = product(&power, &power);
@@ -171,6 +203,7 @@ mod tests {
         let expected = [
             (Energy::SaintVenantKirchhoff(2.0, 3.0), 4.5 * 4.5 + 3.0 * 6.75),
             (Energy::NeoHooke(2.0, 3.0), 1.5 * 9.0 + log * log - 3.0 * log),
+            (Energy::Hencky(2.0, 3.0), log * log + 3.0 * 3.0 * (log / 3.0) * (log / 3.0)),
             (Energy::MooneyRivlin(2.0, 3.0, 0.5), 18.0 + 3.0 * 45.0 + 0.5 * 49.0 - 16.0 * log),
             (Energy::Ogden([1.0, 2.0, -3.0], [1.3, 5.0, -2.0], 2.0, -1.0), 2.0 * (-log + 7.0)),
         ];
