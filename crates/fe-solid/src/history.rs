@@ -1,6 +1,6 @@
 //! States of the Gauss points of a body whose law has some: the end of a step, what it lost, and the states as numbers for restarts and output.
 
-use crate::{SolidBody, SolidError};
+use crate::{MaterialPoint, SolidBody, SolidError, recovery};
 use stoss_continuum::{Loss, Material, StateEntry};
 
 /// What a step did to a body whose law has a state.
@@ -85,6 +85,36 @@ impl SolidBody {
     /// The numbers of the state of a point; none of an elastic law.
     pub fn state_entries(&self) -> &[StateEntry] {
         self.history().map_or(&[], |material| material.state())
+    }
+
+    /// The place of an entry in the state of a point, by its name.
+    pub fn state_place(&self, name: &str) -> Option<usize> {
+        let mut first = 0;
+        for entry in self.state_entries() {
+            if entry.name == name {
+                return Some(first);
+            }
+            first += entry.len;
+        }
+        None
+    }
+
+    /// A number of the state at a material point: the function through the Gauss points of its element, as for stresses. `place`: of [`Self::state_place`].
+    ///
+    /// # Errors
+    /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Length`].
+    pub fn state_number_at(&self, point: &MaterialPoint, q: &[f64], place: usize) -> Result<f64, SolidError> {
+        self.check_length("the positions", q)?;
+        let (cells, block, local) = self.locate(point.element);
+        let weights = recovery::extrapolation(cells.kind(), block.rule(), &[point.natural]);
+        let mut value = 0.0;
+        block
+            .visit_points(self.material(), cells.nodes(), local, q, &mut |at| {
+                value += weights[at.gauss_point] * at.state.get(place).copied().unwrap_or(0.0);
+                Ok(())
+            })
+            .map_err(|failure| self.error(point.element, failure))?;
+        Ok(value)
     }
 
     /// The accepted states of all Gauss points, `[element][point][number]`, the elements in their order; empty of an elastic law.

@@ -284,7 +284,7 @@ fn states_are_those_of_accepted_steps() {
     assert_eq!(body.step_end(&q).unwrap().unwrap(), end, "rate-independent, and the same begin");
     body.end_step(&q).unwrap();
     assert!(end.loss.plastic > 0.0 && end.hardening > 0.0 && end.hardening < end.stored);
-    assert_eq!(body.hardening_energy(), end.hardening);
+    assert!((body.hardening_energy() / end.hardening - 1.0).abs() < 1e-14);
     let saved = states(&body);
     // Whatever the number of threads.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
