@@ -74,6 +74,7 @@
 mod error;
 mod hardening;
 mod hencky;
+mod history;
 mod inelastic;
 mod logarithmic;
 mod maxwell;
@@ -90,6 +91,7 @@ mod volume;
 pub use error::MaterialError;
 pub use hardening::Hardening;
 pub use hencky::Hencky;
+pub use history::History;
 pub use inelastic::{Inelastic, Moduli};
 pub use mooney_rivlin::MooneyRivlin;
 pub use mullins::Mullins;

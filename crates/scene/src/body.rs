@@ -152,9 +152,9 @@ pub struct Body {
     /// Integration rule for stress and stiffness: `full` if left out.
     #[serde(default = "Body::default_integration", skip_serializing_if = "Body::is_full")]
     pub integration: Integration,
-    /// Interpolation of the volume change: `displacement` if left out; `mixed` for nearly incompressible materials.
-    #[serde(default = "Body::default_volumetric", skip_serializing_if = "Body::is_displacement")]
-    pub volumetric: Volumetric,
+    /// Interpolation of the volume change: `mixed` for nearly incompressible materials and for such that yield; if left out `mixed` of a material with `plasticity`, else `displacement`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub volumetric: Option<Volumetric>,
     /// Hyperelastic law with its parameters.
     pub material: Material,
     /// Density: mass per reference volume, positive. Required in dynamic scenes, and with gravity.
@@ -221,13 +221,10 @@ impl Body {
         *integration == Integration::Full
     }
 
-    fn default_volumetric() -> Volumetric {
-        Volumetric::Displacement
-    }
-
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
-    fn is_displacement(volumetric: &Volumetric) -> bool {
-        *volumetric == Volumetric::Displacement
+    /// Interpolation of the volume change. Plastic flow keeps the volume, so that displacement elements lock in it whatever Poisson's ratio is.
+    pub fn volumetric(&self) -> Volumetric {
+        let yields = self.material.inelasticity.plasticity.is_some();
+        self.volumetric.unwrap_or(if yields { Volumetric::Mixed } else { Volumetric::Displacement })
     }
 
     /// Initial velocity of the material point with the placed reference position `x`:

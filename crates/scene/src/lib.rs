@@ -30,6 +30,7 @@ mod friction;
 mod general;
 mod general_contact;
 mod gravity;
+mod inelastic;
 mod joint;
 mod left_out;
 mod material;
@@ -72,11 +73,12 @@ pub use general::{
 };
 pub use general_contact::{GeneralContact, GeneralPair, Initial};
 pub use gravity::Gravity;
+pub use inelastic::{Moduli, Mullins, Plasticity, Rate};
 pub use joint::{
     ActingOn, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension, Spring,
 };
 pub use left_out::{LeftOut, Omission};
-pub use material::Material;
+pub use material::{Inelasticity, Material};
 pub use mesh::{
     Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,
     Part, Refinement,

@@ -49,6 +49,8 @@ named! {
         PrincipalStresses = "principal_stresses",
         /// Von Mises stress at a material point.
         VonMises = "von_mises",
+        /// Equivalent plastic strain at a material point; zero where nothing yields.
+        EquivalentPlasticStrain = "equivalent_plastic_strain",
         /// Deformation gradient at a material point, first index current, second index reference direction: `.xx .xy .xz .yx` and so on.
         DeformationGradient = "deformation_gradient",
         /// Kinetic plus strain energy of a body, or of the whole model.
@@ -108,6 +110,7 @@ impl Quantity {
                 | Self::LogarithmicStrain
                 | Self::PrincipalStresses
                 | Self::VonMises
+                | Self::EquivalentPlasticStrain
                 | Self::DeformationGradient
         )
     }
@@ -126,6 +129,7 @@ impl Quantity {
                 | Self::LogarithmicStrain
                 | Self::PrincipalStresses
                 | Self::VonMises
+                | Self::EquivalentPlasticStrain
         )
     }
 
@@ -139,7 +143,8 @@ impl Quantity {
             | Self::JointAngle
             | Self::JointDisplacement
             | Self::Elevation
-            | Self::VonMises => &[],
+            | Self::VonMises
+            | Self::EquivalentPlasticStrain => &[],
             Self::PrincipalStresses => &[First, Second, Third],
             Self::CauchyStress | Self::GreenLagrangeStrain | Self::LogarithmicStrain => &[Xx, Yy, Zz, Xy, Yz, Xz],
             Self::DeformationGradient => &[Xx, Xy, Xz, Yx, Yy, Yz, Zx, Zy, Zz],
@@ -210,6 +215,8 @@ named! {
         CauchyStress = "cauchy_stress",
         /// Von Mises stress.
         VonMises = "von_mises",
+        /// Equivalent plastic strain, extrapolated to nodes; scenes with a material that yields only.
+        EquivalentPlasticStrain = "equivalent_plastic_strain",
         /// Principal Cauchy stresses, the largest first. Only if named in `fields`.
         PrincipalStresses = "principal_stresses",
         /// Deformation gradient `F`, extrapolated to nodes, in the order xx, xy, xz, yx, ...: first the current direction, then the reference

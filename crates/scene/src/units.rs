@@ -225,7 +225,10 @@ impl crate::Quantity {
             Self::JointAngle | Self::Elevation => Dimension::Angle,
             Self::AngularVelocity => Dimension::AngularVelocity,
             Self::CauchyStress | Self::PrincipalStresses | Self::VonMises => Dimension::Stress,
-            Self::GreenLagrangeStrain | Self::LogarithmicStrain | Self::DeformationGradient => Dimension::Number,
+            Self::GreenLagrangeStrain
+            | Self::LogarithmicStrain
+            | Self::DeformationGradient
+            | Self::EquivalentPlasticStrain => Dimension::Number,
             Self::Energy | Self::KineticEnergy | Self::StrainEnergy => Dimension::Energy,
             Self::LinearMomentum => Dimension::Momentum,
             Self::AngularMomentum => Dimension::AngularMomentum,

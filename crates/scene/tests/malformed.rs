@@ -1,5 +1,7 @@
 //! Malformed scenes: every one gives exactly the problem that it has, at the line of the mistake, with a message and a remedy.
 
+#[path = "malformed/inelastic.rs"]
+mod inelastic;
 #[path = "malformed/multibody.rs"]
 mod multibody;
 #[path = "malformed/remedies.rs"]
@@ -556,7 +558,7 @@ const CASES: &[Case] = &[
 #[test]
 fn every_mistake_is_reported_once_at_its_place() {
     let mut failures = Vec::new();
-    for case in CASES.iter().chain(multibody::CASES) {
+    for case in CASES.iter().chain(multibody::CASES).chain(inelastic::CASES) {
         assert_eq!(case.base.matches(case.from).count().min(1), 1, "the base scene has no {:?}", case.from);
         let base = if case.mortar { case.base.replacen("\"nts\"", "\"mortar\"", 1) } else { case.base.to_owned() };
         let text = base.replacen(case.from, case.to, 1);
@@ -583,7 +585,7 @@ fn every_mistake_is_reported_once_at_its_place() {
         failures.is_empty(),
         "{} of {}:\n{}",
         failures.len(),
-        CASES.len() + multibody::CASES.len(),
+        CASES.len() + multibody::CASES.len() + inelastic::CASES.len(),
         failures.join("\n")
     );
 }

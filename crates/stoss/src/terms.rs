@@ -50,7 +50,7 @@ impl Terms {
             groups.push((Of::Inertia, "inertia".to_owned(), vec![STORED, REMAINDER]));
         }
         for (b, body) in model.bodies.iter().enumerate() {
-            let damped = body.damping.acts().then_some(DISSIPATED);
+            let damped = (body.damping.acts() || body.solid.has_history()).then_some(DISSIPATED);
             let columns = [STORED].into_iter().chain(damped).chain([REMAINDER]).collect();
             groups.push((Of::Body(b), bodies.get(b).cloned().unwrap_or_default(), columns));
         }

@@ -21,8 +21,7 @@ pub(super) fn body(table: &Table<'_>, setting: Setting, own_laws: &[&str]) -> (O
     let round = table.default("round", Vec::new(), |n| n.list(round_surface));
     let integration =
         table.default("integration", Integration::Full, |n| n.choice(Integration::NAMES, Integration::from_name));
-    let volumetric =
-        table.default("volumetric", Volumetric::Displacement, |n| n.choice(Volumetric::NAMES, Volumetric::from_name));
+    let volumetric = table.optional("volumetric", |n| n.choice(Volumetric::NAMES, Volumetric::from_name));
     let material =
         table.required("material", "material = { law = \"neo-hooke\", young = 2250.0, poisson = 0.3 }", |n| {
             material::material(n, own_laws)

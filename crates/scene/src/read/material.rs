@@ -1,8 +1,10 @@
 //! Reads the material of a body.
 
 use super::catalogue;
+use super::inelastic;
 use super::node::Node;
 use crate::Material;
+use crate::material::Inelasticity;
 
 /// `own_laws`: names of the laws beside the catalogue.
 pub(super) fn material(node: &Node<'_>, own_laws: &[&str]) -> Option<Material> {
@@ -14,10 +16,17 @@ pub(super) fn material(node: &Node<'_>, own_laws: &[&str]) -> Option<Material> {
     });
     // Without a law it is not known which other keys are right.
     let law = law?;
-    let parameters = match stoss_materials::entry(&law) {
-        Some(entry) => catalogue::of_row(&table, entry),
-        None => catalogue::parameters(&table),
+    let Some(entry) = stoss_materials::entry(&law) else {
+        let parameters = catalogue::parameters(&table);
+        table.finish();
+        return Some(Material { law, inelasticity: Inelasticity::default(), parameters: parameters? });
     };
+    let inelasticity = inelastic::inelasticity(&table);
+    let parameters = catalogue::of_row(&table, entry);
     table.finish();
-    Some(Material { law, parameters: parameters? })
+    let (inelasticity, parameters) = (inelasticity?, parameters?);
+    match inelasticity.check(entry, &parameters) {
+        Ok(()) => Some(Material { law, inelasticity, parameters }),
+        Err(refusal) => table.fail(refusal.parameter, refusal.message, refusal.remedy),
+    }
 }

@@ -13,6 +13,7 @@ mod event;
 mod friction;
 mod general;
 mod general_contact;
+mod inelastic;
 mod joint;
 mod left_out;
 mod material;

@@ -67,8 +67,8 @@ pub(super) fn bodies(
         let solid = match SolidBody::with_options(&body.name, &mesh, first_node, Arc::clone(&law), options(body)) {
             Ok(solid) => solid,
             Err(error @ SolidError::NoVolumetricPart { .. }) => {
-                let remedy = "leave `volumetric` out, or choose neo-hooke, mooney-rivlin or ogden";
-                problems.add(format!("{key}.volumetric"), body.volumetric, error.to_string(), remedy);
+                let remedy = "leave `volumetric` out, or choose neo-hooke, mooney-rivlin, ogden or hencky";
+                problems.add(format!("{key}.volumetric"), body.volumetric(), error.to_string(), remedy);
                 continue;
             }
             Err(error) => {
@@ -82,6 +82,13 @@ pub(super) fn bodies(
                 model.velocity.extend_from_slice(&body.initial_velocity(*x));
             }
         }
+        let yields = body.material.inelasticity.plasticity.is_some();
+        if yields && body.volumetric == Some(Volumetric::Displacement) {
+            warnings.push(format!(
+                "body `{}`: elements with `volumetric = \"displacement\"` lock in plastic flow, which keeps the volume; leave `volumetric` out",
+                body.name
+            ));
+        }
         let (moduli, quality) = (law.small_strain_moduli(), mesh.quality());
         warnings.extend(quality.warning().map(|warning| format!("body `{}`: {warning}", body.name)));
         if body.integration == Integration::Reduced {
@@ -92,7 +99,7 @@ pub(super) fn bodies(
             body.name,
             mesh.nodes.len(),
             names(&kinds),
-            if body.volumetric == Volumetric::Mixed { " mixed" } else { "" },
+            if body.volumetric() == Volumetric::Mixed { " mixed" } else { "" },
             law.name(),
             moduli.young_modulus(),
             moduli.poisson_ratio(),
@@ -167,7 +174,7 @@ pub(super) fn options(body: &SceneBody) -> SolidOptions {
             Integration::Full => CellIntegration::Full,
             Integration::Reduced => CellIntegration::Reduced,
         },
-        volumetric: match body.volumetric {
+        volumetric: match body.volumetric() {
             Volumetric::Displacement => SolidVolumetric::Displacement,
             Volumetric::Mixed => SolidVolumetric::Mixed,
         },
@@ -177,7 +184,7 @@ pub(super) fn options(body: &SceneBody) -> SolidOptions {
 /// The law of a material: of the catalogue, or of the program's own.
 fn law(material: &Material, laws: &OwnLaws) -> Result<Arc<dyn HyperelasticLaw>, ParameterError> {
     match stoss_materials::entry(&material.law) {
-        Some(entry) => Ok(entry.with(given(&material.parameters))?),
+        Some(entry) => Ok(material.inelasticity.history().of(entry.with(given(&material.parameters))?)?),
         None => laws.make(material),
     }
 }

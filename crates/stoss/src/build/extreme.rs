@@ -90,6 +90,16 @@ impl Extreme {
     fn tensors(&self, simulation: &Simulation) -> Vec<f64> {
         let Some(body) = self.body.map(|body| &simulation.model().bodies[body]) else { return Vec::new() };
         let (q, mut nodal) = (&simulation.state().q, vec![[0.0; 6]; body.nodes.len()]);
+        if self.quantity == Quantity::EquivalentPlasticStrain {
+            let Some(place) = body.solid.state_place("equivalent_plastic_strain") else {
+                return vec![0.0; self.nodes.len()];
+            };
+            let mut nodal = vec![[0.0]; body.nodes.len()];
+            if body.solid.nodal_state(q, place, &mut nodal).is_err() {
+                return Vec::new();
+            }
+            return self.nodes.iter().map(|&node| nodal[(node - body.nodes.start) as usize][0]).collect();
+        }
         let done = match self.quantity {
             Quantity::GreenLagrangeStrain => body.solid.nodal_green_lagrange_strain(q, &mut nodal),
             Quantity::LogarithmicStrain => body.solid.nodal_logarithmic_strain(q, &mut nodal),

@@ -71,6 +71,11 @@ impl Probe {
 
     /// What the interpolation of the element gives at a point; not a number where that is turned inside out.
     fn material(&self, simulation: &Simulation, body: usize, point: &MaterialPoint) -> Vec<f64> {
+        if self.quantity == Quantity::EquivalentPlasticStrain {
+            let (solid, q) = (&simulation.model().bodies[body].solid, &simulation.state().q);
+            let place = solid.state_place("equivalent_plastic_strain");
+            return vec![place.map_or(0.0, |place| solid.state_number_at(point, q, place).unwrap_or(f64::NAN))];
+        }
         let Ok(state) = simulation.model().bodies[body].solid.state_at(point, &simulation.state().q) else {
             return vec![f64::NAN; self.quantity.columns()];
         };
@@ -147,6 +152,7 @@ impl Probe {
             | Quantity::LogarithmicStrain
             | Quantity::PrincipalStresses
             | Quantity::VonMises
+            | Quantity::EquivalentPlasticStrain
             | Quantity::DeformationGradient => [f64::NAN; 3],
             Quantity::Displacement => {
                 let (q, x) = (self.mean(&simulation.state().q), self.mean(&simulation.model().reference));

@@ -147,11 +147,15 @@ fn of_solids<const N: usize>(
     Ok(values)
 }
 
+/// Name in the states of the materials, and of the field.
+const PLASTIC_STRAIN: &str = "equivalent_plastic_strain";
+
 /// What is computed for a frame: nothing that it does not have.
 #[derive(Default)]
 struct SolidFields {
     stress: Vec<[f64; 6]>,
     von_mises: Vec<f64>,
+    plastic_strain: Vec<[f64; 1]>,
     principal: Vec<[f64; 3]>,
     deformation_gradient: Vec<[f64; 9]>,
     green_lagrange: Vec<[f64; 6]>,
@@ -167,6 +171,16 @@ impl SolidFields {
         }
         if von_mises {
             fields.von_mises = fields.stress.iter().map(stoss_fe_solid::von_mises).collect();
+        }
+        let yields = |body: &crate::solver::Body| body.solid.state_place(PLASTIC_STRAIN).is_some();
+        if want(SceneField::EquivalentPlasticStrain) && simulation.model().bodies.iter().any(yields) {
+            fields.plastic_strain = of_solids(simulation, |solid, q, out| match solid.state_place(PLASTIC_STRAIN) {
+                Some(place) => solid.nodal_state(q, place, out),
+                None => {
+                    out.fill([0.0]);
+                    Ok(())
+                }
+            })?;
         }
         if principal {
             fields.principal = fields.stress.iter().map(stoss_fe_solid::principal_stresses).collect();
@@ -226,11 +240,12 @@ pub(super) fn with(
         ContactFields::default()
     };
     let reactions = simulation.reactions();
-    let candidates: [(SceneField, &str, usize, &[f64]); 15] = [
+    let candidates: [(SceneField, &str, usize, &[f64]); 16] = [
         (SceneField::Displacement, "displacement", 3, &displacement),
         (SceneField::Velocity, "velocity", 3, &state.v),
         (SceneField::CauchyStress, "cauchy_stress", 6, solid.stress.as_flattened()),
         (SceneField::VonMises, "von_mises", 1, &solid.von_mises),
+        (SceneField::EquivalentPlasticStrain, PLASTIC_STRAIN, 1, solid.plastic_strain.as_flattened()),
         (SceneField::PrincipalStresses, "principal_stresses", 3, solid.principal.as_flattened()),
         (SceneField::DeformationGradient, "deformation_gradient", 9, solid.deformation_gradient.as_flattened()),
         (SceneField::GreenLagrangeStrain, "green_lagrange_strain", 6, solid.green_lagrange.as_flattened()),

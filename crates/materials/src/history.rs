@@ -1,0 +1,104 @@
+//! What a law is given beside its own parameters to have a history, as one value: what scene formats have.
+
+use crate::{Hencky, Inelastic, MaterialError, Moduli, Mullins, Plasticity};
+use std::sync::Arc;
+use stoss_continuum::HyperelasticLaw;
+use stoss_registry::Refusal;
+
+/// Plasticity, Maxwell branches, softening; each may be left out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct History {
+    /// Yield stress and hardening, of Hencky's law only.
+    pub plasticity: Option<Plasticity>,
+    /// Maxwell branches: shares of the shear modulus and relaxation times.
+    pub prony: Vec<(f64, f64)>,
+    /// Which moduli the law has with the branches.
+    pub moduli: Moduli,
+    /// Softening.
+    pub mullins: Option<Mullins>,
+}
+
+impl History {
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.plasticity.is_none() && self.prony.is_empty() && self.mullins.is_none()
+    }
+
+    /// The law with this history; the law itself if there is none.
+    ///
+    /// # Errors
+    /// Plasticity of another law than Hencky's or together with the others, laws that are not the sum of a volumetric part and a rest, parameters out of range.
+    pub fn of(&self, law: Arc<dyn HyperelasticLaw>) -> Result<Arc<dyn HyperelasticLaw>, Refusal> {
+        let refused = |parameter: &'static str| {
+            move |error: MaterialError| {
+                let remedy = match error {
+                    MaterialError::NoSplit { .. } => "choose neo-hooke, mooney-rivlin, ogden or hencky",
+                    _ => "correct the value",
+                };
+                Refusal::new(parameter, error.to_string(), remedy)
+            }
+        };
+        if let Some(plasticity) = &self.plasticity {
+            if law.name() != "hencky" {
+                let message = format!("is that of metals, whose elastic part is Hencky's law, not {}", law.name());
+                return Err(Refusal::new("plasticity", message, "write law = \"hencky\""));
+            }
+            if let Some(other) = self.prony.first().map(|_| "prony").or(self.mullins.map(|_| "mullins")) {
+                let message = "cannot be combined with `plasticity`";
+                return Err(Refusal::new(other, message, "remove one of the two"));
+            }
+            let moduli = law.small_strain_moduli();
+            let law = Hencky::new(moduli.lame_lambda(), moduli.shear).map_err(refused("plasticity"))?;
+            return Ok(Arc::new(Inelastic::plastic(law, plasticity.clone()).map_err(refused("plasticity"))?));
+        }
+        match (self.prony.is_empty(), self.mullins) {
+            (true, None) => Ok(law),
+            (true, Some(mullins)) => Ok(Arc::new(Inelastic::softening(&law, mullins).map_err(refused("mullins"))?)),
+            (false, mullins) => {
+                let made = Inelastic::viscous(&law, &self.prony, self.moduli).map_err(refused("prony"))?;
+                Ok(match mullins {
+                    None => Arc::new(made),
+                    Some(mullins) => Arc::new(made.with_softening(mullins).map_err(refused("mullins"))?),
+                })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Hardening, NeoHooke, SaintVenantKirchhoff};
+
+    #[test]
+    fn what_cannot_be_is_refused_by_its_key() {
+        let metal: Arc<dyn HyperelasticLaw> = Arc::new(Hencky::from_young_poisson(2.1e5, 0.3).unwrap());
+        let rubber: Arc<dyn HyperelasticLaw> = Arc::new(NeoHooke::from_young_poisson(2.1, 0.49).unwrap());
+        let other: Arc<dyn HyperelasticLaw> = Arc::new(SaintVenantKirchhoff::from_young_poisson(2.1, 0.3).unwrap());
+        let plastic = |hardening| History {
+            plasticity: Some(Plasticity { hardening, kinematic: 0.0, overstress: None }),
+            ..History::default()
+        };
+        let prony = |prony: &[(f64, f64)]| History { prony: prony.to_vec(), ..History::default() };
+        let mullins = |r| History { mullins: Some(Mullins { r, m: 0.3, beta: 0.0 }), ..History::default() };
+        let good = plastic(Hardening::linear(400.0, 100.0));
+        assert!(good.of(metal.clone()).unwrap().history().is_some());
+        assert!(History::default().of(other.clone()).unwrap().history().is_none());
+        assert!(prony(&[(0.3, 1.0)]).of(metal.clone()).is_ok() && mullins(1.5).of(rubber.clone()).is_ok());
+        for (history, law, key) in [
+            (good.clone(), &rubber, "plasticity"),
+            (plastic(Hardening::linear(-1.0, 0.0)), &metal, "plasticity"),
+            (plastic(Hardening::linear(400.0, -3e5)), &metal, "plasticity"),
+            (plastic(Hardening::Table(vec![(0.1, 400.0)])), &metal, "plasticity"),
+            (plastic(Hardening::Table(vec![(0.0, 400.0), (0.0, 500.0)])), &metal, "plasticity"),
+            (History { prony: vec![(0.1, 1.0)], ..good.clone() }, &metal, "prony"),
+            (prony(&[(0.6, 1.0), (0.5, 2.0)]), &rubber, "prony"),
+            (prony(&[(0.6, 0.0)]), &rubber, "prony"),
+            (prony(&[(0.6, 1.0)]), &other, "prony"),
+            (mullins(1.0), &rubber, "mullins"),
+            (mullins(2.0), &other, "mullins"),
+        ] {
+            assert_eq!(history.of(law.clone()).unwrap_err().parameter, key, "{history:?}");
+        }
+    }
+}
