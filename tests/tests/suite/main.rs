@@ -26,6 +26,7 @@ mod general_start;
 mod general_table;
 mod impacts;
 mod increments;
+mod inelastic;
 mod joint_probes;
 mod lean;
 mod linear_solver;

@@ -1,0 +1,141 @@
+//! Materials with history in whole runs: closed forms in statics, the balance of flights, restarts, stages (theory/inelastic).
+
+use crate::support::simulation;
+use stoss::run::{RunOptions, run_scene};
+use stoss::solver::Simulation;
+
+/// A cube in uniaxial stress whose length goes to `exp(0.5)` in ten steps.
+fn tension(material: &str) -> Simulation {
+    let fixed =
+        |set: &str, axis: &str| format!("[[prescribe]]\nset = \"{set}\"\ncomponents = [\"{axis}\"]\nfixed = true\n");
+    simulation(&format!(
+        "[scene]\ntitle = \"tension\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.1\n\
+         [[body]]\nname = \"bar\"\nmaterial = {{ {material} }}\n\
+         mesh = {{ generator = \"block\", min = [0, 0, 0], max = [1, 1, 1], divisions = [2, 1, 1] }}\n\
+         {}{}{}[[prescribe]]\nset = \"bar.right\"\ncomponents = [\"x\"]\n\
+         displacement = {{ table = [[0.0, 0.0], [1.0, {:?}]] }}\n",
+        fixed("bar.left", "x"),
+        fixed("bar.front", "y"),
+        fixed("bar.bottom", "z"),
+        0.5_f64.exp() - 1.0,
+    ))
+}
+
+const ELASTIC: &str = "law = \"hencky\", lambda = 110743.46666666667, mu = 80193.8";
+
+/// Values of theory/inelastic#closed-forms: Kirchhoff stress `t = sigma_y(a) + H_k a`, `t/E + a = 0.5`. The force is that stress over the stretch.
+#[test]
+fn uniaxial_tension_follows_the_hardening_curve() {
+    for (plasticity, stress, strain) in [
+        ("yield_stress = 450.0, hardening_modulus = 1000.0", 945.430_494_152, 0.495_430_494_152),
+        (
+            "yield_stress = 450.0, hardening_modulus = 129.24, saturation_stress = 715.0, saturation_rate = 16.93",
+            779.073_836_355,
+            0.496_234_538_157,
+        ),
+        ("hardening = [[0.0, 450.0], [0.01, 500.0], [0.05, 600.0], [0.5, 700.0]]", 699.248_967_119, 0.496_620_352_036),
+        ("yield_stress = 450.0, kinematic_modulus = 1000.0", 945.430_494_152, 0.495_430_494_152),
+    ] {
+        let mut run = tension(&format!("{ELASTIC}, plasticity = {{ {plasticity} }}"));
+        while !run.finished() {
+            run.advance().unwrap_or_else(|e| panic!("{plasticity}: {e}"));
+        }
+        let reactions = run.reactions();
+        let right = run.model().reference.chunks(3).zip(reactions.chunks(3)).filter(|(x, _)| x[0] == 1.0);
+        let force: f64 = right.map(|(_, r)| r[0]).sum();
+        assert!((force * 0.5_f64.exp() / stress - 1.0).abs() < 1e-8, "{plasticity}: {}", force * 0.5_f64.exp());
+        let solid = &run.model().bodies[0].solid;
+        let place = solid.state_place("equivalent_plastic_strain").unwrap();
+        let mut nodal = vec![[0.0]; solid.node_count()];
+        solid.nodal_state(&run.state().q, place, &mut nodal).unwrap();
+        assert!(nodal.iter().all(|a| (a[0] - strain).abs() < 1e-9), "{plasticity}: {:?}", nodal[0]);
+    }
+}
+
+/// A bar that spins, stretches and bends without loads.
+fn flight(material: &str, scheme: &str) -> String {
+    format!(
+        "[scene]\ntitle = \"flight\"\nkind = \"dynamic\"\n[time]\nend = 6e-6\nstep = 2e-7\n\
+         integrator = {{ scheme = \"{scheme}\" }}\n\
+         [[body]]\nname = \"bar\"\nmaterial = {{ {material} }}\ndensity = 7.8e-9\n\
+         mesh = {{ generator = \"block\", size = [4, 1, 1], divisions = [4, 1, 1] }}\n\
+         velocity = [1e4, 2e4, -3e4]\nangular_velocity = [0, 0, 6e4]\nvelocity_about = [2.0, 0.5, 0.5]\n\
+         velocity_gradient = [[6e4, 0, 0], [0, 0, 3e4], [0, 2e4, 0]]\n[output]\nevery = 10\n"
+    )
+}
+
+/// Every kind of history, in MPa, mm, t, s.
+fn materials() -> [String; 4] {
+    let rubber = "law = \"neo-hooke\", lambda = 110743.5, mu = 80193.8";
+    [
+        format!(
+            "{ELASTIC}, plasticity = {{ yield_stress = 450.0, hardening_modulus = 129.24, kinematic_modulus = 2e3 }}"
+        ),
+        format!(
+            "{ELASTIC}, plasticity = {{ yield_stress = 450.0, rate = {{ stress = 200.0, rate = 1e4, exponent = 0.3 }} }}"
+        ),
+        format!("{rubber}, prony = [[0.4, 1e-6], [0.2, 1e-4], [0.1, 1e-9]]"),
+        format!("{rubber}, mullins = {{ r = 1.5, m = 160.0 }}"),
+    ]
+}
+
+#[test]
+fn energy_and_losses_together_are_constant() {
+    for material in materials() {
+        let mut run = simulation(&flight(&material, "energy-momentum"));
+        let start = *run.balance();
+        let (mut before, mut drift) = (0.0, 0.0_f64);
+        while !run.finished() {
+            let record = run.advance().unwrap_or_else(|e| panic!("{material}: {e}"));
+            let lost = record.balance.dissipation;
+            assert!(lost >= before - 1e-14 * start.total(), "{material}: a step gained {:e}", before - lost);
+            before = lost;
+            drift = drift.max((record.balance.total() / start.total() - 1.0).abs());
+            // The books of the body say so, and nothing is left over.
+            let posting = record.books.bodies[0];
+            assert!(posting.remainder.abs() < 1e-13 * start.total(), "{material}: {posting:?}");
+        }
+        let end = run.balance();
+        assert!(drift < 1e-12, "{material}: {drift:e}");
+        assert!(end.dissipation > 1e-3 * start.total() && end.dissipation < start.total(), "{material}: {end:?}");
+        for i in 0..3 {
+            let turned = (end.angular_momentum[i] - start.angular_momentum[i]).abs();
+            assert!(turned < 1e-12 * start.angular_momentum[2].abs(), "{material}");
+        }
+    }
+}
+
+#[test]
+fn other_schemes_run_and_lose_about_the_same() {
+    let material = &materials()[0];
+    let lost = |scheme: &str| {
+        // Backward Euler damps too: in steps of 2e-7 it takes a fifth of the motion that would yield.
+        let mut run = simulation(&flight(material, scheme).replace("step = 2e-7", "step = 4e-8"));
+        while !run.finished() {
+            run.advance().unwrap_or_else(|e| panic!("{scheme}: {e}"));
+        }
+        run.balance().dissipation
+    };
+    let exact = lost("energy-momentum");
+    for scheme in ["midpoint", "trapezoidal", "generalised-alpha", "backward-euler"] {
+        let other = lost(scheme);
+        assert!((other / exact - 1.0).abs() < 0.1, "{scheme}: {other} {exact}");
+    }
+}
+
+#[test]
+fn a_restart_has_the_same_bits() {
+    for material in materials() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("flight.toml");
+        std::fs::write(&path, flight(&material, "energy-momentum")).unwrap();
+        let at_once = RunOptions { out: folder.path().join("at-once"), ..RunOptions::default() };
+        run_scene(&path, &at_once, &mut |_| {}).unwrap();
+        let halted = RunOptions { out: folder.path().join("halted"), until: Some(3e-6), ..RunOptions::default() };
+        run_scene(&path, &halted, &mut |_| {}).unwrap();
+        let resumed = RunOptions { resume: true, until: None, ..halted };
+        run_scene(&path, &resumed, &mut |_| {}).unwrap();
+        let table = |out: &str| std::fs::read(folder.path().join(out).join("balance.csv")).unwrap();
+        assert!(table("at-once") == table("halted"), "{material}");
+    }
+}
