@@ -253,8 +253,8 @@ mod tests {
             facets.extend(nodes.map(|nodes| SkinFacet { nodes: nodes.into(), class: body as u32 }));
         }
         let mut rules = Interactions::none(&(0..corners.len() as u32).map(|b| (b, 1.0)).collect::<Vec<_>>());
-        let all = Some(Interaction { modulus: 1.0, friction: 0.0 });
-        (0..corners.len() as u32).for_each(|a| (0..a).for_each(|b| rules.set(a, b, all)));
+        let all = Some(Interaction { modulus: 1.0, friction: None });
+        (0..corners.len() as u32).for_each(|a| (0..a).for_each(|b| rules.set(a, b, all.clone())));
         (facets, q, rules)
     }
 

@@ -1,14 +1,16 @@
 //! Which facets act on each other, and how.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
+use stoss_contact::friction::FrictionLaw;
 
 /// How the facets of two classes act on each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Interaction {
     /// Modulus of the layer, a pressure: Young's moduli of the sides in series, for instance.
     pub modulus: f64,
-    /// Coefficient of friction.
-    pub friction: f64,
+    /// Law of friction, if there is any.
+    pub friction: Option<Arc<dyn FrictionLaw>>,
 }
 
 /// Modulus of the layer between two rigid bodies, in weights of the lighter one over the smallest side of the box around it: at rest the layer keeps 0.93 of its thickness.
@@ -44,7 +46,7 @@ impl Interactions {
     /// Lets two classes act on each other; `None`: not.
     pub fn set(&mut self, a: u32, b: u32, interaction: Option<Interaction>) {
         let n = self.bodies.len();
-        self.table[a as usize * n + b as usize] = interaction;
+        self.table[a as usize * n + b as usize] = interaction.clone();
         self.table[b as usize * n + a as usize] = interaction;
     }
 
@@ -127,6 +129,6 @@ impl Interactions {
 
     /// Whether anything has friction.
     pub fn has_friction(&self) -> bool {
-        self.table.iter().flatten().any(|interaction| interaction.friction > 0.0)
+        self.table.iter().flatten().any(|interaction| interaction.friction.is_some())
     }
 }

@@ -66,7 +66,7 @@ impl PairTerm {
         layer: &Layer,
         x_n: &[Vector3<f64>; 4],
         x: &[Vector3<f64>; 4],
-        friction: Option<&Friction>,
+        friction: Option<&Friction<'_>>,
         mut tangent: Option<&mut Tangent>,
     ) -> StepForce {
         let pair = closest(self.kind, x);
@@ -135,7 +135,7 @@ impl PairTerm {
         &self,
         layer: &Layer,
         [x_n, x, d]: [&[Vector3<f64>; 4]; 3],
-        friction: &Friction,
+        friction: &Friction<'_>,
     ) -> Option<SlipLine> {
         let pair = closest(self.kind, x);
         if !layer.is_inside(pair.distance_squared) {
@@ -197,7 +197,7 @@ impl PairStart {
     pub fn step(
         &self,
         x: &[Vector3<f64>; 4],
-        friction: Option<&Friction>,
+        friction: Option<&Friction<'_>>,
         mut tangent: Option<&mut Tangent>,
     ) -> StepForce {
         let Self { term, layer, .. } = self;

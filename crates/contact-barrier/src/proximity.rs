@@ -392,7 +392,7 @@ mod tests {
             let (skin, q) = soup(&mut rng);
             let mut rules = Interactions::none(&[(0, 1.0), (1, 1.0)]);
             for (a, b) in [(0, 0), (0, 1), (1, 1)].into_iter().filter(|&(a, b)| a != b || case % 2 == 0) {
-                rules.set(a, b, Some(Interaction { modulus: 1.0, friction: 0.0 }));
+                rules.set(a, b, Some(Interaction { modulus: 1.0, friction: None }));
             }
             let all = all(&skin, &rules);
             let place = |q: &[f64]| (0..skin.point_count() as u32).map(|p| skin.at(p, q)).collect::<Vec<_>>();
@@ -443,7 +443,7 @@ mod tests {
         for _ in 0..30 {
             let (skin, q) = soup(&mut rng);
             let mut rules = Interactions::none(&[(0, 1.0), (1, 1.0)]);
-            rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0 }));
+            rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: None }));
             let place = |q: &[f64]| (0..skin.point_count() as u32).map(|p| skin.at(p, q)).collect::<Vec<_>>();
             let motion: Vec<f64> = (0..q.len()).map(|_| 20.0 * (rng.f64() - 0.5)).collect();
             let (x, d) = (place(&q), place(&motion));

@@ -2,20 +2,37 @@
 
 use crate::pattern::sum;
 use nalgebra::{Matrix3, Vector3};
+use stoss_contact::friction::{Coefficient, FrictionLaw, Sliding};
 use stoss_geometry::{PairKind, combine};
 
-/// Coulomb's law.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Friction {
-    /// Coefficient of friction, not negative.
-    pub coefficient: f64,
+/// Friction of a pair in a step: a law, and what it has to know.
+#[derive(Clone, Copy, Debug)]
+pub struct Friction<'a> {
+    /// The law.
+    pub law: &'a dyn FrictionLaw,
+    /// Area by which the layer of the pair is weighted, positive: the normal force over it is the pressure that the law sees.
+    pub area: f64,
+    /// Size of the step, a time.
+    pub step_size: f64,
+    /// Path that the pair has slid before the step.
+    pub slid: f64,
     /// What it does before it slides.
     pub stick: Stick,
+}
+
+/// The largest tangential force, and its derivatives by the normal force and by the length of the slip in the step.
+#[derive(Clone, Copy)]
+struct Limit {
+    force: f64,
+    by_normal: f64,
+    by_slip: f64,
 }
 
 /// What friction does before it slides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stick {
+    /// The law does not stick ([`FrictionLaw::sticks`]): friction is a function of the slip of the step.
+    Never,
     /// It creeps: friction grows smoothly with the slip of the step.
     Creep {
         /// Slip in a step, a positive length, from which on all of the friction acts: a small velocity times the size of the step.
@@ -30,34 +47,52 @@ pub enum Stick {
     },
 }
 
-impl Stick {
-    /// Tangential force over the slip, its derivative by the slip over the slip, and its derivative by the normal force, for a slip of a length (with the stretch of a spring) and a limit `coefficient * normal force`.
-    fn law(&self, coefficient: f64, limit: f64, length: f64) -> Secant {
+impl Friction<'_> {
+    /// What the law admits at a positive normal force and a slip of this length in the step.
+    fn limit(&self, normal_force: f64, slip: f64) -> Limit {
+        let pressure = normal_force / self.area;
+        let at = Sliding { pressure, slip, step_size: self.step_size, slid: self.slid };
+        let Coefficient { value, d_pressure, d_slip } = self.law.coefficient(&at);
+        Limit { force: value * normal_force, by_normal: value + pressure * d_pressure, by_slip: normal_force * d_slip }
+    }
+
+    /// The law at a slip of a length, with the stretch of a spring.
+    fn secant(&self, limit: &Limit, length: f64) -> Secant {
         let slides = || Secant {
-            per_slip: limit / length,
-            change: -limit / (length * length * length),
-            by_normal: coefficient / length,
+            per_slip: limit.force / length,
+            change: -limit.force / (length * length * length),
+            by_normal: limit.by_normal / length,
+            by_step: limit.by_slip / length,
         };
-        match *self {
-            Self::Creep { slip_scale } if length < slip_scale => {
+        match self.stick {
+            Stick::Never if length * length < f64::MIN_POSITIVE => {
+                Secant { per_slip: limit.by_slip, change: 0.0, by_normal: 0.0, by_step: 0.0 }
+            }
+            Stick::Creep { slip_scale } if length < slip_scale => {
                 let per_slip = (2.0 - length / slip_scale) / slip_scale;
                 // Of no influence where there is no slip.
                 let change = if length > 0.0 { -1.0 / (slip_scale * slip_scale * length) } else { 0.0 };
-                Secant { per_slip: per_slip * limit, change: change * limit, by_normal: per_slip * coefficient }
+                Secant {
+                    per_slip: per_slip * limit.force,
+                    change: change * limit.force,
+                    by_normal: per_slip * limit.by_normal,
+                    by_step: per_slip * limit.by_slip,
+                }
             }
-            Self::Spring { stiffness, .. } if stiffness * length <= limit => {
-                Secant { per_slip: stiffness, change: 0.0, by_normal: 0.0 }
+            Stick::Spring { stiffness, .. } if stiffness * length <= limit.force => {
+                Secant { per_slip: stiffness, change: 0.0, by_normal: 0.0, by_step: 0.0 }
             }
             _ => slides(),
         }
     }
 }
 
-/// The law at a slip: `t = per_slip slip`, `dt = per_slip d(slip) + change slip (slip . d(slip)) + by_normal slip d(normal force)`.
+/// The law at a slip: `t = per_slip slip`, `dt = per_slip d(slip) + slip (change slip . d(slip) + by_normal d(normal force) + by_step d(length of the slip in the step))`.
 struct Secant {
     per_slip: f64,
     change: f64,
     by_normal: f64,
+    by_step: f64,
 }
 
 /// Friction of a pair in a step; theory/barrier#friction.
@@ -73,9 +108,11 @@ pub struct FrictionForce {
     pub stretch: Vector3<f64>,
     /// Length of the slip in the step, with the stretch of the spring at its start, as the law sees it: that of a pair that is nearly degenerate fades out.
     pub slip: f64,
+    /// Path that the pair has slid at the end of the step: of the slip what a spring does not take up.
+    pub slid: f64,
     /// Length of the normal force that the law sees: without the part from the gradient of the factor of nearly parallel edges.
     pub normal_force: f64,
-    /// Length of the tangential force on the first primitive, at most the coefficient times the normal force.
+    /// Length of the tangential force on the first primitive, at most what the law admits.
     pub tangential_force: f64,
 }
 
@@ -87,6 +124,7 @@ impl FrictionForce {
         stored: 0.0,
         stretch: Vector3::new(0.0, 0.0, 0.0),
         slip: 0.0,
+        slid: 0.0,
         normal_force: 0.0,
         tangential_force: 0.0,
     };
@@ -128,6 +166,7 @@ pub(crate) struct Slid {
     pub work: f64,
     pub stored: f64,
     pub stretch: Vector3<f64>,
+    pub slid: f64,
     slip: f64,
     normal_force: f64,
     tangential_force: f64,
@@ -136,8 +175,8 @@ pub(crate) struct Slid {
 impl Slid {
     /// Of a pair with this gradient.
     pub fn of_pair(self, gradient: [Vector3<f64>; 4]) -> FrictionForce {
-        let Self { work, stored, stretch, slip, normal_force, tangential_force } = self;
-        FrictionForce { gradient, work, stored, stretch, slip, normal_force, tangential_force }
+        let Self { work, stored, stretch, slid, slip, normal_force, tangential_force } = self;
+        FrictionForce { gradient, work, stored, stretch, slid, slip, normal_force, tangential_force }
     }
 }
 
@@ -147,17 +186,19 @@ pub(crate) struct SlipLine {
     slip: Vector3<f64>,
     /// Change of the slip by all of the motion.
     change: Vector3<f64>,
-    /// Coefficient times normal force.
+    /// What the law admits, and force over slip, at the start of the motion.
     limit: f64,
+    per_slip: f64,
     stick: Stick,
 }
 
 impl SlipLine {
     /// Energy, whose derivative by the slip the force of the law is, at a part of the motion.
     pub fn energy(&self, part: f64) -> f64 {
-        let Self { slip, change, limit, stick } = self;
+        let Self { slip, change, limit, per_slip, stick } = self;
         let length = (slip + change * part).norm();
         match *stick {
+            Stick::Never => 0.5 * per_slip * length * length,
             Stick::Creep { slip_scale: scale } if length < scale => {
                 let y = length / scale;
                 limit * scale * y * y * (1.0 - y / 3.0)
@@ -177,9 +218,9 @@ impl Pressed<'_> {
     }
 
     /// What becomes of the friction along a motion of the points by `d`.
-    pub fn along(&self, law: &Friction, d: &[Vector3<f64>]) -> Option<SlipLine> {
+    pub fn along(&self, law: &Friction<'_>, d: &[Vector3<f64>]) -> Option<SlipLine> {
         let normal_force = self.normal.norm();
-        if normal_force == 0.0 || law.coefficient == 0.0 {
+        if normal_force == 0.0 {
             return None;
         }
         let (n, r) = (self.normal / normal_force, sum(self.weights, self.x));
@@ -190,15 +231,16 @@ impl Pressed<'_> {
             Some((sum(self.weights, motion) * spin.fade - omega.cross(&r), omega))
         };
         let ((slip, omega), (change, _)) = (slip(self.dx)?, slip(d)?);
-        let slip = slip + Turned::new(&law.stick, &omega).stretch;
-        let limit = law.coefficient * normal_force;
-        Some(SlipLine { slip: across(slip), change: across(change), limit, stick: law.stick })
+        let limit = law.limit(normal_force, across(slip).norm());
+        let slip = across(slip + Turned::new(&law.stick, &omega).stretch);
+        let per_slip = law.secant(&limit, slip.norm()).per_slip;
+        Some(SlipLine { slip, change: across(change), limit: limit.force, per_slip, stick: law.stick })
     }
 
     /// The friction; its gradient goes to `gradient`, and its tangent (`3 n` rows) is *added* to one that is there.
     pub fn friction(
         &self,
-        law: &Friction,
+        law: &Friction<'_>,
         gradient: &mut [Vector3<f64>],
         tangent: Option<(&Variation<'_>, &mut [f64])>,
     ) -> Slid {
@@ -206,7 +248,7 @@ impl Pressed<'_> {
         gradient.fill(Vector3::zeros());
         let normal_force = self.normal.norm();
         let none = Slid { normal_force, ..Slid::default() };
-        if normal_force == 0.0 || law.coefficient == 0.0 {
+        if normal_force == 0.0 {
             return none;
         }
         let Some(spin) = self.spin(self.dx) else { return none };
@@ -220,8 +262,9 @@ impl Pressed<'_> {
         let along_normal = n.dot(&relative);
         let slip = relative - n * along_normal;
         let length = slip.norm();
-        let Secant { per_slip, change, by_normal: rate } =
-            law.stick.law(law.coefficient, law.coefficient * normal_force, length);
+        let slip_of_step = of_step - n * n.dot(&of_step);
+        let limit = law.limit(normal_force, slip_of_step.norm());
+        let Secant { per_slip, change, by_normal: rate, by_step } = law.secant(&limit, length);
         let t = slip * per_slip;
         let k = r.cross(&t);
         let couple = spin.couple(&k).map(|f| f * spin.scale);
@@ -241,6 +284,7 @@ impl Pressed<'_> {
             let relative_by_edge: [Matrix3<f64>; 2] = std::array::from_fn(|e| {
                 moved * by_edge[e].fade.transpose() + (r_cross + turned.by_omega) * by_edge[e].omega
             });
+            let along_step = slip_of_step.try_normalize(0.0).filter(|_| by_step != 0.0);
             for j in 0..count {
                 let mut dr = Matrix3::identity() * (share * c[j]);
                 let mut d_moved = Matrix3::identity() * c[j];
@@ -257,7 +301,16 @@ impl Pressed<'_> {
                     d_relative += relative_by_edge[e] * sign;
                     d_fade += by_edge[e].fade * sign;
                 }
-                let dt = by_relative * d_relative + by_normal * normal[j];
+                let mut dt = by_relative * d_relative + by_normal * normal[j];
+                if let Some(along) = &along_step {
+                    let mut d_of_step = d_relative;
+                    for (e, sign) in part.into_iter().flatten().enumerate() {
+                        d_of_step -= turned.by_omega * by_edge[e].omega * sign;
+                    }
+                    let turns = n.dot(&of_step) / normal_force;
+                    let d_length = along.transpose() * (d_of_step - normal[j] * turns);
+                    dt += slip * by_step * d_length;
+                }
                 let dk = r_cross * dt - t_cross * dr;
                 let d_force = dt * fade + t * d_fade.transpose();
                 for i in 0..count {
@@ -275,11 +328,16 @@ impl Pressed<'_> {
             }
         }
         let (stretch, stored) = match law.stick {
-            Stick::Creep { .. } => (Vector3::zeros(), 0.0),
+            Stick::Never | Stick::Creep { .. } => (Vector3::zeros(), 0.0),
             Stick::Spring { stiffness, .. } => (t / stiffness, 0.5 * t.norm_squared() / stiffness),
         };
+        let slid = match law.stick {
+            Stick::Spring { stiffness, .. } => (length - limit.force / stiffness).max(0.0),
+            Stick::Never | Stick::Creep { .. } => length,
+        };
         Slid {
-            work: t.dot(&(of_step - n * n.dot(&of_step))),
+            slid: law.slid + slid,
+            work: t.dot(&slip_of_step),
             stored,
             stretch,
             slip: length,
@@ -306,7 +364,7 @@ struct Turned {
 impl Turned {
     fn new(stick: &Stick, omega: &Vector3<f64>) -> Self {
         match stick {
-            Stick::Creep { .. } => Self { stretch: Vector3::zeros(), by_omega: Matrix3::zeros() },
+            Stick::Never | Stick::Creep { .. } => Self { stretch: Vector3::zeros(), by_omega: Matrix3::zeros() },
             Stick::Spring { stretch: e, .. } => {
                 let scale = 1.0 / (1.0 + omega.norm_squared()).sqrt();
                 let stretch = (e + omega.cross(e)) * scale;

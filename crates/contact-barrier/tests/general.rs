@@ -2,6 +2,8 @@
 
 use fastrand::Rng;
 use nalgebra::Vector3;
+use std::sync::Arc;
+use stoss_contact::friction::{Coulomb, FrictionLaw};
 use stoss_contact_barrier::{
     GeneralContact, GeneralOptions, Interaction, Interactions, Skin, SkinFacet, check_initial, mitre,
 };
@@ -70,10 +72,11 @@ fn enter(contact: &mut GeneralContact, upper: &std::ops::Range<usize>, rule: Gra
     contact.commit(&At::end(q, &[], &[]));
 }
 
-fn rules(friction: f64) -> Interactions {
+fn rules(mu: f64) -> Interactions {
+    let law = || -> Arc<dyn FrictionLaw> { Arc::new(Coulomb::new(mu).unwrap()) };
     let mut rules = Interactions::none(&[(0, 1.0), (1, 1.0)]);
     for (a, b) in [(0, 0), (0, 1), (1, 1)] {
-        rules.set(a, b, Some(Interaction { modulus: MODULUS, friction }));
+        rules.set(a, b, Some(Interaction { modulus: MODULUS, friction: (mu > 0.0).then(law) }));
     }
     rules
 }

@@ -87,8 +87,8 @@ impl Blocks {
         let young = |block: &Block| if block.is_rigid { f64::INFINITY } else { 200.0 };
         let bodies: Vec<(u32, f64)> = (0..).zip(self.0.iter().map(young)).collect();
         let mut rules = Interactions::none(&bodies);
-        let acts = Some(Interaction { modulus: 100.0, friction: 0.0 });
-        (0..self.count()).for_each(|a| (0..a).for_each(|b| rules.set(a, b, acts)));
+        let acts = Some(Interaction { modulus: 100.0, friction: None });
+        (0..self.count()).for_each(|a| (0..a).for_each(|b| rules.set(a, b, acts.clone())));
         rules
     }
 

@@ -27,8 +27,6 @@ named! {
 named! {
     /// Friction traction in the equations of the midpoint schemes (theory/friction#midpoint). Other schemes use the traction at the end of the step.
     MidpointFriction {
-        /// Return mapping at the midpoint, the traction at the end extrapolated: it can leave the friction cone and oscillate.
-        A = "a",
         /// Return mapping over the step, its result used in the equations: in slip exactly the law, whatever the pressure does from step to step; damps stick. The default.
         B = "b",
         /// Mean of the tractions at both ends of the step, second order where the pressure is smooth; too small where it alternates from step to step.
@@ -107,6 +105,12 @@ pub struct Friction {
 }
 
 impl Friction {
+    /// Coulomb's law with a coefficient.
+    pub fn coulomb(mu: f64) -> Self {
+        let parameters = BTreeMap::from([("mu".to_owned(), Parameter::Number(mu))]);
+        Self { law: "coulomb".to_owned(), given: Sticking::default(), slip: None, parameters }
+    }
+
     /// Names of the laws of the catalogue.
     pub fn names() -> impl Iterator<Item = &'static str> {
         LAWS.iter().map(|entry| entry.law.name)

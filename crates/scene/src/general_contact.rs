@@ -2,11 +2,17 @@
 
 #[cfg(feature = "schema")]
 use crate::Dimension;
-use crate::Integrator;
-use crate::names::named;
 #[cfg(feature = "schema")]
-use schemars::JsonSchema;
+use crate::catalogue;
+use crate::names::named;
+use crate::{Friction, Integrator};
+#[cfg(feature = "schema")]
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
+use std::borrow::Cow;
+#[cfg(feature = "schema")]
+use stoss_contact::friction::LAWS;
 
 named! {
     /// Treatment of bodies that penetrate each other at the start: `refuse` if left out.
@@ -42,10 +48,9 @@ pub struct GeneralContact {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub modulus: Option<f64>,
-    /// Coefficient of friction, not negative, of all pairs of bodies that are not in `pairs`.
+    /// Friction of all pairs of bodies that are not in `pairs`: a coefficient, not negative, or a law, `{ law = "static-dynamic", mu_static = 0.5, mu_dynamic = 0.3, speed = 0.1 }`; frictionless if left out.
     #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
-    pub friction: f64,
+    pub friction: GeneralFriction,
     /// Slip speed (length per time) in dynamics below which friction falls to zero, positive: bodies creep instead of sticking. If left out they stick, like a spring of the shear stiffness of a skin of the thickness of the layer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
@@ -78,14 +83,53 @@ pub struct GeneralContact {
 pub struct GeneralPair {
     /// Names of the two parts, which may be the same.
     pub between: [String; 2],
-    /// Coefficient of friction, not negative; that of `[general_contact]` if left out.
+    /// Friction as in `[general_contact]`, which it has if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
-    pub friction: Option<f64>,
+    pub friction: Option<GeneralFriction>,
     /// Modulus of the contact layer (a stress), positive; it follows from `stiffness` if left out, of two rigid bodies it is the `modulus` of `[general_contact]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
     pub modulus: Option<f64>,
+}
+
+/// Friction of general contact.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum GeneralFriction {
+    /// Coefficient of Coulomb's law, not negative.
+    Coefficient(f64),
+    /// A law with its parameters, without keys of stick and slip.
+    Law(Friction),
+}
+
+impl Default for GeneralFriction {
+    fn default() -> Self {
+        Self::Coefficient(0.0)
+    }
+}
+
+impl GeneralFriction {
+    /// The law with its parameters; none if there is no friction.
+    pub fn law(&self) -> Option<Friction> {
+        match self {
+            Self::Coefficient(mu) => (*mu > 0.0).then(|| Friction::coulomb(*mu)),
+            Self::Law(law) => Some(law.clone()),
+        }
+    }
+}
+
+#[cfg(feature = "schema")]
+impl JsonSchema for GeneralFriction {
+    fn schema_name() -> Cow<'static, str> {
+        "GeneralFriction".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let number = json_schema!({ "description": "Coefficient of friction, not negative.", "type": "number", "format": "double", "x-dimension": Dimension::Number });
+        let laws = LAWS.iter().map(|entry| catalogue::schema(&entry.law, serde_json::Map::new()).into());
+        let ways: Vec<serde_json::Value> = std::iter::once(number.into()).chain(laws).collect();
+        json_schema!({ "description": "A coefficient of friction, or a friction law with its parameters.", "oneOf": ways })
+    }
 }
 
 impl GeneralContact {
@@ -109,7 +153,7 @@ impl Default for GeneralContact {
             thickness: None,
             stiffness: 1.0,
             modulus: None,
-            friction: 0.0,
+            friction: GeneralFriction::default(),
             slip_velocity: None,
             damping: 0.0,
             with_itself: true,

@@ -71,7 +71,7 @@ pub use friction::{Friction, MidpointFriction, Slip, Stick, Sticking};
 pub use general::{
     Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time,
 };
-pub use general_contact::{GeneralContact, GeneralPair, Initial};
+pub use general_contact::{GeneralContact, GeneralFriction, GeneralPair, Initial};
 pub use gravity::Gravity;
 pub use inelastic::{Moduli, Mullins, Plasticity, Rate};
 pub use joint::{

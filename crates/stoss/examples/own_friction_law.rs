@@ -1,7 +1,7 @@
 //! Laws of friction of one's own, used from a scene: Coulomb's bound with a limit of the shear, and viscous friction, which cannot stick.
 //!
 //! Shown: the trait `FrictionLaw`, constructors that read the parameters of a scene, a run with each law.
-//! Checked: derivatives of the traction against differences, the speed of a braked block against closed forms.
+//! Checked: derivatives of the coefficient against differences, the speed of a braked block against closed forms.
 //!
 //! `cargo run --example own_friction_law -p stoss`; docs/how-to-add/friction-law.md explains it.
 
@@ -9,7 +9,7 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 use stoss::build::{FrictionLawResult, LawParameters, OwnLaws, ParameterError, build_with};
-use stoss::contact::friction::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
+use stoss::contact::friction::{Coefficient, FrictionLaw, Sliding};
 use stoss::scene::parse_with;
 
 /// Shear-limited friction, `|tau| <= min(mu p, strength)` (Tresca's bound over Coulomb's).
@@ -23,10 +23,12 @@ impl FrictionLaw for ShearLimited {
     fn name(&self) -> &str {
         "shear-limited"
     }
-    fn traction(&self, input: &FrictionInput) -> FrictionOutput {
-        let coulomb = self.mu * input.pressure.max(0.0);
-        let slope = if input.pressure > 0.0 && coulomb < self.strength { self.mu } else { 0.0 };
-        return_to_bound(input.trial, coulomb.min(self.strength), slope, [0.0; 2])
+    fn coefficient(&self, at: &Sliding) -> Coefficient {
+        if self.mu * at.pressure < self.strength {
+            return Coefficient { value: self.mu, ..Coefficient::default() };
+        }
+        let value = self.strength / at.pressure;
+        Coefficient { value, d_pressure: -value / at.pressure, d_slip: 0.0 }
     }
 }
 
@@ -38,12 +40,11 @@ impl FrictionLaw for Viscous {
     fn name(&self) -> &str {
         "viscous"
     }
-    fn traction(&self, input: &FrictionInput) -> FrictionOutput {
-        let c = if input.pressure > 0.0 { self.0 / input.step_size } else { 0.0 };
-        let (traction, d_slip) = (input.slip.map(|s| c * s), [[c, 0.0], [0.0, c]]);
-        FrictionOutput { traction, d_slip, ..FrictionOutput::default() }
+    fn coefficient(&self, at: &Sliding) -> Coefficient {
+        let slope = self.0 / (at.step_size * at.pressure);
+        Coefficient { value: slope * at.slip, d_pressure: -slope * at.slip / at.pressure, d_slip: slope }
     }
-    fn is_elastic(&self) -> bool {
+    fn sticks(&self) -> bool {
         false
     }
 }
@@ -74,8 +75,13 @@ pub const FRICTION: &str = "{ law = \"shear-limited\", mu = 0.3, strength = 0.4 
 
 /// Speed of the block at the end of [`SLIDING`], with the given entry for the law.
 pub fn final_speed(friction: &str) -> Result<f64, Box<dyn Error>> {
+    speed_of(&SLIDING.replace(FRICTION, friction))
+}
+
+/// Speed of the body 1 of a scene of the mass 1/2 at the end.
+pub fn speed_of(scene: &str) -> Result<f64, Box<dyn Error>> {
     let laws = laws();
-    let scene = parse_with(&SLIDING.replace(FRICTION, friction), "sliding.toml", &laws.names())?;
+    let scene = parse_with(scene, "sliding.toml", &laws.names())?;
     let mut simulation = build_with(&scene, Path::new("."), &laws)?.simulation;
     while !simulation.finished() {
         simulation.advance()?;
@@ -83,25 +89,15 @@ pub fn final_speed(friction: &str) -> Result<f64, Box<dyn Error>> {
     Ok(simulation.body_balance(1).linear_momentum[0] / 0.5)
 }
 
-/// Largest difference between the derivatives of a traction and its central differences at an input.
-fn derivatives(law: &dyn FrictionLaw, input: &FrictionInput) -> f64 {
-    let found = law.traction(input);
-    let mut worst = 0.0_f64;
-    for k in 0..5 {
-        let at = |h: f64| {
-            let mut input = *input;
-            *[&mut input.pressure].into_iter().chain(&mut input.trial).chain(&mut input.slip).nth(k).unwrap() += h;
-            law.traction(&input).traction
-        };
-        let (h, derivative) = (1e-6, |i: usize| match k {
-            0 => found.d_pressure[i],
-            1 | 2 => found.d_trial[i][k - 1],
-            _ => found.d_slip[i][k - 3],
-        });
-        let (plus, minus) = (at(h), at(-h));
-        (0..2).for_each(|i| worst = worst.max(((plus[i] - minus[i]) / (2.0 * h) - derivative(i)).abs()));
-    }
-    worst
+/// Largest difference between the derivatives of a coefficient and its central differences.
+fn derivatives(law: &dyn FrictionLaw, at: &Sliding) -> f64 {
+    let (found, h) = (law.coefficient(at), 1e-6);
+    let slope = |change: &dyn Fn(f64) -> Sliding| {
+        (law.coefficient(&change(h)).value - law.coefficient(&change(-h)).value) / (2.0 * h)
+    };
+    let by_pressure = slope(&|h| Sliding { pressure: at.pressure + h, ..*at });
+    let by_slip = slope(&|h| Sliding { slip: at.slip + h, ..*at });
+    (by_pressure - found.d_pressure).abs().max((by_slip - found.d_slip).abs())
 }
 
 /// Prints and checks.
@@ -109,8 +105,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let laws: [&dyn FrictionLaw; 2] = [&ShearLimited { mu: 0.3, strength: 0.4 }, &Viscous(0.5)];
     for law in laws {
         for pressure in [0.5, 5.0] {
-            let input = FrictionInput { pressure, trial: [0.5, -0.2], slip: [0.02, -0.01], step_size: 0.01, slid: 0.0 };
-            let worst = derivatives(law, &input);
+            let worst = derivatives(law, &Sliding { pressure, slip: 0.02, step_size: 0.01, slid: 0.0 });
             println!("{}, pressure {pressure}: derivatives against differences {worst:.1e}", law.name());
             assert!(worst < 1e-8, "{worst:e}");
         }

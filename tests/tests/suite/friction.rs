@@ -314,12 +314,7 @@ fn mechanical(b: &Balance) -> f64 {
 /// for the steps in which nodes close.
 #[test]
 fn two_blocks_energy_momentum() {
-    for stick in [
-        r#"penalty = 1e4, midpoint = "a""#,
-        r#"penalty = 1e4, midpoint = "b""#,
-        r#"penalty = 1e4, midpoint = "c""#,
-        r#"stick = "multiplier""#,
-    ] {
+    for stick in [r#"penalty = 1e4, midpoint = "b""#, r#"penalty = 1e4, midpoint = "c""#, r#"stick = "multiplier""#] {
         let friction = format!(r#"{{ law = "coulomb", mu = 0.5, {stick} }}"#);
         let mut s = impact("energy-momentum", 0.1, 20.0, &friction);
         let rows = run(&mut s);

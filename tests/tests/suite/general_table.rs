@@ -119,8 +119,11 @@ fn edges_of_a_contact_have_its_friction() {
     assert_eq!(coefficient("", "").0, None);
     let falling = "friction = { law = \"static-dynamic\", mu_static = 0.5, mu_dynamic = 0.3, speed = 1.0 }\n";
     let (plan, warnings) = coefficient(falling, "");
-    assert!(plan.is_some_and(|plan| plan.contains("mu of a and b = 0.3")));
-    assert!(warnings.iter().any(|w| w.contains("contact[0].friction") && w.contains("`mu_dynamic`")), "{warnings:?}");
+    let said = "static-dynamic (mu_dynamic of a and b = 0.3, mu_static of a and b = 0.5, speed of a and b = 1";
+    assert!(plan.as_deref().is_some_and(|plan| plan.contains(said)), "{plan:?}");
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let plan = coefficient(falling, pairs).0.unwrap();
+    assert!(plan.contains("coulomb (mu of a and b = 0.1)") && !plan.contains("static"), "{plan}");
     // Drawn force over pressing force.
     let ratio = |friction: &str, edges: &str| {
         let text = drawn(friction, "[[probe]]\nname = \"f\"\nset = \"b.top\"\nquantity = \"reaction\"\n");

@@ -3,11 +3,58 @@
 #[path = "../../../crates/stoss/examples/own_friction_law.rs"]
 mod example;
 
-use example::{FRICTION, SLIDING, final_speed, laws, shear_limited};
+use example::{FRICTION, SLIDING, final_speed, laws, shear_limited, speed_of};
 use std::path::Path;
 use stoss::build::build_with;
 use stoss::run::{RunError, RunOptions, check_scene_with, run_scene};
 use stoss::scene::{SceneErrors, parse_with};
+
+/// Speed of a point of the mass 1/2 and the weight 5 that is braked from 2 with the bound of a law, by backward Euler as in [`SLIDING`].
+fn braked(tau: impl Fn(f64) -> f64) -> f64 {
+    let (h, mass) = (0.01, 0.5);
+    (0..50).fold(2.0, |v, _| {
+        let (mut low, mut high) = (0.0, v);
+        for _ in 0..60 {
+            let middle: f64 = 0.5 * (low + high);
+            if mass * (middle - v) + h * tau(middle) > 0.0 { high = middle } else { low = middle }
+        }
+        0.5 * (low + high)
+    })
+}
+
+/// Every law works with every method: a block that slides loses what a point with the same bound loses.
+#[test]
+fn every_law_with_every_method() {
+    let entry = format!("friction = {FRICTION}");
+    let [start, end] = ["[[contact]]", "[[probe]]"].map(|table| SLIDING.find(table).unwrap());
+    let p = 5.0;
+    type Tau = fn(f64) -> f64;
+    let laws: [(&str, Tau); 5] = [
+        ("{ law = \"coulomb\", mu = 0.2 }", |_| 1.0),
+        ("{ law = \"static-dynamic\", mu_static = 0.3, mu_dynamic = 0.1, speed = 1.5 }", |v| {
+            5.0 * (0.1 + 0.2 * (-(v / 1.5_f64).powi(2)).exp())
+        }),
+        ("{ law = \"regularised\", mu = 0.2, speed = 1.0 }", |v| v / v.hypot(1.0)),
+        ("{ law = \"shear-limited\", mu = 0.3, strength = 0.4 }", |_| 0.4),
+        ("{ law = \"viscous\", viscosity = 0.5 }", |v| 0.5 * v),
+    ];
+    assert_eq!(p * 0.2, 1.0);
+    for (law, tau) in laws {
+        let expected = braked(tau);
+        for method in ["nts", "mortar", "general"] {
+            let friction = format!("friction = {law}");
+            let scene = match method {
+                "general" => {
+                    format!("{}[general_contact]\n{friction}\n\n{}", &SLIDING[..start], &SLIDING[end..])
+                }
+                _ => SLIDING.replace(&entry, &friction).replace("\"nts\"", &format!("\"{method}\"")),
+            };
+            let speed = speed_of(&scene).unwrap();
+            println!("{method:8} {law:75} {speed:.5} {expected:.5}");
+            assert!((speed / expected - 1.0).abs() < 5e-3, "{method} {law}: {speed} {expected}");
+        }
+    }
+}
 
 /// Without the limit of the shear the law is the catalogue's.
 #[test]

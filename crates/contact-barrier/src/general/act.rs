@@ -2,16 +2,16 @@
 
 use super::GeneralContact;
 use super::contacts::Contact;
+use super::history::Rubbed;
 use super::joint::{Joint, Law, Sums, Term};
 use super::pieces::{Patch, Piece};
 use crate::proximity::Candidate;
 use crate::skin::GUARD;
-use crate::slip::SlipLine;
+use crate::slip::{Slid, SlipLine};
 use crate::{Friction, FrictionForce, Layer, PairStart, PairTerm, StepForce, Stick, Tangent};
 use nalgebra::Vector3;
 use std::ops::Range;
 use stoss_geometry::{ClosestPair, PairKind, closest};
-use stoss_term::GradientRule;
 
 /// Shear stiffness of the layer of a contact that sticks, in moduli over thicknesses: that of an isotropic skin, 1/(2 (1 + nu)).
 const SHEAR: f64 = 0.4;
@@ -26,7 +26,7 @@ pub(super) struct Act {
     pub start: ClosestPair,
     pub end: Candidate,
     pub close: ClosestPair,
-    stretch: Vector3<f64>,
+    rubbed: Rubbed,
     /// The facets that have a part in it, ascending, and the pieces of the patch if these act: places in [`Acts`].
     key: Range<usize>,
     pieces: Range<usize>,
@@ -40,10 +40,9 @@ pub(super) struct ActForce {
     pub energy: f64,
     /// What the damping takes.
     pub dissipated: f64,
-    /// Work of friction, energy of its spring and its stretch.
+    /// Work of friction, and what it has come to.
     pub work: f64,
-    pub stored: f64,
-    pub stretch: Vector3<f64>,
+    pub rubbed: Rubbed,
 }
 
 /// All that acts, by facets.
@@ -97,9 +96,9 @@ impl Acts {
             }
         }
         self.keys.truncate(count);
-        let Contact { weight, thickness, begin, start, stretch, .. } = *contact;
+        let Contact { weight, thickness, begin, start, rubbed, .. } = *contact;
         let (key, pieces) = (key..count, first..self.pieces.len());
-        self.list.push(Act { weight, thickness, begin, start, end, close, stretch, key, pieces });
+        self.list.push(Act { weight, thickness, begin, start, end, close, rubbed, key, pieces });
     }
 
     /// Sorts by facets, what has the same ones in the order in which it was found.
@@ -117,7 +116,7 @@ impl GeneralContact {
         self.contacts = contacts;
         let (mut acts, mut pieces) = (std::mem::take(&mut self.acts), std::mem::take(&mut self.pieces));
         acts.clear();
-        let both = self.rule == GradientRule::DiscreteGradient;
+        let both = !self.at_end;
         for contact in self.contacts.iter() {
             let Some((end, close)) = self.nearest(contact, &self.x) else { continue };
             let patch = self.patch(contact);
@@ -177,19 +176,23 @@ impl GeneralContact {
         self.options.slip_velocity.filter(|_| self.has_rates)
     }
 
-    fn friction(&self, act: &Act) -> Option<Friction> {
+    fn friction(&self, act: &Act) -> Option<Friction<'_>> {
         let [a, b] = act.begin.classes;
-        let interaction = self.rules.between(a, b).filter(|interaction| interaction.friction > 0.0)?;
+        let interaction = self.rules.between(a, b)?;
+        let law = interaction.friction.as_deref()?;
+        let Rubbed { stretch, slid, .. } = act.rubbed;
         let stick = match self.creep() {
+            _ if !law.sticks() => Stick::Never,
             Some(speed) => Stick::Creep { slip_scale: speed * self.step_size },
             None => {
                 // A guard carries alone what points of integration do not see: its spring is that of the area of which its weight is a part.
                 let area = if act.begin.is_integration_point { act.weight } else { act.weight / GUARD };
                 let stiffness = SHEAR * interaction.modulus / self.options.thickness * area;
-                Stick::Spring { stiffness, stretch: act.stretch }
+                Stick::Spring { stiffness, stretch }
             }
         };
-        Some(Friction { coefficient: interaction.friction, stick })
+        // The law sees the pressure of the layer.
+        Some(Friction { law, area: act.weight, step_size: self.step_size, slid, stick })
     }
 
     /// Energy of a contact at positions of the points.
@@ -225,10 +228,9 @@ impl GeneralContact {
         }
         let base = self.gather(act, joint);
         let law = friction.as_ref().map(|law| (law, base));
-        let at_end = self.rule != GradientRule::DiscreteGradient;
-        let Sums { energy, dissipated, slid } = joint.act(&layer, at_end, law, wants_tangent);
-        let slid = slid.unwrap_or_default();
-        ActForce { first: 1, energy, dissipated, work: slid.work, stored: slid.stored, stretch: slid.stretch }
+        let Sums { energy, dissipated, slid } = joint.act(&layer, self.at_end, law, wants_tangent);
+        let Slid { work, stored, stretch, slid, .. } = slid.unwrap_or_default();
+        ActForce { first: 1, energy, dissipated, work, rubbed: Rubbed { stretch, stored, slid } }
     }
 
     /// The terms of a point and a patch over their common list of points; returns the triangle whose spin is no slip.
@@ -242,9 +244,9 @@ impl GeneralContact {
         }
         if joint.terms.is_empty() {
             let slots = act.end.points.map(|p| joint.slot(p));
-            let (slots_n, start) = match self.rule {
-                GradientRule::DiscreteGradient => (act.begin.points.map(|p| joint.slot(p)), act.start),
-                _ => (slots, act.close),
+            let (slots_n, start) = match self.at_end {
+                true => (slots, act.close),
+                false => (act.begin.points.map(|p| joint.slot(p)), act.start),
             };
             joint.terms.push(Term { weight: act.weight, slots_n, start, slots, end: act.close });
         }
@@ -257,7 +259,7 @@ impl GeneralContact {
         &self,
         act: &Act,
         layer: &Layer,
-        friction: Option<&Friction>,
+        friction: Option<&Friction<'_>>,
         joint: &mut Joint,
         wants_tangent: bool,
     ) -> ActForce {
@@ -265,22 +267,28 @@ impl GeneralContact {
         let (x_n, x) = (act.end.of(&self.x_n), act.end.of(&self.x));
         let mut tangent: Tangent = [[0.0; 12]; 12];
         let wanted = wants_tangent.then_some(&mut tangent);
-        let StepForce { barrier, friction } = match self.rule {
-            GradientRule::DiscreteGradient => PairStart::new(term, *layer, &x_n).step(&x, friction, wanted),
-            _ => term.at_end(layer, &x_n, &x, friction, wanted),
+        let StepForce { barrier, friction } = match self.at_end {
+            true => term.at_end(layer, &x_n, &x, friction, wanted),
+            false => PairStart::new(term, *layer, &x_n).step(&x, friction, wanted),
         };
         joint.points.clear();
         joint.points.extend(act.end.points);
         joint.barrier.clear();
         joint.barrier.extend(barrier.gradient);
-        let FrictionForce { gradient, work, stored, stretch, .. } = friction;
+        let FrictionForce { gradient, work, stored, stretch, slid, .. } = friction;
         joint.friction.clear();
         joint.friction.extend(gradient);
         if wants_tangent {
             joint.tangent.clear();
             joint.tangent.extend_from_slice(tangent.as_flattened());
         }
-        ActForce { first: 2, energy: barrier.energy, dissipated: barrier.dissipated, work, stored, stretch }
+        ActForce {
+            first: 2,
+            energy: barrier.energy,
+            dissipated: barrier.dissipated,
+            work,
+            rubbed: Rubbed { stretch, stored, slid },
+        }
     }
 
     /// Friction of what acts, with the normal force at the iterate, along a motion of all points.

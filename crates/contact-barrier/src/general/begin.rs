@@ -1,6 +1,6 @@
 //! Which contacts begin. It is asked where they have no energy, so the answers may be sharp; theory/barrier#begin.
 
-use super::history::{Key, Spring};
+use super::history::{Key, Rubbed, Spring};
 use crate::proximity::{Candidate, nearest};
 use crate::{Interactions, Skin};
 use nalgebra::Vector3;
@@ -60,13 +60,13 @@ impl Scene<'_> {
         x[c.points[0] as usize] - combine(&close.weights, &c.of(x))
     }
 
-    /// The stretch of the spring of the first of these pairs that has one.
-    pub fn stretch(&self, mut keys: impl Iterator<Item = Key>) -> Vector3<f64> {
+    /// Friction of the first of these pairs that had some.
+    pub fn rubbed(&self, mut keys: impl Iterator<Item = Key>) -> Rubbed {
         if self.springs.is_empty() {
-            return Vector3::zeros();
+            return Rubbed::default();
         }
         let of = |key: Key| self.springs.binary_search_by_key(&key, |spring| spring.key).ok();
-        keys.find_map(of).map_or_else(Vector3::zeros, |place| self.springs[place].stretch)
+        keys.find_map(of).map_or_else(Rubbed::default, |place| self.springs[place].rubbed)
     }
 
     /// The two configurations of which one suffices: at the start of the step, and at its predictor.

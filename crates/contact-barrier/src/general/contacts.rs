@@ -2,7 +2,7 @@
 
 use super::GeneralContact;
 use super::begin::Scene;
-use super::history::{Held, Key};
+use super::history::{Held, Key, Rubbed};
 use super::pieces::{Patch, PieceList};
 use crate::proximity::{Candidate, nearest};
 use nalgebra::Vector3;
@@ -28,8 +28,8 @@ pub(super) struct Contact {
     pub several_n: bool,
     /// Whether the pieces of the patch act one by one in any case.
     pub by_pieces: bool,
-    /// Of the spring of friction at the start of the step.
-    pub stretch: Vector3<f64>,
+    /// Friction at the start of the step.
+    pub rubbed: Rubbed,
 }
 
 impl Contact {
@@ -146,7 +146,7 @@ impl Contacts {
                 begun
             }
         };
-        let stretch = scene.stretch([key].into_iter());
+        let rubbed = scene.rubbed([key].into_iter());
         self.list.push(Contact {
             members,
             weight,
@@ -156,7 +156,7 @@ impl Contacts {
             inside_n: start.distance_squared < thickness * thickness,
             several_n: false,
             by_pieces: false,
-            stretch,
+            rubbed,
         });
     }
 
@@ -253,7 +253,7 @@ impl Contacts {
             let c = &scene.candidates[k as usize];
             (c.kind, c.points)
         };
-        let stretch = scene.stretch(of.iter().map(key));
+        let rubbed = scene.rubbed(of.iter().map(key));
         self.list.push(Contact {
             members: patch,
             weight,
@@ -263,7 +263,7 @@ impl Contacts {
             inside_n,
             several_n,
             by_pieces,
-            stretch,
+            rubbed,
         });
     }
 }

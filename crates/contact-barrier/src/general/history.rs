@@ -16,7 +16,7 @@ const KINDS: [PairKind; 4] =
 /// Bytes of a key, a contact, and a spring in a checkpoint; the number of contacts comes first.
 const KEY: usize = 17;
 const HELD: usize = KEY + 16;
-const SPRING: usize = KEY + 32;
+const SPRING: usize = KEY + 40;
 const COUNT: usize = 8;
 
 /// A contact that is in its layer at the end of a step.
@@ -27,13 +27,21 @@ pub(super) struct Held {
     pub thickness: f64,
 }
 
-/// The friction of a contact that sticks, at the end of a step.
+/// What friction of a contact has come to at the end of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Rubbed {
+    /// Stretch and energy of the spring of a contact that sticks.
+    pub stretch: Vector3<f64>,
+    pub stored: f64,
+    /// Path slid in this contact.
+    pub slid: f64,
+}
+
+/// Friction of a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spring {
     pub key: Key,
-    pub stretch: Vector3<f64>,
-    /// Its energy.
-    pub stored: f64,
+    pub rubbed: Rubbed,
 }
 
 /// The state between two steps, both lists ascending.
@@ -48,16 +56,16 @@ impl GeneralContact {
     pub(super) fn history_at_end(&self) -> History {
         let mut history = History::default();
         let mut joint = Joint::default();
-        let has_springs = self.creep().is_none() && self.rules.has_friction();
+        let has_friction = self.rules.has_friction();
         for act in &self.acts {
             let key = (act.end.kind, act.end.points);
             if act.close.distance_squared < act.thickness * act.thickness {
                 history.held.push(Held { key, weight: act.weight, thickness: act.thickness });
             }
-            if has_springs {
-                let force = self.force(act, &mut joint, false);
-                if force.stored > 0.0 {
-                    history.springs.push(Spring { key, stretch: force.stretch, stored: force.stored });
+            if has_friction {
+                let rubbed = self.force(act, &mut joint, false).rubbed;
+                if rubbed != Rubbed::default() {
+                    history.springs.push(Spring { key, rubbed });
                 }
             }
         }
@@ -80,9 +88,9 @@ impl History {
             save_key(key, &mut out);
             [weight, thickness].into_iter().for_each(|value| out.extend_from_slice(&value.to_le_bytes()));
         }
-        for Spring { key, stretch, stored } in springs {
+        for Spring { key, rubbed: Rubbed { stretch, stored, slid } } in springs {
             save_key(key, &mut out);
-            stretch.iter().chain([stored]).for_each(|value| out.extend_from_slice(&value.to_le_bytes()));
+            stretch.iter().chain([stored, slid]).for_each(|value| out.extend_from_slice(&value.to_le_bytes()));
         }
         out
     }
@@ -129,7 +137,7 @@ impl History {
         });
         let springs = springs.chunks_exact(SPRING).map(|chunk| {
             let stretch = Vector3::new(value(chunk, 0), value(chunk, 1), value(chunk, 2));
-            Ok(Spring { key: key(chunk)?, stretch, stored: value(chunk, 3) })
+            Ok(Spring { key: key(chunk)?, rubbed: Rubbed { stretch, stored: value(chunk, 3), slid: value(chunk, 4) } })
         });
         Ok(Self { held: held.collect::<Result<_, _>>()?, springs: springs.collect::<Result<_, _>>()? })
     }

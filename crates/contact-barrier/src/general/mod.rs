@@ -61,7 +61,8 @@ pub struct GeneralContact {
     rules: Interactions,
     options: GeneralOptions,
     proximity: Proximity,
-    rule: GradientRule,
+    /// Whether forces are those of the end of the step, or between its two states.
+    at_end: bool,
     step_size: f64,
     has_rates: bool,
     /// Positions of the points at the start of the step and at the iterate.
@@ -110,7 +111,7 @@ impl GeneralContact {
             skin,
             rules,
             options,
-            rule: GradientRule::EndPoint,
+            at_end: true,
             step_size: 0.0,
             has_rates: false,
             x_n: Vec::new(),
@@ -152,7 +153,7 @@ impl GeneralContact {
             predicted,
             springs: &self.history.springs,
             thickness: self.options.thickness,
-            between_states: self.rule == GradientRule::DiscreteGradient,
+            between_states: !self.at_end,
         }
     }
 
@@ -179,10 +180,15 @@ impl Term for GeneralContact {
 
     fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
         let Step { q_n, v_n, .. } = *step;
-        (self.rule, self.step_size, self.has_rates) = (step.rule, step.dt, step.rates);
-        if !matches!(self.rule, GradientRule::DiscreteGradient | GradientRule::EndPoint) {
-            return Err(ContactError::RuleUnavailable { method: "general", rule: format!("{:?}", self.rule) }.into());
-        }
+        (self.step_size, self.has_rates) = (step.dt, step.rates);
+        self.at_end = match step.rule {
+            GradientRule::EndPoint => true,
+            GradientRule::DiscreteGradient => false,
+            GradientRule::StartPoint | GradientRule::Midpoint | GradientRule::EndPointMean => {
+                let rule = format!("{:?}", step.rule);
+                return Err(ContactError::RuleUnavailable { method: "general", rule }.into());
+            }
+        };
         if let Some(history) = self.next_history.take() {
             self.history = history;
         }
@@ -269,14 +275,14 @@ impl Term for GeneralContact {
     fn work(&self, _at: &At<'_>) -> Result<Work, Fault> {
         let (mut work, mut joint) = (Work::default(), Joint::default());
         for act in &self.acts {
-            let ActForce { energy, dissipated, work: by_friction, stored, .. } = self.force(act, &mut joint, false);
-            work.stored += energy + stored;
-            work.friction_stored += stored;
+            let ActForce { energy, dissipated, work: by_friction, rubbed, .. } = self.force(act, &mut joint, false);
+            work.stored += energy + rubbed.stored;
+            work.friction_stored += rubbed.stored;
             work.friction_work += by_friction;
             work.damped += dissipated;
         }
         // Springs whose contacts have gone lose their energy.
-        let before: f64 = self.history.springs.iter().map(|spring| spring.stored).sum();
+        let before: f64 = self.history.springs.iter().map(|spring| spring.rubbed.stored).sum();
         work.dissipated = work.damped + (work.friction_work + before - work.friction_stored).max(0.0);
         Ok(work)
     }

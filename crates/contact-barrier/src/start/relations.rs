@@ -56,7 +56,7 @@ pub(super) fn enclosed(bodies: &dyn Bodies, rules: &Interactions, reference: &[f
         return None;
     }
     let mut all = Interactions::none(&(0..count).map(|part| (part, 1.0)).collect::<Vec<_>>());
-    pairs.iter().for_each(|&[a, b]| all.set(a, b, Some(Interaction { modulus: 1.0, friction: 0.0 })));
+    pairs.iter().for_each(|&[a, b]| all.set(a, b, Some(Interaction { modulus: 1.0, friction: None })));
     let facets = (0..count)
         .filter(|part| pairs.iter().any(|pair| pair.contains(part)))
         .flat_map(|class| bodies.surface(class).into_iter().map(move |nodes| SkinFacet { nodes, class }));

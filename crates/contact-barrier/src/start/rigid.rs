@@ -95,8 +95,8 @@ pub(super) fn fits(
     let inner = inner.map(|facet| SkinFacet { nodes: facet.nodes.map(number), class: INNER });
     let both = Skin::new(all.iter().copied().chain(inner).collect(), &q, &|_| None);
     let mut rules = Interactions::none(&[OUTER, INNER, STAYS].map(|class| (class, 1.0)));
-    let acts = Some(Interaction { modulus: 1.0, friction: 0.0 });
-    [OUTER, STAYS].into_iter().for_each(|class| rules.set(class, INNER, acts));
+    let acts = Some(Interaction { modulus: 1.0, friction: None });
+    [OUTER, STAYS].into_iter().for_each(|class| rules.set(class, INNER, acts.clone()));
     let look = check_initial(&both, &rules, &q, depth);
     let nearest = look.nearest.get(&[OUTER, INNER]);
     look.crossings.is_empty() && nearest.is_none_or(|nearest| nearest.distance >= LEAST * depth)

@@ -1,10 +1,61 @@
 //! Friction: both momenta, work and loss, rigid motions, Coulomb's bound, and tangents against central differences.
 
 use super::*;
+use stoss_contact::friction::{Coefficient, FrictionLaw, Sliding};
 use stoss_contact_barrier::{Friction, StepForce, Stick};
 
 const SLIP_SCALE: f64 = 0.05;
-const LAW: Friction = Friction { coefficient: 0.4, stick: Stick::Creep { slip_scale: SLIP_SCALE } };
+const MU: f64 = 0.4;
+const CREEP: Stick = Stick::Creep { slip_scale: SLIP_SCALE };
+const LAW: Friction<'static> = Friction { law: &Constant(MU), area: 0.5, step_size: 0.1, slid: 0.3, stick: CREEP };
+
+/// Coulomb's law.
+#[derive(Debug)]
+struct Constant(f64);
+
+impl FrictionLaw for Constant {
+    fn name(&self) -> &str {
+        "constant"
+    }
+    fn coefficient(&self, _at: &Sliding) -> Coefficient {
+        Coefficient { value: self.0, ..Coefficient::default() }
+    }
+}
+
+/// A coefficient of at most [`MU`] that falls with the pressure and with the speed of slip; without stick it begins at zero.
+#[derive(Debug)]
+struct Falling {
+    sticks: bool,
+}
+
+impl FrictionLaw for Falling {
+    fn name(&self) -> &str {
+        "falling"
+    }
+    fn coefficient(&self, at: &Sliding) -> Coefficient {
+        let (v, rate) = (at.slip / at.step_size, 1.0 / at.step_size);
+        let (by_pressure, falls) = (MU / (1.0 + at.pressure), 1.0 / (1.0 + at.pressure));
+        let (of_speed, slope) = match self.sticks {
+            true => ((1.0 + v).recip(), -(1.0 + v).powi(-2)),
+            false => (v / (1.0 + v * v), (1.0 - v * v) / (1.0 + v * v).powi(2)),
+        };
+        Coefficient {
+            value: by_pressure * of_speed,
+            d_pressure: -by_pressure * falls * of_speed,
+            d_slip: by_pressure * slope * rate,
+        }
+    }
+    fn sticks(&self) -> bool {
+        self.sticks
+    }
+}
+
+/// A constant coefficient, one that depends on pressure and speed, and a law without stick.
+const LAWS: [Friction<'static>; 3] = [
+    LAW,
+    Friction { law: &Falling { sticks: true }, ..LAW },
+    Friction { law: &Falling { sticks: false }, stick: Stick::Never, ..LAW },
+];
 const TOUCHING: [PairKind; 2] = [PairKind::VertexTriangle, PairKind::EdgeEdge];
 
 /// A pair of the size 1 with a distance of one to a thousandth of the layer at the start, and its motion. One in four is nearly or exactly degenerate: parallel edges, a triangle close to a line.
@@ -51,7 +102,7 @@ fn check(kind: PairKind, force: &StepForce, x_n: &Points, x: &Points, about: &Po
     let moment: Vector3<f64> = (0..4).map(|i| (about[i] - center).cross(&g[i])).sum();
     let size = (0..4).map(|i| (about[i] - center).norm()).fold(0.0, f64::max);
     // The moment to be carried is of this length; near a degenerate pair it loses the digits of the sine at which friction fades.
-    let carried = 4.0 * friction.tangential_force.max(LAW.coefficient * friction.normal_force) * size;
+    let carried = 4.0 * friction.tangential_force.max(MU * friction.normal_force) * size;
     let lost = if sine(kind, about) > 0.1 { 1e-14 } else { 1e-12 };
     assert!(moment.norm() <= 1e-14 * scale * size + lost * carried, "{kind:?} {:e} {scale} {about:?}", moment.norm());
     let (mut work, mut terms) = (0.0, 0.0);
@@ -62,7 +113,7 @@ fn check(kind: PairKind, force: &StepForce, x_n: &Points, x: &Points, about: &Po
     assert!((work - friction.work).abs() <= 1e-13 * terms, "{kind:?} {work:e} {:e} {terms:e}", friction.work);
     // Of friction that creeps, which stores nothing.
     assert!(friction.work >= 0.0 || friction.stored > 0.0);
-    assert!(friction.tangential_force <= LAW.coefficient * friction.normal_force * (1.0 + 1e-14));
+    assert!(friction.tangential_force <= MU * friction.normal_force * (1.0 + 1e-14));
     let on_first: Vector3<f64> = g[..kind.first_count()].iter().sum();
     assert!((on_first.norm() - friction.tangential_force).abs() <= 1e-13 * scale);
 }
@@ -85,7 +136,8 @@ fn friction_takes_energy_and_keeps_both_momenta() {
         let (x_n, x) = pressed(&mut random, kind);
         let damping = if random.bool() { 0.0 } else { 0.1 };
         let start = start(kind, damping, &x_n);
-        let force = start.step(&x, Some(&LAW), None);
+        let law = LAWS[random.usize(..3)];
+        let force = start.step(&x, Some(&law), None);
         assert_eq!(force.barrier, start.force(&x, None));
         let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
         check(kind, &force, &x_n, &x, &middle);
@@ -97,9 +149,9 @@ fn friction_takes_energy_and_keeps_both_momenta() {
         assert!((normal.norm() - force.friction.normal_force).abs() <= 1e-13 * size, "{kind:?}");
         // What is left of the motion along the normal, where the slip is small against it.
         let motion = (0..4).map(|i| (x[i] - x_n[i]).norm()).fold(0.0, f64::max);
-        let left = LAW.coefficient * normal.norm() * motion / force.friction.slip.max(SLIP_SCALE);
+        let left = normal.norm() * motion / force.friction.slip.max(SLIP_SCALE);
         assert!(normal.dot(&friction).abs() <= 1e-13 * size * (largest(&force.friction.gradient) + left), "{kind:?}");
-        check(kind, &term(kind).at_end(&LAYER, &x_n, &x, Some(&LAW), None), &x_n, &x, &x);
+        check(kind, &term(kind).at_end(&LAYER, &x_n, &x, Some(&law), None), &x_n, &x, &x);
         acting += usize::from(force.friction.work > 0.0);
         full += usize::from(force.friction.slip > SLIP_SCALE);
         features.insert(format!("{:?} {:?}", kind, closest(kind, &x).feature()));
@@ -165,7 +217,7 @@ fn where_there_is_no_friction() {
         let (x_n, x) = states(&mut random, kind);
         let pair = start(kind, 0.0, &x_n);
         // No coefficient; too few points.
-        let law = if k % 4 < 2 { Friction { coefficient: 0.0, ..LAW } } else { LAW };
+        let law = if k % 4 < 2 { Friction { law: &Constant(0.0), ..LAW } } else { LAW };
         let (mut with, mut without) = ([[f64::NAN; 12]; 12], [[f64::NAN; 12]; 12]);
         let force = pair.step(&x, Some(&law), Some(&mut with));
         assert!(none(force.friction) && force.barrier == pair.force(&x, Some(&mut without)) && with == without);
@@ -207,11 +259,12 @@ fn tangents_with_friction_are_derivatives() {
         {
             continue;
         }
+        let law = &LAWS[k / 2 % 3];
         let pair = start(kind, if random.bool() { 0.0 } else { 0.1 }, &x_n);
         // Friction alone: a difference of the tangents.
-        let friction_tangent = |step: &dyn Fn(Option<&Friction>, &mut Tangent)| {
+        let friction_tangent = |step: &dyn Fn(Option<&Friction<'_>>, &mut Tangent)| {
             let (mut with, mut without) = ([[f64::NAN; 12]; 12], [[f64::NAN; 12]; 12]);
-            step(Some(&LAW), &mut with);
+            step(Some(law), &mut with);
             step(None, &mut without);
             let size = without.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
             for i in 0..12 {
@@ -219,7 +272,7 @@ fn tangents_with_friction_are_derivatives() {
             }
             (with, size)
         };
-        let here = pair.step(&x, Some(&LAW), None);
+        let here = pair.step(&x, Some(law), None);
         // The slip and the normal force are large against the step of the differences, and nothing lets go.
         let lets_go = |x: &Points| largest(&pair.force(x, None).gradient) == 0.0;
         if here.friction.normal_force < 1e-3
@@ -229,15 +282,14 @@ fn tangents_with_friction_are_derivatives() {
             continue;
         }
         let (tangent, size) = friction_tangent(&|law, t| _ = pair.step(&x, law, Some(t)));
-        let (difference, scale) =
-            error(&tangent, &central(&x, s, |x| pair.step(x, Some(&LAW), None).friction.gradient));
+        let (difference, scale) = error(&tangent, &central(&x, s, |x| pair.step(x, Some(law), None).friction.gradient));
         assert!(
             difference <= 1e-5 * scale + 1e-12 * size + 1e-7,
             "{kind:?} {motion} {difference:e} {scale:e} {size:e} {x_n:?} {x:?}"
         );
         worst = worst.max(difference / scale);
         if LAYER.is_inside(end.distance_squared) {
-            let at_end = |x: &Points| term(kind).at_end(&LAYER, &x_n, x, Some(&LAW), None).friction.gradient;
+            let at_end = |x: &Points| term(kind).at_end(&LAYER, &x_n, x, Some(law), None).friction.gradient;
             let (tangent, size) = friction_tangent(&|law, t| _ = term(kind).at_end(&LAYER, &x_n, &x, law, Some(t)));
             let (difference, scale) = error(&tangent, &central(&x, s, at_end));
             assert!(
@@ -257,11 +309,11 @@ fn tangents_with_friction_are_derivatives() {
 }
 
 /// A spring of any stretch across the normal, and one of a stiffness at which about half of the pairs slide.
-fn spring(random: &mut Rng, kind: PairKind, x_n: &Points) -> Friction {
+fn spring(random: &mut Rng, kind: PairKind, x_n: &Points, law: Friction<'static>) -> Friction<'static> {
     let pair = closest(kind, x_n);
     let n = stoss_geometry::combine(&pair.weights, x_n).normalize();
     let e = vector(random) * 10f64.powf(-4.0 * random.f64());
-    Friction { stick: Stick::Spring { stiffness: 10f64.powf(3.0 * random.f64()), stretch: e - n * n.dot(&e) }, ..LAW }
+    Friction { stick: Stick::Spring { stiffness: 10f64.powf(3.0 * random.f64()), stretch: e - n * n.dot(&e) }, ..law }
 }
 
 #[test]
@@ -271,7 +323,7 @@ fn a_spring_gives_back_what_it_has_and_takes_the_rest() {
     for k in 0..40_000 {
         let kind = TOUCHING[k % 2];
         let (x_n, x) = pressed(&mut random, kind);
-        let law = spring(&mut random, kind, &x_n);
+        let law = spring(&mut random, kind, &x_n, LAW);
         let Stick::Spring { stiffness, stretch } = law.stick else { unreachable!() };
         let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
         for (force, about) in [
@@ -294,7 +346,7 @@ fn a_spring_gives_back_what_it_has_and_takes_the_rest() {
             if friction.tangential_force == 0.0 {
                 continue;
             }
-            let limit = LAW.coefficient * friction.normal_force;
+            let limit = MU * friction.normal_force;
             let slides = stiffness * friction.slip > limit;
             // What is carried over is what was felt.
             let felt = if slides { limit } else { stiffness * friction.slip };
@@ -323,14 +375,16 @@ fn tangents_with_springs_are_derivatives() {
         {
             continue;
         }
-        let law = spring(&mut random, kind, &x_n);
-        let Stick::Spring { stiffness, .. } = law.stick else { unreachable!() };
+        let law = spring(&mut random, kind, &x_n, LAWS[k / 2 % 2]);
         let at_end = |x: &Points| term(kind).at_end(&LAYER, &x_n, x, Some(&law), None).friction;
         let here = at_end(&x);
-        // The slip and the normal force are large against the step of the differences, and the kink is far.
-        let near = (stiffness * here.slip / (LAW.coefficient * here.normal_force) - 1.0).abs();
-        if here.normal_force < 1e-3 || here.slip < 100.0 * s || near < 1e-3 * (1.0 + s * stiffness / here.normal_force)
-        {
+        // The slip and the normal force are large against the step of the differences, and none of its states is across the kink.
+        let slides = |x: &Points| {
+            let friction = at_end(x);
+            friction.stretch.norm() < (1.0 - 1e-9) * friction.slip
+        };
+        let changes = (0..12).any(|j| [2.0 * s, -2.0 * s].iter().any(|h| slides(&moved(&x, j, *h)) != slides(&x)));
+        if here.normal_force < 1e-3 || here.slip < 100.0 * s || changes {
             continue;
         }
         let (mut with, mut without) = ([[f64::NAN; 12]; 12], [[f64::NAN; 12]; 12]);
@@ -347,7 +401,7 @@ fn tangents_with_springs_are_derivatives() {
         );
         worst = worst.max(difference / scale);
         *checked.entry(format!("{:?} {:?}", kind, end.feature())).or_insert(0) += 1;
-        sliding += usize::from(stiffness * here.slip > LAW.coefficient * here.normal_force);
+        sliding += usize::from(slides(&x));
     }
     println!("worst {worst:e}, {checked:?}, sliding {sliding}");
     assert!(checked.len() == 16 && checked.values().all(|&n| n > 10), "{checked:?}");
@@ -397,7 +451,7 @@ fn a_spring_turns_with_its_pair() {
         if sine(kind, &x_n) < 0.1 || !LAYER.is_inside(closest(kind, &x_n).distance_squared) {
             continue;
         }
-        let law = spring(&mut random, kind, &x_n);
+        let law = spring(&mut random, kind, &x_n, LAW);
         let Stick::Spring { stretch, .. } = law.stick else { unreachable!() };
         let law = Friction { stick: Stick::Spring { stiffness: 1e-6, stretch }, ..LAW };
         let mut axis = vector(&mut random);

@@ -155,9 +155,13 @@ impl MortarContact {
         match self.rule {
             GradientRule::EndPoint if yang => start,
             GradientRule::EndPoint => present,
-            // A node that had no partner has the area of the middle.
-            _ if start > 0.0 => start,
-            _ => present,
+            GradientRule::StartPoint
+            | GradientRule::Midpoint
+            | GradientRule::EndPointMean
+            | GradientRule::DiscreteGradient => {
+                // A node that had no partner has the area of the middle.
+                if start > 0.0 { start } else { present }
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! Coulomb's law.
 
 use super::check;
-use super::law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
+use super::law::{Coefficient, FrictionLaw, Sliding};
 use crate::ContactError;
 
 /// Coulomb's law `|tau| <= mu p` (theory/friction#eq-coulomb).
@@ -25,8 +25,7 @@ impl FrictionLaw for Coulomb {
         "coulomb"
     }
 
-    fn traction(&self, input: &FrictionInput) -> FrictionOutput {
-        let slope = if input.pressure > 0.0 { self.mu } else { 0.0 };
-        return_to_bound(input.trial, slope * input.pressure, slope, [0.0; 2])
+    fn coefficient(&self, _at: &Sliding) -> Coefficient {
+        Coefficient { value: self.mu, ..Coefficient::default() }
     }
 }

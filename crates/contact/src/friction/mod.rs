@@ -1,6 +1,6 @@
 //! Friction of one contact point: laws and their time stepping (theory/friction).
 //!
-//! * [`FrictionLaw`]: tangential traction from pressure, trial traction, slip and step size. The catalogue: [`Coulomb`],
+//! * [`FrictionLaw`]: the coefficient from pressure, slip, step size and path. The catalogue: [`Coulomb`],
 //!   [`StaticDynamic`], [`Regularised`], in the rows [`LAWS`]. A law of one's own implements the trait and needs nothing else;
 //! * [`Friction`]: a law with its tangential stiffness, the way stick is enforced and the time stepping; [`Friction::step`] does the
 //!   step of one point and says what was stored and what was dissipated;
@@ -26,7 +26,7 @@ mod step;
 pub use belt::SurfaceVelocity;
 pub use coulomb::Coulomb;
 pub use iteration::{AugmentationRound, ConvergedPoint, MAX_AUGMENTATIONS, PointIteration, Stiffening};
-pub use law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
+pub use law::{Coefficient, FrictionLaw, Sliding};
 pub use registry::{FrictionEntry, LAWS, entry};
 pub use regularised::Regularised;
 pub use static_dynamic::StaticDynamic;

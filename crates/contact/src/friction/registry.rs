@@ -15,9 +15,9 @@ pub struct FrictionEntry {
 }
 
 impl FrictionEntry {
-    /// Whether the law has stick, and with it a tangential stiffness ([`FrictionLaw::is_elastic`]).
+    /// Whether the law has stick, and with it a tangential stiffness ([`FrictionLaw::sticks`]).
     pub fn sticks(&self) -> bool {
-        self.law.of_examples().is_ok_and(|law| law.is_elastic())
+        self.law.of_examples().is_ok_and(|law| law.sticks())
     }
 }
 
@@ -110,6 +110,7 @@ pub const LAWS: &[FrictionEntry] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::friction::Sliding;
 
     /// The examples of a row are a law of its name; its coefficient bounds traction over pressure at all speeds, and is reached at one.
     #[test]
@@ -117,15 +118,17 @@ mod tests {
         for entry in LAWS {
             let row = &entry.law;
             let law = row.of_examples().unwrap();
-            assert_eq!((law.name(), law.is_elastic()), (row.name, entry.sticks()));
+            assert_eq!((law.name(), law.sticks()), (row.name, entry.sticks()));
             for left_out in row.parameters() {
                 let fewer = row.parameters().filter(|p| p.name != left_out.name).map(|p| (p.name, p.example));
                 assert_eq!(row.with(fewer).unwrap_err().parameter, left_out.name);
             }
             let Some(name) = entry.coefficient else { continue };
             let largest = row.parameters().find(|p| p.name == name).unwrap().example.number();
-            let reached =
-                [0.0, 1e-3, 0.1, 1.0, 1e100].map(|speed| law.coefficient(speed)).into_iter().fold(0.0, f64::max);
+            let reached = [0.0, 1e-3, 0.1, 1.0, 1e100]
+                .map(|speed| law.coefficient(&Sliding::steady(speed)).value)
+                .into_iter()
+                .fold(0.0, f64::max);
             assert_eq!(reached, largest, "{}", row.name);
         }
     }
@@ -141,7 +144,9 @@ mod tests {
     /// `mu_d + (mu_s - mu_d) exp(-(v / v_c)^2)`, and `mu v / sqrt(v^2 + v_0^2)` (theory/friction).
     #[test]
     fn coefficients_of_steady_slip() {
-        let at = |law: &str, speed| entry(law).unwrap().law.of_examples().unwrap().coefficient(speed);
+        let at = |law: &str, speed| {
+            entry(law).unwrap().law.of_examples().unwrap().coefficient(&Sliding::steady(speed)).value
+        };
         assert_eq!((at("coulomb", 0.0), at("coulomb", 3.0)), (0.3, 0.3));
         assert!((at("static-dynamic", 0.5) - (0.3 + 0.2 / 1f64.exp())).abs() < 1e-15);
         assert!((at("regularised", 0.2) - 0.3 / 2f64.sqrt()).abs() < 1e-15);

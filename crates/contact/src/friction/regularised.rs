@@ -1,7 +1,7 @@
 //! Friction without stick.
 
 use super::check;
-use super::law::{FrictionInput, FrictionLaw, FrictionOutput};
+use super::law::{Coefficient, FrictionLaw, Sliding};
 use crate::ContactError;
 
 /// Coulomb's law, smoothed over the speed: `tau = mu p v / sqrt(|v|^2 + v_0^2)` with the mean velocity `v` of the slip in the step.
@@ -32,27 +32,17 @@ impl FrictionLaw for Regularised {
         "regularised"
     }
 
-    fn traction(&self, input: &FrictionInput) -> FrictionOutput {
-        let length = self.speed * input.step_size;
-        let [x, y] = input.slip;
-        let root = (x * x + y * y + length * length).sqrt();
-        if root == 0.0 || input.pressure <= 0.0 {
-            return FrictionOutput::default();
+    fn coefficient(&self, at: &Sliding) -> Coefficient {
+        let length = self.speed * at.step_size;
+        let root = at.slip.hypot(length);
+        if root == 0.0 {
+            return Coefficient::default();
         }
-        let unit = [x / root, y / root];
-        let bound = self.mu * input.pressure;
-        FrictionOutput {
-            traction: unit.map(|u| bound * u),
-            sticks: false,
-            d_pressure: unit.map(|u| self.mu * u),
-            d_trial: [[0.0; 2]; 2],
-            d_slip: std::array::from_fn(|i| {
-                std::array::from_fn(|j| bound / root * (f64::from(u8::from(i == j)) - unit[i] * unit[j]))
-            }),
-        }
+        let [sine, cosine] = [at.slip / root, length / root];
+        Coefficient { value: self.mu * sine, d_pressure: 0.0, d_slip: self.mu * cosine * cosine / root }
     }
 
-    fn is_elastic(&self) -> bool {
+    fn sticks(&self) -> bool {
         false
     }
 }

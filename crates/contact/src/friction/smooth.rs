@@ -1,6 +1,6 @@
 //! A return that has no kink: the traction keeps inside of its bound (theory/friction#eq-smoothed-return).
 
-use super::law::{FrictionOutput, Plane};
+use super::law::{Bound, Plane, Traction, direction};
 
 /// Most iterations for the root; bisection alone takes as many as a number has digits.
 const MAX_ITERATIONS: u32 = 60;
@@ -31,15 +31,15 @@ fn ratio(eta: f64, epsilon: f64) -> f64 {
 /// The traction `t` that minimises `|t - trial|^2 / 2 - theta^2 ln(r^2 - |t|^2)`, with its derivatives: inside of the bound `r`, and the return to it without smoothing. At the solution of
 /// `t = return(t + k s)` the slip is `k s = 2 theta^2 t / (r^2 - |t|^2)`, the path of an interior point, as `p c gap = theta^2` is that of pressures.
 ///
-/// `bound`: what the law returns far beyond the bound along `trial`; `theta > 0`: a traction.
-pub(super) fn smoothed_return(trial: Plane, bound: &FrictionOutput, theta: f64) -> FrictionOutput {
-    let r = bound.traction[0].hypot(bound.traction[1]);
+/// `theta > 0`: a traction.
+pub(super) fn smoothed_return(trial: Plane, bound: &Bound, slip: Plane, theta: f64) -> Traction {
+    let r = bound.traction;
     let y = trial[0].hypot(trial[1]);
     let epsilon = 2.0 * (theta / r).powi(2);
     if r == 0.0 || !epsilon.is_finite() {
-        return FrictionOutput { sticks: true, ..FrictionOutput::default() };
+        return Traction { sticks: true, ..Traction::default() };
     }
-    let n = bound.traction.map(|t| t / r);
+    let n = direction(trial);
     let eta = y / r;
     let w = ratio(eta, epsilon);
     let tau = eta / w;
@@ -48,17 +48,18 @@ pub(super) fn smoothed_return(trial: Plane, bound: &FrictionOutput, theta: f64) 
     let stiffness = room + 2.0 * epsilon * tau * tau / room + epsilon;
     let (by_eta, by_epsilon) = (room / stiffness, -tau / stiffness);
     let by_bound = tau - eta * by_eta - 2.0 * epsilon * by_epsilon;
-    FrictionOutput {
+    let by_slip = direction(slip).map(|s| by_bound * bound.d_slip * s);
+    Traction {
         traction: trial.map(|t| t / w),
         sticks: true,
-        d_pressure: bound.d_pressure.map(|d| by_bound * d),
+        d_pressure: n.map(|n| by_bound * bound.d_pressure * n),
         d_trial: std::array::from_fn(|i| {
             std::array::from_fn(|j| {
                 let along = n[i] * n[j];
                 by_eta * along + (f64::from(u8::from(i == j)) - along) / w
             })
         }),
-        d_slip: bound.d_slip.map(|row| row.map(|d| by_bound * d)),
+        d_slip: n.map(|n| by_slip.map(|s| n * s)),
     }
 }
 
@@ -67,9 +68,8 @@ mod tests {
     use super::super::law::return_to_bound;
     use super::*;
 
-    fn bound(trial: Plane, mu: f64, p: f64) -> FrictionOutput {
-        let far = 1e6 * (1.0 + p) / trial[0].hypot(trial[1]);
-        return_to_bound(trial.map(|t| far * t), mu * p, mu, [0.0; 2])
+    fn bound(mu: f64, p: f64) -> Bound {
+        Bound { traction: mu * p, d_pressure: mu, d_slip: 0.0 }
     }
 
     #[test]
@@ -78,7 +78,7 @@ mod tests {
             let theta = 10f64.powi(exponent);
             for trial in [[0.1, 0.02], [0.3, 0.39999], [0.3, 0.4], [0.31, 0.41], [-4.0, 7.0]] {
                 let (mu, p) = (0.5, 1.0);
-                let at = |trial: Plane, p: f64| smoothed_return(trial, &bound(trial, mu, p), theta);
+                let at = |trial: Plane, p: f64| smoothed_return(trial, &bound(mu, p), [0.0; 2], theta);
                 let here = at(trial, p);
                 let size = here.traction[0].hypot(here.traction[1]);
                 assert!(size < mu * p || theta < 1e-6 && size <= mu * p);
@@ -108,9 +108,9 @@ mod tests {
     fn it_ends_at_the_return_and_keeps_the_path() {
         let (mu, p) = (0.5, 2.0);
         for trial in [[0.3, -0.2], [3.0, 1.0]] {
-            let exact = return_to_bound(trial, mu * p, mu, [0.0; 2]);
+            let exact = return_to_bound(trial, &bound(mu, p), [0.0; 2]);
             for theta in [1e-2, 1e-4, 1e-8] {
-                let smooth = smoothed_return(trial, &bound(trial, mu, p), theta);
+                let smooth = smoothed_return(trial, &bound(mu, p), [0.0; 2], theta);
                 let [a, b] = [0, 1].map(|i| (smooth.traction[i] - exact.traction[i]).abs());
                 assert!(a.max(b) < 2.0 * theta, "{trial:?} {theta}");
                 // k s (r^2 - |t|^2) = 2 theta^2 t, up to the round-off of the difference of squares.
@@ -126,9 +126,9 @@ mod tests {
 
     #[test]
     fn without_pressure_or_trial_there_is_no_traction() {
-        let none = smoothed_return([1.0, 2.0], &FrictionOutput::default(), 0.1);
+        let none = smoothed_return([1.0, 2.0], &Bound::default(), [0.0; 2], 0.1);
         assert_eq!(none.traction, [0.0; 2]);
-        let at_rest = smoothed_return([0.0; 2], &bound([1.0, 0.0], 0.5, 1.0), 0.5);
+        let at_rest = smoothed_return([0.0; 2], &bound(0.5, 1.0), [0.0; 2], 0.5);
         assert!(at_rest.traction == [0.0; 2] && (at_rest.d_trial[0][0] - 1.0 / 3.0).abs() < 1e-15);
     }
 }

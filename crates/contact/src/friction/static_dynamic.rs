@@ -1,7 +1,7 @@
 //! A coefficient that falls from a static to a dynamic value.
 
 use super::check;
-use super::law::{FrictionInput, FrictionLaw, FrictionOutput, return_to_bound};
+use super::law::{Coefficient, FrictionLaw, Sliding};
 use crate::ContactError;
 
 /// Coulomb's law with a coefficient that depends on the speed `v = |slip| / step` of the step,
@@ -36,21 +36,15 @@ impl FrictionLaw for StaticDynamic {
         "static-dynamic"
     }
 
-    fn traction(&self, input: &FrictionInput) -> FrictionOutput {
-        let pressure = input.pressure.max(0.0);
-        let length = self.speed * input.step_size;
-        let (mut excess, mut slope) = (0.0, [0.0; 2]);
+    fn coefficient(&self, at: &Sliding) -> Coefficient {
+        let length = self.speed * at.step_size;
+        let x = at.slip / length;
+        let excess = (self.mu_static - self.mu_dynamic) * (-x * x).exp();
         // A step of no duration has an infinite speed, and far beyond the speed of the transition there is no slope: quotients may overflow there.
-        if length > 0.0 {
-            let [x, y] = input.slip.map(|s| s / length);
-            let weight = (-(x * x + y * y)).exp();
-            if weight > 0.0 {
-                excess = (self.mu_static - self.mu_dynamic) * weight;
-                slope = [x, y].map(|x| -2.0 * excess * x * pressure / length);
-            }
+        if length > 0.0 && excess > 0.0 {
+            Coefficient { value: self.mu_dynamic + excess, d_pressure: 0.0, d_slip: -2.0 * excess * x / length }
+        } else {
+            Coefficient { value: self.mu_dynamic, ..Coefficient::default() }
         }
-        let mu = self.mu_dynamic + excess;
-        let d_pressure = if input.pressure > 0.0 { mu } else { 0.0 };
-        return_to_bound(input.trial, mu * pressure, d_pressure, slope)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::belt::SurfaceVelocity;
 use super::check;
-use super::law::{FrictionInput, FrictionLaw, FrictionOutput, Plane};
+use super::law::{Bound, FrictionLaw, Plane, Sliding, Traction, along_slip, return_to_bound};
 use super::smooth::smoothed_return;
 use crate::ContactError;
 use std::sync::Arc;
@@ -11,11 +11,9 @@ use stoss_term::{SlotFriction, Step};
 /// Which traction of the step is in the equations of a midpoint scheme (theory/friction#midpoint). Backward Euler and statics take the one at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MidpointFriction {
-    /// Return at the midpoint; the end traction is extrapolated (Armero and Petoecz). It leaves the cone and alternates.
-    A,
     /// Return over the whole step; that traction is force and history. Dissipates in stick too, where it is of first order; in slip the force is
     /// exactly that of the law with the pressure of the step, also where pressures alternate from step to step, as those of conserving schemes do: the
-    /// other two then make less of the friction than the law says. The default.
+    /// mean then makes less of the friction than the law says. The default.
     #[default]
     B,
     /// Return at the end, the force is the mean of both ends. The traction at the start is brought into the cone of the step's pressure first,
@@ -250,18 +248,11 @@ impl Friction {
         self.part = part;
     }
 
-    /// The law at the part of the pressure that counts.
-    fn traction(&self, input: &FrictionInput) -> FrictionOutput {
-        let out = self.law.traction(&FrictionInput { pressure: self.part * input.pressure, ..*input });
-        FrictionOutput { d_pressure: out.d_pressure.map(|d| self.part * d), ..out }
-    }
-
-    /// What the law admits along a traction: its return from far beyond any bound.
-    fn bound_along(&self, along: Plane, pressure: f64, slip: Plane, [slid, step_size]: [f64; 2]) -> FrictionOutput {
-        let along = if along == [0.0; 2] { [1.0, 0.0] } else { along };
-        let far = 1.0e6 * (1.0 + pressure.abs() + dot(along, along).sqrt()) / dot(along, along).sqrt();
-        let trial = along.map(|a| far * a);
-        self.traction(&FrictionInput { pressure, trial, slip, step_size, slid })
+    /// The bound at the part of the pressure that counts.
+    fn bound(&self, pressure: f64, slip: Plane, [slid, step_size]: [f64; 2]) -> Bound {
+        let bound =
+            Bound::of(&*self.law, &Sliding { pressure: self.part * pressure, slip: size(slip), step_size, slid });
+        Bound { d_pressure: self.part * bound.d_pressure, ..bound }
     }
 
     /// What multiplies slips in the present step, traction per length.
@@ -279,11 +270,8 @@ impl Friction {
         &*self.law
     }
     /// Bound of the traction over the pressure where a point slides by `slip` in a step of the size `step_size`, after a path `slid`.
-    pub fn coefficient(&self, pressure: f64, slip: Plane, [slid, step_size]: [f64; 2]) -> f64 {
-        let size = dot(slip, slip).sqrt();
-        let direction = if size > 0.0 { slip.map(|s| s / size) } else { [1.0, 0.0] };
-        let admitted = self.bound_along(direction, pressure, slip, [slid, step_size]).traction;
-        dot(admitted, admitted).sqrt() / pressure
+    pub fn coefficient(&self, pressure: f64, slip: Plane, of_path: [f64; 2]) -> f64 {
+        self.bound(pressure, slip, of_path).traction / pressure
     }
     /// What a step came to, for reports. `start` is the traction that it began with, `pressure` and `slid` are those of the step.
     pub fn slot_friction(
@@ -293,8 +281,7 @@ impl Friction {
         slip: Plane,
         [pressure, slid, step_size]: [f64; 3],
     ) -> SlotFriction {
-        let admitted = self.bound_along(step.force, pressure, slip, [slid, step_size]).traction;
-        let bound = dot(admitted, admitted).sqrt();
+        let bound = self.bound(pressure, slip, [slid, step_size]).traction;
         // A midpoint variant takes a mean of two tractions, of which the first had another pressure.
         let bound = if step.force == step.end { bound } else { bound.max(dot(start, start).sqrt()) };
         // What springs and the compliance of a multiplier take up of the slip is elastic, and comes back.
@@ -311,7 +298,7 @@ impl Friction {
     }
     /// How stick is enforced; a law without stick has nothing to enforce.
     pub fn stick(&self) -> Stick {
-        if self.law.is_elastic() { self.stick } else { Stick::Penalty }
+        if self.law.sticks() { self.stick } else { Stick::Penalty }
     }
     /// Stepping under the midpoint rules.
     pub fn midpoint(&self) -> MidpointFriction {
@@ -333,7 +320,7 @@ impl Friction {
 
     /// Energy in the tangential spring at a traction, per area; zero without one.
     pub fn stored(&self, traction: [f64; 2]) -> f64 {
-        match (self.stick, self.law.is_elastic()) {
+        match (self.stick, self.law.sticks()) {
             (Stick::Penalty, true) => 0.5 * dot(traction, traction) / self.penalty,
             _ => 0.0,
         }
@@ -357,35 +344,34 @@ impl Friction {
     }
 
     fn step_with(&self, at_end: bool, point: &FrictionPoint, stuck: bool) -> FrictionStep {
-        let law_at = |trial, slip| {
-            let FrictionPoint { pressure, step_size, slid, .. } = *point;
-            self.traction(&FrictionInput { pressure, trial, slip, step_size, slid })
-        };
-        let law = |trial| law_at(trial, point.slip);
-        let elastic = self.law.is_elastic();
-        // Of a law that is proportional to the pressure the smoothing is so too, whatever its coefficient.
         let of_path = [point.slid, point.step_size];
-        let smoothing = match self.smoothing > 0.0 && elastic {
-            true => size(self.bound_along([1.0, 0.0], self.smoothing, [0.0; 2], of_path).traction),
+        let bound_at = |slip| self.bound(point.pressure, slip, of_path);
+        let sticks = self.law.sticks();
+        // Of a law that is proportional to the pressure the smoothing is so too, whatever its coefficient.
+        let smoothing = match self.smoothing > 0.0 && sticks {
+            true => self.bound(self.smoothing, [0.0; 2], of_path).traction,
             false => 0.0,
         };
-        let returned = |trial| match (stuck, elastic) {
-            _ if smoothing > 0.0 => {
-                smoothed_return(trial, &self.bound_along(trial, point.pressure, point.slip, of_path), smoothing)
-            }
+        let bound = bound_at(point.slip);
+        let law = |trial| match sticks {
+            true => return_to_bound(trial, &bound, point.slip),
+            false => along_slip(&bound, point.slip),
+        };
+        let returned = |trial| match (stuck, sticks) {
+            _ if smoothing > 0.0 => smoothed_return(trial, &bound, point.slip, smoothing),
             (false, _) => law(trial),
             (true, true) => {
                 let d_trial = [[1.0, 0.0], [0.0, 1.0]];
-                FrictionOutput { traction: trial, sticks: true, d_trial, ..FrictionOutput::default() }
+                Traction { traction: trial, sticks: true, d_trial, ..Traction::default() }
             }
             (true, false) => {
-                let rest = law_at(trial, [0.0; 2]);
-                FrictionOutput { traction: sum(rest.traction, apply(rest.d_slip, point.slip)), ..rest }
+                let rest = along_slip(&bound_at([0.0; 2]), [0.0; 2]);
+                Traction { traction: apply(rest.d_slip, point.slip), ..rest }
             }
         };
         let penalty = point.stiffening * self.stiffness;
         let is_exact = self.stick != Stick::Penalty;
-        let stepping = if at_end || !elastic || is_exact { MidpointFriction::B } else { self.midpoint };
+        let stepping = if at_end || !sticks || is_exact { MidpointFriction::B } else { self.midpoint };
         let trial = |from: Plane, stiffness: f64| std::array::from_fn(|i| from[i] + stiffness * point.slip[i]);
         let h = point.history;
         // `dissipated` of springs: `work + s_n - s_np1` in terms of the slip `(trial - returned) / stiffness` that they do not take up.
@@ -403,21 +389,6 @@ impl Friction {
                     d_history: end.d_trial,
                     d_slip: combine(penalty, end.d_trial, 1.0, end.d_slip),
                     d_pressure: end.d_pressure,
-                    ..FrictionStep::default()
-                }
-            }
-            MidpointFriction::A => {
-                let tried = trial(h, 0.5 * penalty);
-                let mid = returned(tried);
-                FrictionStep {
-                    dissipated: 2.0 * dot(mid.traction, less(tried, mid.traction)) / penalty,
-                    force: mid.traction,
-                    end: std::array::from_fn(|i| 2.0 * mid.traction[i] - h[i]),
-                    returned: mid.traction,
-                    sticks: mid.sticks,
-                    d_history: mid.d_trial,
-                    d_slip: combine(0.5 * penalty, mid.d_trial, 1.0, mid.d_slip),
-                    d_pressure: mid.d_pressure,
                     ..FrictionStep::default()
                 }
             }
@@ -445,7 +416,7 @@ impl Friction {
             }
         };
         let work = dot(out.force, point.slip);
-        let dissipated = match (elastic, is_exact) {
+        let dissipated = match (sticks, is_exact) {
             (false, _) => work,
             (true, true) if out.sticks => 0.0,
             (true, true) => {

@@ -2,7 +2,7 @@
 
 use super::node::{Node, is_name};
 use super::world::{World, part_name, surface_reference};
-use crate::{GeneralContact, GeneralPair, Initial};
+use crate::{GeneralContact, GeneralFriction, GeneralPair, Initial};
 
 pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<GeneralContact> {
     let table = node.table()?;
@@ -13,7 +13,7 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
     });
     let stiffness = table.default("stiffness", plain.stiffness, Node::positive);
     let modulus = table.optional("modulus", Node::positive);
-    let friction = table.default("friction", plain.friction, Node::not_negative);
+    let friction = table.default("friction", plain.friction, |n| friction(n, world));
     let slip_velocity = table.optional("slip_velocity", Node::positive);
     let damping = table.default("damping", plain.damping, Node::not_negative);
     let with_itself = table.default("self", plain.with_itself, Node::boolean);
@@ -52,10 +52,26 @@ pub(super) fn general_contact(node: &Node<'_>, world: &World<'_>) -> Option<Gene
 fn pair(node: &Node<'_>, world: &World<'_>) -> Option<GeneralPair> {
     let table = node.table()?;
     let between = table.required("between", "between = [\"block\", \"plate\"]", |n| n.array(|n| part_name(n, world)));
-    let friction = table.optional("friction", Node::not_negative);
+    let friction = table.optional("friction", |n| friction(n, world));
     let modulus = table.optional("modulus", Node::positive);
     table.finish();
     Some(GeneralPair { between: between?, friction: friction?, modulus: modulus? })
+}
+
+/// A coefficient, or a law.
+fn friction(node: &Node<'_>, world: &World<'_>) -> Option<GeneralFriction> {
+    if !node.is_table() {
+        return node.not_negative().map(GeneralFriction::Coefficient);
+    }
+    let law = super::friction::friction(node, None, world.own_friction)?;
+    let key = law.given.key().or(law.slip.map(|_| "slip"));
+    if let Some(key) = key {
+        return node.fail(
+            format!("has `{key}`, which is not for general contact: bodies stick there like springs of the shear stiffness of the layer, or creep below `slip_velocity`"),
+            "remove it",
+        );
+    }
+    Some(GeneralFriction::Law(law))
 }
 
 /// A part, or facets of one.

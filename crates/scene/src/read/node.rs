@@ -64,6 +64,10 @@ impl<'a> Node<'a> {
     }
 
     /// True for a string, which may be an expression.
+    pub(super) fn is_table(&self) -> bool {
+        self.value.is_table()
+    }
+
     pub(super) fn is_string(&self) -> bool {
         matches!(self.value, DeValue::String(_))
     }

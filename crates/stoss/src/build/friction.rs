@@ -7,11 +7,23 @@ use std::sync::Arc;
 use stoss_contact::friction::{Friction, FrictionLaw, MidpointFriction, Stick, SurfaceVelocity, entry};
 use stoss_integrators::{GradientRule, SCHEMES};
 
-fn law(item: &scene::Friction, laws: &OwnLaws) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
-    match entry(&item.law) {
-        Some(entry) => Ok(entry.law.with(scene::given(&item.parameters))?),
+/// The law that a scene names under a key; reports what is wrong and returns `None` then.
+pub(super) fn law(
+    item: &scene::Friction,
+    key: &str,
+    laws: &OwnLaws,
+    problems: &mut Problems<'_>,
+) -> Option<Arc<dyn FrictionLaw>> {
+    let made = match entry(&item.law) {
+        Some(entry) => entry.law.with(scene::given(&item.parameters)).map_err(ParameterError::from),
         None => laws.make_friction(item),
-    }
+    };
+    made.map_err(|ParameterError { key: parameter, message, remedy }| match parameter.as_str() {
+        "" => problems.add(key.to_owned(), &item.law, message, remedy),
+        "law" => problems.add(format!("{key}.law"), &item.law, message, remedy),
+        parameter => problems.add(format!("{key}.{parameter}"), "", message, remedy),
+    })
+    .ok()
 }
 
 /// Name of a scheme under which the contact acts, and which evaluates contact where there is neither friction nor coordinate augmentation.
@@ -56,19 +68,8 @@ pub(super) fn friction(
         problems.add(key, "", message, format!("use {}, or remove the friction", schemes_that_fit()));
         return None;
     }
-    let law = match law(item, pair.laws) {
-        Ok(law) => law,
-        Err(ParameterError { key: parameter, message, remedy }) => {
-            let (key, value) = match parameter.as_str() {
-                "" => (key, item.law.as_str()),
-                "law" => (format!("{key}.law"), item.law.as_str()),
-                parameter => (format!("{key}.{parameter}"), ""),
-            };
-            problems.add(key, value, message, remedy);
-            return None;
-        }
-    };
-    if !law.is_elastic()
+    let law = law(item, &key, pair.laws, problems)?;
+    if !law.sticks()
         && let Some(name) = item.given.key()
     {
         let message = format!("belongs to stick, and the law `{}` has none", item.law);
@@ -82,7 +83,7 @@ pub(super) fn friction(
     let stiffness = Friction::tangential_stiffness(penalty, complementarity);
     let label = pair.item.label();
     let at_end = pair.phases.with(&label).all(|phase| phase.rule() == GradientRule::EndPoint);
-    if law.is_elastic() && !at_end && (stick, midpoint) == (scene::Stick::Penalty, scene::MidpointFriction::C) {
+    if law.sticks() && !at_end && (stick, midpoint) == (scene::Stick::Penalty, scene::MidpointFriction::C) {
         warnings.push(format!(
             "{key}.midpoint = \"c\": springs (`stick = \"penalty\"`) with the mean of both ends give too little friction where pressures alternate from step to \
              step, as they do with this scheme; 8 to 14 % too little for a stiff block: remove `midpoint` (the default, \"b\", takes the \
@@ -93,9 +94,9 @@ pub(super) fn friction(
     let plan = FrictionPlan {
         law: item.law.clone(),
         parameters: item.parameters.clone(),
-        stiffness: (law.is_elastic() && stick != scene::Stick::Multiplier).then_some(stiffness),
+        stiffness: (law.sticks() && stick != scene::Stick::Multiplier).then_some(stiffness),
         default_stiffness: penalty.is_none(),
-        stick: law.is_elastic().then(|| stick.name().to_owned()),
+        stick: law.sticks().then(|| stick.name().to_owned()),
         stepping: match (at_end, stick) {
             (true, _) => "end",
             (false, scene::Stick::Penalty) => midpoint.name(),
@@ -110,7 +111,6 @@ pub(super) fn friction(
         scene::Stick::Multiplier => Stick::Multiplier,
     };
     let midpoint = match midpoint {
-        scene::MidpointFriction::A => MidpointFriction::A,
         scene::MidpointFriction::B => MidpointFriction::B,
         scene::MidpointFriction::C => MidpointFriction::C,
     };

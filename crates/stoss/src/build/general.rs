@@ -2,12 +2,12 @@
 
 use super::general_schemes::{Bond, connected, owner, sorted};
 use super::general_skin::{Parts, skin};
-use super::general_table::{self, NAME};
+use super::general_table::{self, Frictions, NAME};
 use super::interacting::{Classes, facets, interactions, without_joined_overlaps};
 use super::joined::held_of;
 use super::tie::Ties;
-use super::{ContactPlan, FrictionPlan, Joined, Placed, Problems};
-use crate::scene::{Edges, GeneralContact as Table, Kind, Parameter, Scene, split_set};
+use super::{ContactPlan, FrictionPlan, Joined, OwnLaws, Placed, Problems};
+use crate::scene::{Edges, GeneralContact as Table, Kind, Scene, split_set};
 use crate::solver::{Coupling, Model};
 use std::collections::BTreeSet;
 use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interactions, ONE_SIDED, Start};
@@ -17,6 +17,7 @@ use stoss_mesh::BOUNDARY;
 pub(super) fn general(
     scene: &Scene,
     placed: &[Placed],
+    laws: &OwnLaws,
     ties: &Ties,
     joined: &mut Vec<Joined>,
     model: &mut Model,
@@ -25,7 +26,7 @@ pub(super) fn general(
 ) -> Option<ContactPlan> {
     let table = &scene.general_contact()?;
     let before = problems.list.len();
-    let made = contact(scene, table, placed, ties, model, problems, warnings);
+    let made = contact(scene, table, placed, laws, ties, model, problems, warnings);
     if is_default(scene) {
         for problem in &mut problems.list[before..] {
             problem.message += " (general contact is on by default if there are several bodies and no pair is named)";
@@ -65,6 +66,7 @@ fn contact(
     scene: &Scene,
     table: &Table,
     placed: &[Placed],
+    laws: &OwnLaws,
     ties: &Ties,
     model: &mut Model,
     problems: &mut Problems<'_>,
@@ -81,11 +83,12 @@ fn contact(
         return None;
     }
     general_table::check(scene, placed, table, &classes.iter().copied().collect(), problems);
+    let frictions = Frictions::of(scene, placed, table, laws, problems);
     if problems.list.len() > before {
         return None;
     }
     let warned = warnings.len();
-    let mut rules = interactions(scene, placed, table, model, &classes, &apart, warnings);
+    let mut rules = interactions(scene, placed, table, &frictions, model, &classes, &apart, warnings);
     warnings.extend(without_joined_overlaps(scene, placed, table, &facets, &model.reference, &mut rules));
     // Nobody has asked for bodies in contact with themselves alone.
     if is_default(scene) && !rules.acts_between_bodies() {
@@ -116,16 +119,7 @@ fn contact(
             return None;
         }
     }
-    let of_pairs =
-        table.pairs.iter().filter_map(|pair| Some((format!("mu of {}", pair.between.join(" and ")), pair.friction?)));
-    let of_contacts = general_table::of_contacts(scene, placed, &mut Vec::new());
-    let of_contacts = of_contacts.into_iter().map(|([a, b], mu)| {
-        let [a, b] = [a, b].map(|part| &placed[part].name);
-        (format!("mu of {a} and {b}"), mu)
-    });
-    // What `pairs` says replaces what contacts say.
-    let coefficients = [("mu".to_owned(), table.friction)].into_iter().chain(of_contacts).chain(of_pairs);
-    let coefficients = coefficients.map(|(name, mu)| (name, Parameter::Number(mu))).collect();
+    let (law, parameters) = frictions.said(placed, table);
     let plan = ContactPlan {
         name: NAME.to_owned(),
         slave: None,
@@ -137,8 +131,8 @@ fn contact(
         restitution: None,
         is_assumed: false,
         friction: has_friction.then(|| FrictionPlan {
-            law: "coulomb".to_owned(),
-            parameters: coefficients,
+            law,
+            parameters,
             stiffness: None,
             default_stiffness: false,
             stick: (table.slip_velocity.is_none() || has_statics(scene)).then(|| "elastic".to_owned()),

@@ -1,48 +1,103 @@
 //! What the scene says of pairs of bodies in general contact, and what contradicts itself there.
 
+use super::friction::law;
 use super::general_schemes::sorted;
 use super::placed::index;
-use super::{Placed, Problems};
-use crate::scene::{Edges, GeneralContact as Table, Parameter, Scene, given, split_set};
+use super::{OwnLaws, Placed, Problems};
+use crate::scene::{Edges, Friction, GeneralContact as Table, GeneralFriction, Parameter, Scene, split_set};
 use std::collections::{BTreeMap, BTreeSet};
-use stoss_contact::friction::entry;
-
-/// A slip speed far beyond that of every law.
-const FAST: f64 = 1e100;
+use std::sync::Arc;
+use stoss_contact::friction::{FrictionLaw, Sliding};
 
 /// Name in messages and tables.
 pub(super) const NAME: &str = "general";
 
-/// Friction of contacts that leave their edges to general contact, by their two parts, the one with the smaller number first: the largest coefficient of several contacts.
-pub(super) fn of_contacts(scene: &Scene, placed: &[Placed], warnings: &mut Vec<String>) -> BTreeMap<[usize; 2], f64> {
-    let mut known: BTreeMap<[usize; 2], f64> = BTreeMap::new();
-    for (c, contact) in scene.contacts.iter().enumerate().filter(|(_, contact)| contact.edges == Edges::General) {
-        let [a, b] = contact.surfaces().map(|set| index(placed, split_set(set).map_or(set, |(part, _)| part)));
-        let (Some(a), Some(b), Some(friction)) = (a, b, &contact.friction) else { continue };
-        let law = entry(&friction.law).and_then(|entry| entry.law.with(given(&friction.parameters)).ok());
-        let Some(law) = law else {
-            let [a, b] = contact.surfaces().map(|set| split_set(set).map_or(set, |(part, _)| part));
-            warnings.push(format!(
-                "contact[{c}].friction: general contact, which takes care of the edges, does not support the law `{}` and uses the `friction` of [general_contact] there; set one for the two bodies: \
-                 [general_contact] pairs = [{{ between = [\"{a}\", \"{b}\"], friction = 0.2 }}]",
-                friction.law
-            ));
-            continue;
-        };
-        let mu = law.coefficient(FAST);
-        if law.coefficient(0.0) != mu {
-            let key = friction.parameters.iter().find(|(_, value)| **value == Parameter::Number(mu));
-            let key = key.map_or(String::new(), |(key, _)| format!("`{key}` = "));
-            warnings.push(format!(
-                "contact[{c}].friction: general contact, which takes care of the edges, supports Coulomb's law only and not `{}`: {key}{mu}, the coefficient of fast slip, is used there; below which speed it falls \
-                 is said by `slip_velocity` of [general_contact]",
-                friction.law
-            ));
-        }
-        let entry = known.entry([a.min(b), a.max(b)]).or_insert(mu);
-        *entry = entry.max(mu);
+/// Friction of all pairs of parts.
+#[derive(Default)]
+pub(super) struct Frictions {
+    plain: Option<Rubbing>,
+    /// Of contacts that leave their edges to general contact, by their two parts, the one with the smaller number first.
+    contacts: BTreeMap<[usize; 2], Rubbing>,
+    /// By the number of the pair in the table; nothing of pairs that say nothing.
+    pairs: BTreeMap<usize, Option<Rubbing>>,
+}
+
+/// A law with what the scene says of it.
+#[derive(Clone)]
+struct Rubbing {
+    law: Arc<dyn FrictionLaw>,
+    said: Friction,
+}
+
+impl Rubbing {
+    fn new(said: &Friction, key: &str, laws: &OwnLaws, problems: &mut Problems<'_>) -> Option<Self> {
+        Some(Self { law: law(said, key, laws, problems)?, said: said.clone() })
     }
-    known
+
+    /// Coefficient at rest and at unit pressure, by which the rougher one of two is known.
+    fn roughness(&self) -> f64 {
+        let at = |speed| self.law.coefficient(&Sliding::steady(speed)).value;
+        if self.law.sticks() { at(0.0) } else { at(FAST) }
+    }
+}
+
+/// A slip speed at which a law that does not stick has its full friction.
+const FAST: f64 = 1e100;
+
+impl Frictions {
+    /// What the scene says, with the laws of the program; reports what is wrong. Of several contacts between two parts the rougher one counts.
+    pub fn of(scene: &Scene, placed: &[Placed], table: &Table, laws: &OwnLaws, problems: &mut Problems<'_>) -> Self {
+        let mut all = Self::default();
+        let of_table = |key: &str, said: &GeneralFriction, problems: &mut Problems<'_>| {
+            said.law().and_then(|said| Rubbing::new(&said, key, laws, problems))
+        };
+        all.plain = of_table("general_contact.friction", &table.friction, problems);
+        for (k, pair) in table.pairs.iter().enumerate() {
+            if let Some(said) = &pair.friction {
+                all.pairs.insert(k, of_table(&format!("general_contact.pairs[{k}].friction"), said, problems));
+            }
+        }
+        for (c, contact) in scene.contacts.iter().enumerate().filter(|(_, contact)| contact.edges == Edges::General) {
+            let [a, b] = contact.surfaces().map(|set| index(placed, split_set(set).map_or(set, |(part, _)| part)));
+            let (Some(a), Some(b), Some(said)) = (a, b, &contact.friction) else { continue };
+            let Some(new) = Rubbing::new(said, &format!("contact[{c}].friction"), laws, problems) else { continue };
+            let parts = [a.min(b), a.max(b)];
+            if all.contacts.get(&parts).is_none_or(|known| known.roughness() < new.roughness()) {
+                all.contacts.insert(parts, new);
+            }
+        }
+        all
+    }
+
+    /// Friction between two parts, of which a pair of the table may say something: what `pairs` say goes before what contacts say.
+    pub fn between(&self, pair: Option<usize>, [a, b]: [usize; 2]) -> Option<Arc<dyn FrictionLaw>> {
+        let of_contact = || self.contacts.get(&[a.min(b), a.max(b)]).or(self.plain.as_ref());
+        let found = match pair.and_then(|k| self.pairs.get(&k)) {
+            Some(of_pair) => of_pair.as_ref(),
+            None => of_contact(),
+        };
+        found.map(|of| Arc::clone(&of.law))
+    }
+
+    /// Names of the laws, and their parameters with the names of the parts, for the plan.
+    pub fn said(&self, placed: &[Placed], table: &Table) -> (String, BTreeMap<String, Parameter>) {
+        let of_pairs = self.pairs.iter().filter_map(|(k, of)| {
+            let [a, b] = &table.pairs[*k].between;
+            Some((format!(" of {a} and {b}"), of.as_ref()?))
+        });
+        let of_contacts = self.contacts.iter().filter_map(|([a, b], of)| {
+            let names = [&placed[*a].name[..], &placed[*b].name[..]];
+            let is_pair = |k: &usize| sorted(table.pairs[*k].between.each_ref().map(|name| &name[..])) == sorted(names);
+            (!self.pairs.keys().any(is_pair)).then(|| (format!(" of {} and {}", names[0], names[1]), of))
+        });
+        let all: Vec<(String, &Rubbing)> =
+            self.plain.iter().map(|of| (String::new(), of)).chain(of_contacts).chain(of_pairs).collect();
+        let laws: BTreeSet<&str> = all.iter().map(|(_, of)| &of.said.law[..]).collect();
+        let parameters = all.iter().flat_map(|(parts, of)| {
+            of.said.parameters.iter().map(move |(name, value)| (format!("{name}{parts}"), value.clone()))
+        });
+        (laws.into_iter().collect::<Vec<_>>().join(", "), parameters.collect())
+    }
 }
 
 /// Reports pairs that are named twice, or cannot be in contact, and a contact with the name that general contact has in tables. `parts` take part.

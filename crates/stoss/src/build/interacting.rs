@@ -2,7 +2,7 @@
 
 use super::condition::resolve;
 use super::general_schemes::{Bond, connected, owner, sorted};
-use super::general_table::of_contacts;
+use super::general_table::Frictions;
 use super::joined::held;
 use super::tie::Ties;
 use super::young;
@@ -125,6 +125,7 @@ pub(super) fn interactions(
     scene: &Scene,
     placed: &[Placed],
     table: &Table,
+    frictions: &Frictions,
     model: &Model,
     classes: &[usize],
     apart: &BTreeSet<[u32; 2]>,
@@ -132,7 +133,7 @@ pub(super) fn interactions(
 ) -> Interactions {
     let is_rigid = |part: usize| placed[part].mesh().is_none();
     let is_held = |part: usize| is_rigid(part) && scene.rigids.iter().any(|r| r.name == placed[part].name && r.fixed);
-    let (connected, of_contacts) = (connected(scene), of_contacts(scene, placed, warnings));
+    let connected = connected(scene);
     let bodies: Vec<(u32, f64)> = classes.iter().map(|&part| (part as u32, young(model, part))).collect();
     let mut rules = Interactions::none(&bodies);
     let by_weight = |parts: &[usize; 2]| {
@@ -149,7 +150,9 @@ pub(super) fn interactions(
                 continue;
             }
             let names = [&placed[p].name[..], &placed[q].name[..]];
-            let own = table.pairs.iter().find(|pair| sorted([&pair.between[0], &pair.between[1]]) == sorted(names));
+            let number =
+                table.pairs.iter().position(|pair| sorted([&pair.between[0], &pair.between[1]]) == sorted(names));
+            let own = number.map(|k| &table.pairs[k]);
             let bond = connected.get(&sorted(names)).filter(|_| own.is_none());
             if let Some(&bond) = bond.filter(|bond| **bond != Bond::Ends) {
                 if bond == Bond::Lasts && !(is_held(p) && is_held(q)) {
@@ -162,8 +165,7 @@ pub(super) fn interactions(
                 || if in_series.is_finite() { Some(in_series) } else { table.modulus.or_else(|| by_weight(&[p, q])) };
             let modulus = own.and_then(|own| own.modulus).or_else(of_table).unwrap_or(f64::INFINITY);
             if modulus.is_finite() {
-                let of_contact = of_contacts.get(&[p.min(q), p.max(q)]).copied();
-                let friction = own.and_then(|own| own.friction).or(of_contact).unwrap_or(table.friction);
+                let friction = frictions.between(number, [p, q]);
                 rules.set(a, b, Some(Interaction { modulus, friction }));
             } else if !(is_held(p) && is_held(q)) {
                 unknown.insert(sorted(names));

@@ -84,7 +84,7 @@ impl OwnLaws {
     }
 
     /// The law of a friction.
-    #[cfg_attr(not(any(feature = "nts", feature = "mortar")), expect(dead_code))]
+    #[cfg_attr(not(any(feature = "nts", feature = "mortar", feature = "general")), expect(dead_code))]
     pub(super) fn make_friction(&self, friction: &Friction) -> Result<Arc<dyn FrictionLaw>, ParameterError> {
         make(&self.friction, Friction::names(), &friction.law, &friction.parameters)
     }

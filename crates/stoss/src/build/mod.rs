@@ -197,7 +197,16 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         #[cfg(feature = "general")]
         if apart {
             let joined = &mut parts.drawing.joined;
-            plans.extend(general::general(scene, &placed, &ties, joined, &mut model, &mut problems, &mut warnings));
+            plans.extend(general::general(
+                scene,
+                &placed,
+                laws,
+                &ties,
+                joined,
+                &mut model,
+                &mut problems,
+                &mut warnings,
+            ));
         }
         multibody::constraints(scene, &placed, &phases, &mut parts, &mut model, &mut problems, &mut warnings);
         if problems.list.is_empty() {

@@ -1,5 +1,6 @@
 //! Bodies that overlap at the start: how deep, and `initial = "separate"`, which moves them apart.
 
+use super::general_table::Frictions;
 use super::interacting::{self, Classes};
 use super::phase::Phase;
 use super::tie::Ties;
@@ -30,7 +31,16 @@ pub(super) fn separate(
     // What is wrong with the table is reported where the contact is made.
     let mut ignored = Problems { scene, list: Vec::new() };
     let Classes { facets, classes, apart } = interacting::facets(scene, placed, table, ties, &mut ignored);
-    let mut rules = interacting::interactions(scene, placed, table, model, &classes, &apart, &mut Vec::new());
+    let mut rules = interacting::interactions(
+        scene,
+        placed,
+        table,
+        &Frictions::default(),
+        model,
+        &classes,
+        &apart,
+        &mut Vec::new(),
+    );
     interacting::without_joined_overlaps(scene, placed, table, &facets, &model.reference, &mut rules);
     if facets.is_empty() || !ignored.list.is_empty() {
         return true;

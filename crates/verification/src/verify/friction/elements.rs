@@ -36,7 +36,7 @@ const KINDS: [(&str, f64); 2] = [("stick", 1e3), ("slip", 0.02)];
 /// Where the second step ends: least and largest slide.
 const PLACES: [(&str, [f64; 2]); 3] =
     [("same facet", [0.05, 0.15]), ("next facet", [0.9, 1.1]), ("fifth facet", [3.9, 4.1])];
-const STEPPINGS: [MidpointFriction; 3] = [MidpointFriction::A, MidpointFriction::B, MidpointFriction::C];
+const STEPPINGS: [MidpointFriction; 2] = [MidpointFriction::B, MidpointFriction::C];
 
 /// A random step, after another one in which the node closed.
 struct Path {
@@ -55,7 +55,7 @@ impl Path {
         let first = [random.between(-0.15, 0.15), random.between(-0.15, 0.15)];
         let second = [random.between(slide[0], slide[1]), random.between(0.05, 0.15), random.between(-0.25, -0.15)];
         let q = path(FACETS, [&noise[0], &noise[1], &noise[2]], at, first, second);
-        Self { q, rule, stepping: STEPPINGS[count % 3] }
+        Self { q, rule, stepping: STEPPINGS[count % 2] }
     }
 
     fn direct(&self, mu: f64) -> Outcome<NodeToSurface> {

@@ -76,7 +76,7 @@ fn faces(n: [u32; 2], shift: f64) -> Outcome<Faces> {
     let lower = q.len() / 3;
     block(&mut facets, &mut q, n[1], [shift, shift, 0.5 * THICKNESS], 1);
     let mut rules = Interactions::none(&[(0, 1.0), (1, 1.0)]);
-    rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: 0.0 }));
+    rules.set(0, 1, Some(Interaction { modulus: 1.0, friction: None }));
     let skin = Skin::new(facets, &q, &|_| None);
     let options = GeneralOptions { thickness: THICKNESS, damping: 0.0, slip_velocity: None };
     Ok(Faces { contact: GeneralContact::new("faces", skin, rules, options)?, q, lower })
