@@ -4,6 +4,7 @@
 //! leaves; the suites that measure a crate (`tangents`, `materials`) call it. Which crates those are is in `layers.toml`.
 
 mod api;
+mod bench;
 mod circles;
 mod dist;
 mod layers;
@@ -84,6 +85,19 @@ enum Command {
         /// Files, folders, or names of shipped scenes; all shipped scenes if none is given.
         scenes: Vec<String>,
     },
+    /// Measures CPU time and memory of works against another program, in turn, and prints a table.
+    Bench {
+        /// A commit, whose program is built, or a program `stoss`.
+        other: String,
+        /// Pairs of runs of each work.
+        #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+        pairs: u32,
+        /// Threads of each run.
+        #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+        threads: u32,
+        /// Names of works, or files of scenes; all works if none is given.
+        works: Vec<String>,
+    },
     /// Draws docs/gallery/ from the runs of the shipped scenes.
     Gallery {
         /// One picture only.
@@ -105,6 +119,9 @@ fn dispatch(arguments: Arguments) -> Outcome<bool> {
             stoss_verification::verify(&workspace, quick, &suites, RandomRange { seed, count })
         }
         Command::Same { other, steps, scenes } => same::command(&workspace, &same::Comparison { other, steps, scenes }),
+        Command::Bench { other, pairs, threads, works } => {
+            bench::command(&workspace, &bench::Bench { other, pairs, threads, works })
+        }
         Command::Dist => dist::command(&workspace),
         Command::Gallery { scene } => gallery::command(&workspace, scene.as_deref()),
     }

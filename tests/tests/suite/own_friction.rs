@@ -51,7 +51,9 @@ fn every_law_with_every_method() {
             };
             let speed = speed_of(&scene).unwrap();
             println!("{method:8} {law:75} {speed:.5} {expected:.5}");
-            assert!((speed / expected - 1.0).abs() < 5e-3, "{method} {law}: {speed} {expected}");
+            // In general contact the vertices have a hundredth of the area once more (theory/barrier#eq-weight), which counts for laws that are not proportional to the pressure.
+            let bound = if method == "general" { 1.5e-2 } else { 1e-4 };
+            assert!(((2.0 - speed) / (2.0 - expected) - 1.0).abs() < bound, "{method} {law}: {speed} {expected}");
         }
     }
 }
