@@ -1,5 +1,6 @@
 //! The run: state, steps, balance of energy and momenta.
 
+mod accept;
 mod advance;
 mod books;
 mod departure;

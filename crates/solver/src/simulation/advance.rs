@@ -1,10 +1,10 @@
-//! One step of a simulation: attempts, acceptance, work.
+//! One step of a simulation: attempts, and the state to which one that succeeds leads.
 
 use super::books::Draft;
 use super::impact::Impact;
 use super::{InsideOutRule, Simulation};
 use crate::anchored::attempt_anchored;
-use crate::assembly::{System, Tally, no_auxiliaries};
+use crate::assembly::no_auxiliaries;
 use crate::failure::{AttemptLog, FailedAttempt};
 use crate::iterate::Iterate;
 use crate::rows::Rows;
@@ -12,15 +12,11 @@ use crate::smooth::attempt_smoothed;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::FeSystem;
 use crate::terms::Line;
-use crate::{
-    Automatic, Balance, ContactSummary, Coupling, DecisionKind, Phase, PhaseTime, SimulationError, StepChange,
-    StepError, StepRecord,
-};
-use std::ops::Range;
+use crate::{ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord};
 use stoss_fe_solid::InsideOut;
-use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule, finish};
+use stoss_integrators::{State, Step, StepRule, finish};
 use stoss_linalg::vector;
-use stoss_term::{At, Coverage, Step as ContactStep, Work};
+use stoss_term::{Coverage, Step as ContactStep, Work};
 
 /// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
 /// fraction of their motion.
@@ -56,22 +52,22 @@ pub(super) enum Way {
 
 /// An attempt that succeeded, with what could still have failed.
 pub(super) struct Completed {
-    attempt: Attempt,
-    next: State,
-    rule: StepRule,
-    draft: Draft,
-    contact: Option<ContactSummary>,
-    work: Work,
+    pub attempt: Attempt,
+    pub next: State,
+    pub rule: StepRule,
+    pub draft: Draft,
+    pub contact: Option<ContactSummary>,
+    pub work: Work,
     /// For each contact pair.
-    stored: Vec<[f64; 2]>,
+    pub stored: Vec<[f64; 2]>,
     /// What closing gaps cost in the step, for each constraint; empty in statics.
-    closing: Vec<f64>,
+    pub closing: Vec<f64>,
     /// What the impact of what closed did to the velocities.
-    impact: Option<Impact>,
+    pub impact: Option<Impact>,
     /// For each body.
-    inside_out: Vec<Option<InsideOut>>,
+    pub inside_out: Vec<Option<InsideOut>>,
     /// Linear solutions of the attempt.
-    solves: u32,
+    pub solves: u32,
 }
 
 impl Completed {
@@ -82,7 +78,7 @@ impl Completed {
 }
 
 impl Simulation {
-    fn kinetic(&self, v: &[f64]) -> f64 {
+    pub(super) fn kinetic(&self, v: &[f64]) -> f64 {
         self.system.inertia.masses.kinetic_energy(v)
     }
 
@@ -330,7 +326,7 @@ impl Simulation {
     }
 
     /// Part of the stabilisation that acts at a time of the stage.
-    fn ramp(&self, time: f64) -> f64 {
+    pub(super) fn ramp(&self, time: f64) -> f64 {
         1.0 - self.clock.part_done(time)
     }
 
@@ -370,226 +366,5 @@ impl Simulation {
         // The clock's ticks, not the sum of steps.
         next.time = end;
         Ok(next)
-    }
-
-    fn accept(&mut self, completed: Completed, first_decision: usize) -> StepRecord {
-        self.warn_inside_out(&completed.inside_out);
-        self.warn_dependent();
-        let Completed { attempt, next, rule, draft, mut contact, stored, closing, impact, inside_out, solves, .. } =
-            completed;
-        self.forces.moved = contact.as_mut().map(|contact| std::mem::take(&mut contact.moved)).unwrap_or_default();
-        let contact_work = completed.work;
-        let Attempt { iterate, newton, unstable, .. } = attempt;
-        let dt = self.clock.dt();
-        let (time_n, time) = (self.state.time, next.time);
-        // Work of the step: loads that vary in time or follow, and reactions at moving supports; of the forces of the rule, or in
-        // statics, where all forces are those of the end, by the trapezium rule.
-        let mut varying = vec![0.0; self.state.q.len()];
-        let quasi_static = self.how.scheme.is_none();
-        if quasi_static {
-            self.add_varying_loads(time_n, 0.5, &mut varying);
-            self.add_reactions(0.5, &mut varying);
-        }
-        let mut of_supports = if quasi_static { 0.5 * self.reaction_work(&next.q) } else { 0.0 };
-        let end_weight = if quasi_static { 0.5 } else { 1.0 };
-        self.add_varying_loads(time_n + rule.force.rule.load_fraction() * dt, end_weight, &mut varying);
-        if self.system.loads.has_followers {
-            vector::axpy(end_weight, &self.system.loads.follower, &mut varying);
-            if quasi_static {
-                let (mut fe, state) = self.equations_of(&iterate.auxiliaries);
-                let at_n = StepConfiguration { time: time_n, dt: 0.0, q_n: &state.q, q_np1: &state.q };
-                // cannot fail: directors are orthogonal at the end of a step.
-                fe.evaluate_follower(at_n, ForceRule::END_POINT, None).unwrap_or(());
-                vector::axpy(0.5, &self.system.loads.follower, &mut varying);
-            }
-        }
-        for &(component, ..) in &self.stage.prescribed {
-            // The residual at a prescribed component is what the support has to exert.
-            let c = component as usize;
-            self.forces.reactions[c] = self.system.buffers.residual[c];
-        }
-        self.add_reactions(end_weight, &mut varying);
-        of_supports += end_weight * self.reaction_work(&next.q);
-        let mut work = 0.0;
-        for c in self.system.loads.support.iter().flat_map(Range::clone) {
-            work += varying[c] * (next.q[c] - self.state.q[c]);
-        }
-        // Nothing is judged by it in statics.
-        let closes = |pair: &Coupling| pair.acts && !pair.always_holds();
-        let has_contact = contact.is_some() && self.model.contacts.iter().any(closes);
-        let work_of_contact = (!quasi_static && has_contact).then(|| -> f64 {
-            let System { tally, buffers, .. } = &self.system;
-            let components = tally.support.iter().flat_map(Range::clone);
-            components.map(|c| buffers.constraint[c] * (next.q[c] - self.state.q[c])).sum()
-        });
-        let damped = draft.dissipated_by_parts();
-        let (stabilised, stabilising) = if self.system.present.stabilisation.is_some() {
-            let increment: Vec<f64> = next.q.iter().zip(&self.state.q).map(|(next, q)| next - q).collect();
-            let force = self.system.stabilising(&increment, dt);
-            let work = self.system.stabilised(self.ramp(time_n), &self.state.v, &increment, dt);
-            (work, force.map(|force| [force, self.external_forces()]))
-        } else {
-            (0.0, None)
-        };
-        let damped_bodies = self.system.damped(dt) + draft.dissipated_in_bodies();
-        let step = Step { state_n: &self.state, dt, rule };
-        for (line, _, term) in self.model.terms_mut(&self.system.present.acting).filter(|(_, acts, _)| *acts) {
-            term.commit(&At { q_np1: &next.q, ..iterate.at_line(line, &step) });
-        }
-        self.state = next;
-        // Velocities from momenta lack the next impulse of the constraints, and get it in the next step.
-        let has_supports = rule.impulse.is_none() && self.has_sliding_supports();
-        let mut jump = 0.0;
-        if self.how.scheme.is_some() && (!self.stage.prescribed.is_empty() || has_supports) {
-            // Supports move with the slope of their tables; the jump of kinetic energy at a kink is work of the support.
-            let before = self.kinetic(&self.state.v);
-            let mut v = std::mem::take(&mut self.state.v);
-            let mut followed = self.model.embedding.followed(&v);
-            self.set_prescribed_velocities(time, &mut v);
-            if has_supports {
-                self.meet_held_directions(time, |held| held.rate, &mut v);
-            }
-            self.model.embedding.follow_changes(&mut v, &mut followed);
-            self.state.v = v;
-            jump = self.kinetic(&self.state.v) - before;
-            work += jump;
-        }
-        if !self.model.contacts.is_empty() {
-            let System { tally: Tally { support, touched, .. }, buffers, .. } = &self.system;
-            for node in self.forces.pushed.drain(..) {
-                self.forces.contact[3 * node as usize..3 * node as usize + 3].fill(0.0);
-            }
-            for range in support {
-                self.forces.contact[range.clone()].copy_from_slice(&buffers.constraint[range.clone()]);
-            }
-            self.forces.pushed.extend_from_slice(touched);
-            if let Some(impact) = &impact {
-                let forces = impact.mean.forces.iter().flatten();
-                forces.for_each(|&(c, force)| self.forces.contact[c as usize] += force);
-            }
-            // Vertices of traces belong to no body: its nodes have the forces on its faces.
-            if !self.model.traces.is_empty() {
-                let traces = &self.model.traces;
-                let vertices: Vec<u32> = touched.iter().copied().filter(|node| traces.contains_key(node)).collect();
-                self.model.embedding.pull_back_of(&vertices, &mut self.forces.contact);
-            }
-        }
-        let mut impact = impact.unwrap_or_default();
-        for &(c, force) in &impact.mean.reactions {
-            self.forces.reactions[c as usize] += force;
-        }
-        self.impacts.largest_rate = self.impacts.largest_rate.max(impact.largest_rate);
-        work += impact.external;
-        self.ledger.stored = stored;
-        self.slots.pressures = iterate.pressures;
-        self.slots.mean_pressures = std::mem::take(&mut impact.mean.pressures);
-        self.slots.active = iterate.active;
-        self.take_sliding_supports_from_contact_force();
-        let balance =
-            self.measure_balance(draft.strain(), self.ledger.balance.external_work + work + contact_work.driven);
-        let before = self.ledger.balance;
-        let stored_by_normal = |stored: f64, by_friction: f64| stored - by_friction;
-        // Without contact the constraints are those of joints, and what they lose is what their limits report.
-        let limits = if quasi_static { 0.0 } else { contact_work.closing.unwrap_or(0.0) };
-        let normal_work = work_of_contact.map_or(-limits, |work| {
-            let stored = stored_by_normal(contact_work.stored, contact_work.friction_stored)
-                - stored_by_normal(before.contact, before.friction_stored);
-            work + contact_work.friction_work + contact_work.damped + stored - contact_work.driven
-        });
-        // Friction of the law of impact in the place of that of the step.
-        let of_impact: f64 = impact.friction.iter().sum();
-        self.ledger.balance = Balance {
-            contact: contact_work.stored,
-            dissipation: self.ledger.balance.dissipation + contact_work.dissipated + of_impact + damped + damped_bodies,
-            damping: self.ledger.balance.damping + damped_bodies,
-            stabilisation: self.ledger.balance.stabilisation + stabilised,
-            friction_work: self.ledger.balance.friction_work + contact_work.friction_work + of_impact + damped,
-            friction_stored: contact_work.friction_stored,
-            closing_loss: self.ledger.balance.closing_loss - normal_work - impact.closing,
-            contact_remainder: self.ledger.balance.contact_remainder
-                + if quasi_static { 0.0 } else { contact_work.closing.map_or(0.0, |closing| -normal_work - closing) },
-            impact_loss: self.ledger.balance.impact_loss + impact.loss,
-            impact_deformable: self.ledger.balance.impact_deformable + impact.deformable,
-            impacts: self.ledger.balance.impacts + impact.closed,
-            impact_capped: self.ledger.balance.impact_capped + impact.excess,
-            ..balance
-        };
-        let books = self.close_books(draft, &impact, [of_supports, jump], stabilised, &before);
-        self.step += 1;
-        self.stage.sudden.clear();
-        if let Some(work) = work_of_contact {
-            self.warn_contact_gain(work - contact_work.driven, &before);
-        }
-        let change = match (self.clock.accept(solves), self.how.control.automatic) {
-            (StepChange::None, _) => None,
-            (StepChange::Doubled, None) => {
-                Some((DecisionKind::Grow, format!("{} steps succeeded in a row", self.how.control.grow_after)))
-            }
-            (StepChange::Doubled, Some(Automatic { easy, after, .. })) => {
-                Some((DecisionKind::Grow, format!("{after} steps in a row took at most {easy} iterations each")))
-            }
-            (StepChange::Halved, automatic) => {
-                let hard = automatic.map_or(0, |automatic| automatic.hard);
-                Some((DecisionKind::Shrink, format!("the step took {solves} iterations, more than {hard}")))
-            }
-        };
-        if let Some((kind, reason)) = change {
-            self.log.decisions.push(decision(self.step, time, dt, kind, reason));
-        }
-        self.warn_stabilisation();
-        self.warn_fallbacks();
-        self.warn_handed_over();
-        StepRecord {
-            step: self.step,
-            stage: self.stage.number,
-            time,
-            dt,
-            nominal: self.clock.on_nominal_grid(),
-            balance: self.ledger.balance,
-            newton,
-            iterations: solves,
-            decisions: self.log.decisions[first_decision..].to_vec(),
-            unstable,
-            closing,
-            books,
-            impact_losses: impact.losses,
-            stabilising,
-            inside_out: inside_out.iter().flatten().map(|found| found.count).sum(),
-            contact,
-        }
-    }
-
-    /// Adds `factor` times the dead loads that vary in time.
-    fn add_varying_loads(&self, time: f64, factor: f64, force: &mut [f64]) {
-        let at = At { time, ..At::force([&self.state.q; 2], ForceRule::END_POINT, 0.0) };
-        let loads = self.model.acting_loads(&self.system.present.acting);
-        for load in loads.filter(|load| !load.follows() && !load.is_conservative()) {
-            // cannot fail: the forces are constant.
-            load.add_force(&at, factor, force).unwrap_or(());
-        }
-    }
-
-    /// Sum of the magnitudes of the components of the forces of supports and loads at the end of a step.
-    fn external_forces(&self) -> f64 {
-        let reactions =
-            self.stage.prescribed.iter().map(|&(component, ..)| self.forces.reactions[component as usize].abs());
-        let loads = self.system.loads.support.iter().flat_map(Range::clone).map(|c| {
-            let follower = if self.system.loads.has_followers { self.system.loads.follower[c] } else { 0.0 };
-            let dead = if self.system.loads.has_dead { self.system.loads.dead[c] } else { 0.0 };
-            (dead + follower).abs()
-        });
-        reactions.sum::<f64>() + loads.sum::<f64>()
-    }
-
-    /// Work of the present reactions on the way to `q`.
-    fn reaction_work(&self, q: &[f64]) -> f64 {
-        let components = self.stage.prescribed.iter().map(|&(component, ..)| component as usize);
-        components.map(|c| self.forces.reactions[c] * (q[c] - self.state.q[c])).sum()
-    }
-
-    fn add_reactions(&self, factor: f64, force: &mut [f64]) {
-        for &(component, ..) in &self.stage.prescribed {
-            force[component as usize] += factor * self.forces.reactions[component as usize];
-        }
     }
 }
