@@ -1,27 +1,7 @@
 //! States of the Gauss points of a body whose law has some: the end of a step, what it lost, and the states as numbers for restarts and output.
 
-use crate::{MaterialPoint, SolidBody, SolidError, recovery};
-use stoss_continuum::{Loss, Material, StateEntry};
-
-/// What a step did to a body whose law has a state.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct StepEnd {
-    /// `int psi dV` at the end, elastic and by hardening.
-    pub stored: f64,
-    /// What of it hardening has stored.
-    pub hardening: f64,
-    /// What was lost in the step.
-    pub loss: Loss,
-}
-
-impl StepEnd {
-    /// Adds another one.
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.stored += other.stored;
-        self.hardening += other.hardening;
-        self.loss.add(1.0, &other.loss);
-    }
-}
+use crate::{MaterialPoint, SolidBody, SolidError, StepEnd, recovery};
+use stoss_continuum::{Material, StateEntry};
 
 impl SolidBody {
     /// Whether the law has a state.

@@ -38,6 +38,7 @@ pub struct Plasticity {
     pub yield_stress: Option<f64>,
     /// Isotropic hardening as a table of points `[plastic strain, yield stress]`, from the strain 0 on; linear between the points, constant behind the last one. In place of `yield_stress`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::Number, Dimension::Stress])))]
     pub hardening: Vec<[f64; 2]>,
     /// Slope of linear isotropic hardening (stress); 0 if left out.
     #[serde(default, skip_serializing_if = "crate::body::is_default")]

@@ -1,6 +1,8 @@
 //! Materials of bodies: a law and its parameters (theory/kinematics#laws).
 
 #[cfg(feature = "schema")]
+use crate::Dimension;
+#[cfg(feature = "schema")]
 use crate::catalogue;
 use crate::catalogue::{Parameter, given};
 use crate::{Moduli, Mullins, Plasticity};
@@ -110,6 +112,7 @@ impl JsonSchema for Material {
             "type": "array", "items": {
                 "type": "array", "items": { "type": "number", "format": "double" }, "minItems": 2, "maxItems": 2,
             },
+            "x-dimension": [Dimension::Number, Dimension::Time],
             "description": "Maxwell branches: pairs of a share of the shear modulus and a relaxation time. The shares sum up to less than 1. The change of volume stays elastic.",
         });
         let moduli = about(

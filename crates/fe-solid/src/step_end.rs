@@ -1,0 +1,23 @@
+//! What a step stored and lost in a body.
+
+use stoss_continuum::Loss;
+
+/// What a step did to a body whose law has a state.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepEnd {
+    /// `int psi dV` at the end, elastic and by hardening.
+    pub stored: f64,
+    /// What of it hardening has stored.
+    pub hardening: f64,
+    /// What was lost in the step.
+    pub loss: Loss,
+}
+
+impl StepEnd {
+    /// Adds another one.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.stored += other.stored;
+        self.hardening += other.hardening;
+        self.loss.add(1.0, &other.loss);
+    }
+}
