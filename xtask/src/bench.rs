@@ -40,9 +40,10 @@ const fn work(name: &'static str, scene: &'static str, set: Option<&'static str>
 }
 
 /// What is measured if nothing is named, small ones first.
-const WORKS: [Work; 15] = [
+const WORKS: [Work; 16] = [
     work("ball-plate", "ball-plate", None, None),
     work("general-contact", "general-contact", None, None),
+    work("general-chain", "general-chain", None, None),
     work("trebuchet", "trebuchet", None, None),
     work("stack", "stack", None, None),
     work("slide", "slide", None, None),
@@ -68,7 +69,7 @@ struct Run {
     cpu: f64,
     phases: [f64; PHASES.len()],
     peak: f64,
-    iterations: f64,
+    solutions: f64,
 }
 
 /// Runs every work with both programs in turn, the order changed in every other pair, and prints a table. False if a run of this program ends with an error.
@@ -85,7 +86,7 @@ pub fn command(workspace: &Workspace, bench: &Bench) -> Outcome<bool> {
     let programs = [other.as_path(), ours.executable()];
     let phases: Vec<&str> = PHASES.iter().map(|(name, _)| *name).collect();
     println!("CPU seconds of {} and of this program, {} pairs, {} threads", bench.other, bench.pairs, bench.threads);
-    println!("| work | other | this | ratio (least to most) | {} | iterations | peak MB |", phases.join(" | "));
+    println!("| work | other | this | ratio (least to most) | {} | solutions | peak MB |", phases.join(" | "));
     println!("|---|---|---|---|{}---|---|", "---|".repeat(PHASES.len()));
     let mut sound = true;
     let own = WORKS.iter().filter(|work| bench.works.is_empty() || bench.works.iter().any(|name| name == work.name));
@@ -93,7 +94,7 @@ pub fn command(workspace: &Workspace, bench: &Bench) -> Outcome<bool> {
         let scene = workspace.path("scenes").join(work.scene).with_extension("toml");
         (work.name.to_owned(), scene, work.set, work.until)
     });
-    let files = bench.works.iter().map(PathBuf::from).filter(|path| path.is_file());
+    let files = bench.works.iter().filter_map(|name| std::path::absolute(name).ok()).filter(|path| path.is_file());
     let files =
         files.map(|path| (path.file_stem().unwrap_or_default().to_string_lossy().into_owned(), path, None, None));
     for (name, scene, set, until) in shipped.chain(files) {
@@ -190,7 +191,7 @@ fn run(
         cpu: number(&summary["cpu_seconds"]),
         phases: PHASES.map(|(_, keys)| keys.iter().map(|key| cpu(key)).sum()),
         peak: number(&summary["memory"]["peak_resident_bytes"]) / 1e6,
-        iterations: number(&summary["linear_solver_counts"]["solves"])
+        solutions: number(&summary["linear_solver_counts"]["solves"])
             + number(&summary["linear_solver_counts"]["iterative_solves"]),
     }))
 }
@@ -226,8 +227,8 @@ fn row(name: &str, [other, this]: &[Vec<Run>; 2], [other_failed, failed]: [bool;
         seconds[1],
         median(ratios.into_iter()),
         phases.join(" | "),
-        other[0].iterations,
-        this[0].iterations,
+        other[0].solutions,
+        this[0].solutions,
         median(other.iter().map(|run| run.peak)),
         median(this.iter().map(|run| run.peak)),
     )
@@ -238,7 +239,7 @@ mod tests {
     use super::*;
 
     fn at(cpu: f64) -> Run {
-        Run { cpu, phases: [0.5 * cpu, 0.25 * cpu, 0.0], peak: 10.0 * cpu, iterations: 3.0 }
+        Run { cpu, phases: [0.5 * cpu, 0.25 * cpu, 0.0], peak: 10.0 * cpu, solutions: 3.0 }
     }
 
     #[test]

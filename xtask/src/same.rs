@@ -122,7 +122,8 @@ fn until(scene: &str, steps: u32) -> Outcome<Option<f64>> {
 /// What differs between two folders of results: tables that the other one has, and the last frame.
 fn differences(other: &Path, this: &Path) -> Outcome<Vec<String>> {
     if !other.is_dir() || !this.is_dir() {
-        return Ok(if other.is_dir() == this.is_dir() { Vec::new() } else { vec!["only one has results".to_owned()] });
+        let said = if other.is_dir() == this.is_dir() { "neither has results" } else { "only one has results" };
+        return Ok(vec![said.to_owned()]);
     }
     let mut told = Vec::new();
     let tables = |folder: &Path| -> Outcome<Vec<PathBuf>> {

@@ -1,14 +1,14 @@
 //! Friction of one slot: slip, frames, force, tangent (theory/friction#nts).
 //!
 //! The force is `-A tau_a D^a` with the *full* variation `D^a` of the convective coordinates, at `q_np1` (rule `EndPoint`) or `q_mid`
-//! with its own projection (`Midpoint`, `EnergyMomentum`). It has no resultant and no moment about that configuration, whatever
+//! with its own projection (`Midpoint`, `DiscreteGradient`). It has no resultant and no moment about that configuration, whatever
 //! gap and traction are.
 //!
 //! The law works with two components in an orthonormal frame `e_1 ~ a_1`, `e_2 = n x e_1` at the foot:
 //!
 //! * the *slip* is `x(xi_np1) - x(xi_n)`, both material points of the master in the configuration of the force, the second one on the facet of
 //!   `n` (theory/friction#eq-feet). One formula on a facet and over edges, thus no jump at an edge; on a flat facet it is `a_a dxi^a`, otherwise
-//!   that to second order. Under `EnergyMomentum` it is `a_a D^a . (q_np1 - q_n)` instead: exactly what the force works on, zero in
+//!   that to second order. Under `DiscreteGradient` it is `a_a D^a . (q_np1 - q_n)` instead: exactly what the force works on, zero in
 //!   every rigid motion of the whole, equal to the other to third order;
 //! * the *history* is carried as components in the frame of the old foot on the old facet, which moves with the material, and from there turned
 //!   into the new tangent plane by the smallest rotation (theory/friction#eq-transport). Lengths do not change, so no stored energy

@@ -260,6 +260,26 @@ fn the_branch_of_a_smooth_law_is_its_tangent_at_rest() {
     assert!((small.force[0] / branch.force[0] - 1.0).abs() < 1e-14);
 }
 
+/// The slip that is reported is what no spring takes up; a law without stick has no spring, whatever stiffness there is.
+#[test]
+fn reported_slip_of_springs_and_of_laws_without_stick() {
+    let slip_of = |law: Arc<dyn FrictionLaw>, stiffness: f64| {
+        let friction = Friction::new(law, stiffness, Stick::Penalty, MidpointFriction::B).unwrap();
+        let (pressure, step_size, slid) = (2.0, 0.1, 0.0);
+        let (history, slip, yielded) = ([0.0; 2], [0.05, -0.02], [0.0; 2]);
+        let point = FrictionPoint { history, slip, pressure, step_size, slid, stiffening: 1.0, yielded };
+        friction.slot_friction(&friction.step(true, &point), history, slip, [pressure, slid, step_size])
+    };
+    for stiffness in [1.0, 1e6] {
+        let smooth = slip_of(Arc::new(Regularised::new(0.5, 0.3).unwrap()), stiffness);
+        assert_eq!(smooth.slip, [0.05, -0.02], "{stiffness}");
+        let spring = slip_of(Arc::new(Coulomb::new(0.5).unwrap()), stiffness);
+        let left: [f64; 2] = std::array::from_fn(|i| [0.05, -0.02][i] - spring.traction[i] / stiffness);
+        assert!(norm([spring.slip[0] - left[0], spring.slip[1] - left[1]]) < 1e-16, "{spring:?} {left:?}");
+        assert_eq!(spring.sticks, stiffness == 1.0);
+    }
+}
+
 #[test]
 fn parameters_out_of_range_are_errors() {
     assert!(Coulomb::new(-0.1).is_err() && Coulomb::new(f64::NAN).is_err() && Coulomb::new(0.0).is_ok());

@@ -240,11 +240,10 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         dt: f64,
     ) -> Result<(), ElementFailure> {
         let nodes = elements::<N>(nodes);
-        let rule = Some(rule);
         self.dt = dt;
         self.stress = match rule {
-            Some(ForceRule::DiscreteGradient) => StepStress::DiscreteGradient,
-            _ => StepStress::End,
+            ForceRule::DiscreteGradient => StepStress::DiscreteGradient,
+            ForceRule::Configuration { .. } => StepStress::End,
         };
         let identity = GaussPointHistory { right_cauchy_green: SymmetricTensor2::IDENTITY, energy: 0.0 };
         let (mut history, mut jacobians) = (std::mem::take(&mut self.history), std::mem::take(&mut self.jacobians));
@@ -253,7 +252,7 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         jacobians.resize(if averaged { nodes.len() } else { 0 }, [0.0; G]);
         let one = |element: usize, slot: &mut [GaussPointHistory; G], jacobians: Option<&mut [f64; G]>| {
             let q = gather(&nodes[element], q_n);
-            let laws = self.laws(material, element, rule);
+            let laws = self.laws(material, element, Some(rule));
             let found = match (self.averages(material, element, laws), jacobians) {
                 (Some(averages), Some(jacobians)) => averages.history(&q).map(|found| (*slot, *jacobians) = found),
                 _ => element::history(laws, &self.integration[element], &q).map(|found| *slot = found),

@@ -5,7 +5,7 @@
 //!
 //! * `Configuration { theta }`: stress and `B` both at `q_{n+theta}`, `theta` times the static tangent. For schemes
 //!   that take forces at one configuration: the start (0), `MIDPOINT` (1/2), `END_POINT` (1), or any in between;
-//! * `EnergyMomentum`: the stress of theory/integrators#eq-ems with `B` at `q_mid`, unsymmetric tangent.
+//! * `DiscreteGradient`: the stress of theory/integrators#eq-ems with `B` at `q_mid`, unsymmetric tangent.
 //!
 //! The trapezoidal rule is the mean of the forces at both ends, which its scheme forms.
 //!

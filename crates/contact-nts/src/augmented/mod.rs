@@ -10,7 +10,7 @@
 //! | `First` | `p`, `f` | `lambda_A` follows from the balance of `f`, theory/coordinate-augmentation#eq-first |
 //! | `Second` | `p` | `f` follows from the linearised `Phi_A`, theory/coordinate-augmentation#eq-second; it iterates with Newton's method |
 //!
-//! Forces are those of the end point (`EndPoint`) or of `q_mid`, `f_mid = (f_n + f_np1) / 2` (`Midpoint`; `EnergyMomentum` is taken
+//! Forces are those of the end point (`EndPoint`) or of `q_mid`, `f_mid = (f_n + f_np1) / 2` (`Midpoint`; `DiscreteGradient` is taken
 //! as that: the solids have their conserving stress, the contact has not). The gradients of both constraints have neither resultant nor moment
 //! at any `f`: momenta are exact for every gap, slip and traction. The energy is that of the direct form.
 //!

@@ -26,7 +26,7 @@ struct Placed {
 impl NodeToSurface {
     /// The same surfaces with friction.
     ///
-    /// Under the rule `EndPoint` backward Euler (statics), under `Midpoint` and `EnergyMomentum` the stepping of `friction`; under the last
+    /// Under the rule `EndPoint` backward Euler (statics), under `Midpoint` and `DiscreteGradient` the stepping of `friction`; under the last
     /// one the work of the friction is exact: kinetic, strain and spring energy fall by exactly what is dissipated, which is not negative.
     ///
     /// # Errors

@@ -10,7 +10,7 @@
 //! | `EndPoint` | end facet, `q_np1` | second variation | `q_np1` |
 //! | `EndPointMean` | half of each of the two above | half the second variation | -- |
 //! | `Midpoint` | facet of the midpoint, `q_mid` | half the second variation | `q_mid` |
-//! | `EnergyMomentum` | [`crate::invariants`]; over edges [`crate::crossing`] | dual numbers; closed form | `q_mid` |
+//! | `DiscreteGradient` | [`crate::invariants`]; over edges [`crate::crossing`] | dual numbers; closed form | `q_mid` |
 //!
 //! A node that was in contact at `n` starts on the facet that its last step ended with; one that closes in this step
 //! starts on the facet that its gap at `n` is measured to. The constraint row is the gap to the end facet at `q_np1`

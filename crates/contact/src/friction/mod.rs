@@ -10,7 +10,7 @@
 //! Vectors have two components in an orthonormal frame of the tangent plane. Tractions point *along the slip of the slave relative
 //! to the master*; the traction on the slave is the opposite. Not here: slip and its frame (a contact method's).
 //!
-//! To add a law: a file beside `coulomb.rs`, a `pub use` here, a row in `registry.rs`, a line in the tests of `tests/friction.rs`.
+//! To add a law: a file beside `coulomb.rs`, a `pub use` here, a row in `registry.rs`; the tests run over the rows.
 
 mod belt;
 mod coulomb;

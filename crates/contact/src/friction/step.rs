@@ -285,8 +285,10 @@ impl Friction {
         // A midpoint variant takes a mean of two tractions, of which the first had another pressure.
         let bound = if step.force == step.end { bound } else { bound.max(dot(start, start).sqrt()) };
         // What springs and the compliance of a multiplier take up of the slip is elastic, and comes back.
-        let elastic = |i: usize| match self.stick {
-            Stick::Penalty => (step.end[i] - start[i]) / self.stiffness,
+        let elastic = |i: usize| match self.stick() {
+            Stick::Penalty if self.law.sticks() => (step.end[i] - start[i]) / self.stiffness,
+            // No spring: a law without stick.
+            Stick::Penalty => 0.0,
             Stick::Augmented | Stick::Multiplier => step.yielded[i],
         };
         let slip = std::array::from_fn(|i| slip[i] - elastic(i));

@@ -231,8 +231,15 @@ pub(super) fn contact(table: &Table<'_>, world: &World<'_>) -> Option<Contact> {
         }
         Some(gap)
     });
+    let closes = gap == Some(GapAtClosing::Close);
     let settle = table.optional("settle", |n| {
         of_impact(n)?;
+        if closes {
+            return n.fail(
+                "says how a gap that is held comes down, and `gap = \"close\"` holds none",
+                "remove one of them",
+            );
+        }
         n.count()
     });
     let nearness = table.optional("nearness", |n| {

@@ -60,8 +60,8 @@ impl Simulation {
         self.slots.mean_pressures = std::mem::take(&mut impact.mean.pressures);
         self.slots.active = iterate.active;
         self.take_sliding_supports_from_contact_force();
-        let balance =
-            self.measure_balance(draft.strain(), self.ledger.balance.external_work + work + contact_work.driven);
+        let driven = contact_work.driven + draft.driven();
+        let balance = self.measure_balance(draft.strain(), self.ledger.balance.external_work + work + driven);
         let before = self.ledger.balance;
         let damped = [draft.dissipated_by_parts(), damped_bodies];
         self.enter(balance, &contact_work, work_of_contact, &impact, damped, stabilised);

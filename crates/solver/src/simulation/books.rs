@@ -31,6 +31,11 @@ impl Draft {
         self.books.parts.iter().map(|part| part.dissipated).sum()
     }
 
+    /// Work of drives of bodies and parts.
+    pub fn driven(&self) -> f64 {
+        self.books.bodies.iter().chain(&self.books.parts).map(|term| term.supplied).sum()
+    }
+
     /// Strain energy of bodies and parts.
     pub fn strain(&self) -> f64 {
         self.energies.iter().fold(0.0, |sum, energy| sum + energy)
@@ -71,16 +76,17 @@ impl Simulation {
         let at = iterate.force_at(&Step { state_n: &self.state, dt, rule: *rule });
         let bodies = self.model.bodies.len();
         for (f, (term, acts)) in self.model.forces(&self.system.present.acting).enumerate() {
-            let Work { stored, dissipated, .. } = if acts { term.work(&at)? } else { Work::default() };
+            let Work { stored, dissipated, driven: supplied, .. } =
+                if acts { term.work(&at)? } else { Work::default() };
             let mut work = works.forces[f];
             if let Some(body) = self.model.bodies.get(f).filter(|_| measured && self.is_damped()) {
                 let damping = &self.system.buffers.damping;
                 work += rule.damping_weight() * work_of(damping, body.components(), &self.state.q, &iterate.q);
             }
-            let rest = remainder(work - (stored - self.ledger.energies[f]) - dissipated);
+            let rest = remainder(work - (stored - self.ledger.energies[f]) - dissipated + supplied);
             energies.push(stored);
             let list = if f < bodies { &mut books.bodies } else { &mut books.parts };
-            list.push(Posting { stored, dissipated, supplied: 0.0, remainder: rest });
+            list.push(Posting { stored, dissipated, supplied, remainder: rest });
         }
         for (c, work) in of_pairs.iter().enumerate() {
             let (stored, dissipated, supplied) = (work.stored, work.dissipated, work.driven);

@@ -90,6 +90,11 @@ pub(super) fn friction(
              end of the step), or leave `penalty` and `stick` out as well (multipliers)"
         ));
     }
+    if at_end && item.given.midpoint.is_some() {
+        warnings.push(format!(
+            "{key}.midpoint has no effect: the contact takes the traction at the end of the step in all stages; remove it"
+        ));
+    }
     let mortar = item.slip.is_some() || pair.item.method.has("slip");
     let plan = FrictionPlan {
         law: item.law.clone(),
