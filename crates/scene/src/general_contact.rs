@@ -83,7 +83,7 @@ pub struct GeneralContact {
 pub struct GeneralPair {
     /// Names of the two parts, which may be the same.
     pub between: [String; 2],
-    /// Friction as in `[general_contact]`, which it has if left out.
+    /// Friction as in `[general_contact]`; that of `[general_contact]` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<GeneralFriction>,
     /// Modulus of the contact layer (a stress), positive; it follows from `stiffness` if left out, of two rigid bodies it is the `modulus` of `[general_contact]`.
