@@ -32,7 +32,9 @@ impl History {
         let refused = |parameter: &'static str| {
             move |error: MaterialError| {
                 let remedy = match error {
-                    MaterialError::NoSplit { .. } => "choose neo-hooke, mooney-rivlin, ogden or hencky",
+                    MaterialError::NoSplit { .. } => {
+                        "choose neo-hooke, hencky, mooney-rivlin, yeoh, gent, arruda-boyce or ogden"
+                    }
                     _ => "correct the value",
                 };
                 Refusal::new(parameter, error.to_string(), remedy)

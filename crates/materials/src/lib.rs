@@ -7,6 +7,7 @@
 //! * [`SaintVenantKirchhoff`]: linear in the Green-Lagrange strain;
 //! * [`NeoHooke`], [`MooneyRivlin`]: coupled forms with the logarithm of the change of volume;
 //! * [`Ogden`]: powers of the principal stretches, decoupled, any number of terms;
+//! * [`FirstInvariant`]: Yeoh, Gent, Arruda-Boyce, of the first isochoric invariant;
 //! * [`Hencky`]: linear in the logarithmic strain, the elastic part of metals;
 //! * [`Inelastic`]: a law with [`Plasticity`], Maxwell branches or [`Mullins`] softening, which has a state ([`stoss_continuum::Material`]);
 //! * [`MaterialError`]: parameters that are refused.
@@ -72,6 +73,7 @@
 #![doc = include_str!("../README.md")]
 
 mod error;
+mod first_invariant;
 mod hardening;
 mod hencky;
 mod history;
@@ -89,6 +91,7 @@ mod state;
 mod volume;
 
 pub use error::MaterialError;
+pub use first_invariant::FirstInvariant;
 pub use hardening::Hardening;
 pub use hencky::Hencky;
 pub use history::History;

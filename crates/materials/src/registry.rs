@@ -1,6 +1,6 @@
 //! All laws by name, as data: parameters, ranges, and what makes the law. A scene format, its schema and its messages follow from the rows.
 
-use crate::{Hencky, MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use crate::{FirstInvariant, Hencky, MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_registry::{Given, Parameter, Refusal, Row, Unit, Values, list};
@@ -115,6 +115,46 @@ pub const LAWS: &[LawEntry] = &[
                 return Err(Refusal::new("c", message, "increase c"));
             }
             Ok(Arc::new(MooneyRivlin::new(c1, c2, c).map_err(by_law("c1"))?))
+        },
+    },
+    LawEntry {
+        name: "yeoh",
+        about: "Yeoh law of the isochoric first invariant, `x = J^(-2/3) I1 - 3`: `W = c1 x + c2 x^2 + c3 x^3 + kappa/2 (ln J)^2`. Shear modulus `2 c1`.",
+        ways: &[&[
+            stress("c1", "Factor of `x` (stress), positive.", Values::Positive, 0.5),
+            stress("c2", "Factor of `x^2` (stress).", Values::Any, -0.005),
+            stress("c3", "Factor of `x^3` (stress).", Values::Any, 0.0002),
+            stress("kappa", "Bulk modulus (stress), positive.", Values::Positive, 100.0),
+        ]],
+        make: |_, given| {
+            let [c1, c2, c3, kappa] = std::array::from_fn(|k| given[k].number());
+            Ok(Arc::new(FirstInvariant::yeoh([c1, c2, c3], kappa).map_err(by_law("c1"))?))
+        },
+    },
+    LawEntry {
+        name: "gent",
+        about: "Gent law, `x = J^(-2/3) I1 - 3` below a limit: `W = -mu/2 limit ln(1 - x/limit) + kappa/2 (ln J)^2`. Shear modulus `mu`.",
+        ways: &[&[
+            stress("mu", "Shear modulus (stress), positive.", Values::Positive, 1.0),
+            number("limit", "Largest `x`, positive.", Values::Positive, 50.0),
+            stress("kappa", "Bulk modulus (stress), positive.", Values::Positive, 100.0),
+        ]],
+        make: |_, given| {
+            let [mu, limit, kappa] = std::array::from_fn(|k| given[k].number());
+            Ok(Arc::new(FirstInvariant::gent(mu, limit, kappa).map_err(by_law("mu"))?))
+        },
+    },
+    LawEntry {
+        name: "arruda-boyce",
+        about: "Arruda-Boyce law of eight chains by five terms of its series, `y = J^(-2/3) I1`: `W = mu sum_i C_i/lock^(2i-2) (y^i - 3^i) + kappa/2 (ln J)^2`.",
+        ways: &[&[
+            stress("mu", "Factor (stress), positive; the shear modulus for a large `lock`.", Values::Positive, 1.0),
+            number("lock", "Locking stretch of the chains, above 1.", Values::Positive, 4.0),
+            stress("kappa", "Bulk modulus (stress), positive.", Values::Positive, 100.0),
+        ]],
+        make: |_, given| {
+            let [mu, lock, kappa] = std::array::from_fn(|k| given[k].number());
+            Ok(Arc::new(FirstInvariant::arruda_boyce(mu, lock, kappa).map_err(by_law("lock"))?))
         },
     },
     LawEntry {

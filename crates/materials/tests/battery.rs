@@ -2,7 +2,7 @@
 
 use num_dual::DualNum;
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
-use stoss_materials::{MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_materials::{FirstInvariant, MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_testkit::laws::{EnergyOracle, against_dual_numbers, battery, invariants};
 
 const YOUNG: f64 = 2250.0;
@@ -131,6 +131,57 @@ fn mooney_rivlin() {
 fn ogden_of_three_terms() {
     battery(&ogden(), 1e-12);
     against_dual_numbers(&ogden(), &OgdenEnergy(&[6300.0, 12.0, -100.0], &[1.3, 5.0, -2.0], 2000.0, 9.0), 1e-10);
+}
+
+/// `f` by its number and the bulk modulus.
+struct FirstInvariantEnergy(u32, f64);
+impl EnergyOracle for FirstInvariantEnergy {
+    fn energy<D: DualNum<Primitive = f64> + Copy>(&self, c: [D; 6]) -> D {
+        let log_j = invariants::det(c).ln() * 0.5;
+        let y = (log_j * (-2.0 / 3.0)).exp() * invariants::trace(c);
+        let x = y - 3.0;
+        let of_shape = match self.0 {
+            0 => x * 0.5 - x * x * 0.005 + x * x * x * 0.0002,
+            1 => (-x / 300.0 + 1.0).ln() * (-0.5 * 300.0),
+            _ => {
+                let terms = [1.0 / 2.0, 1.0 / 20.0, 11.0 / 1050.0, 19.0 / 7000.0, 519.0 / 673_750.0];
+                let mut sum = y * 0.0;
+                for (i, c) in (1..).zip(terms) {
+                    sum += (y.powi(i) - 3.0_f64.powi(i)) * (c / 4.0_f64.powi(2 * i - 2));
+                }
+                sum
+            }
+        };
+        of_shape + log_j * log_j * (0.5 * self.1)
+    }
+}
+
+#[test]
+fn yeoh_gent_and_arruda_boyce() {
+    for kappa in [2.0, 500.0] {
+        let laws = [
+            FirstInvariant::yeoh([0.5, -0.005, 0.0002], kappa).unwrap(),
+            FirstInvariant::gent(1.0, 300.0, kappa).unwrap(),
+            FirstInvariant::arruda_boyce(1.0, 4.0, kappa).unwrap(),
+        ];
+        for (k, law) in (0..).zip(&laws) {
+            battery(law, 1e-12);
+            against_dual_numbers(law, &FirstInvariantEnergy(k, kappa), 1e-10);
+        }
+    }
+    // Up to its limit, and not beyond: x = l^2 + 2/l - 3 of an isochoric stretch l.
+    let gent = FirstInvariant::gent(1.0, 10.0, 1.0).unwrap();
+    let stretched = |l: f64| SymmetricTensor2([l * l, 1.0 / l, 1.0 / l, 0.0, 0.0, 0.0]);
+    assert!(gent.energy(&stretched(3.5)).is_ok());
+    assert_eq!(gent.energy(&stretched(3.6)).unwrap_err(), ConstitutiveError::NonFinite);
+    for refused in [
+        FirstInvariant::yeoh([-0.5, 0.0, 0.0], 1.0),
+        FirstInvariant::gent(1.0, -1.0, 1.0),
+        FirstInvariant::arruda_boyce(1.0, 1.0, 1.0),
+        FirstInvariant::gent(1.0, 1.0, 0.0),
+    ] {
+        assert!(refused.is_err());
+    }
 }
 
 #[test]

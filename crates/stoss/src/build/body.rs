@@ -67,7 +67,7 @@ pub(super) fn bodies(
         let solid = match SolidBody::with_options(&body.name, &mesh, first_node, Arc::clone(&law), options(body)) {
             Ok(solid) => solid,
             Err(error @ SolidError::NoVolumetricPart { .. }) => {
-                let remedy = "leave `volumetric` out, or choose neo-hooke, mooney-rivlin, ogden or hencky";
+                let remedy = "leave `volumetric` out, or choose another law than saint-venant-kirchhoff";
                 problems.add(format!("{key}.volumetric"), body.volumetric(), error.to_string(), remedy);
                 continue;
             }

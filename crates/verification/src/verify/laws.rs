@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use stoss_continuum::{HyperelasticLaw, SymmetricTensor2};
-use stoss_materials::{Hencky, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_materials::{FirstInvariant, Hencky, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_numerical_derivative::{Analytic, AnalyticVector, Method, Scalar, Step, Workspace, jacobian};
 
 use crate::workspace::Outcome;
@@ -20,6 +20,12 @@ pub enum Energy {
     Hencky(f64, f64),
     /// `c1`, `c2`, `c`.
     MooneyRivlin(f64, f64, f64),
+    /// `c1`, `c2`, `c3`, `kappa`.
+    Yeoh([f64; 3], f64),
+    /// `mu`, `limit`, `kappa`.
+    Gent(f64, f64, f64),
+    /// `mu`, `lock`, `kappa`.
+    ArrudaBoyce(f64, f64, f64),
     /// `mu_P`, `alpha_P`, `kappa`, `beta`.
     Ogden([f64; 3], [f64; 3], f64, f64),
 }
@@ -34,11 +40,15 @@ pub struct Sample {
 }
 
 /// All laws that a scene can name.
-pub const LAWS: [Sample; 5] = [
+pub const LAWS: [Sample; 8] = [
     Sample { energy: Energy::SaintVenantKirchhoff(1298.0769, 865.3846), literature: (2250.0, 0.3) },
     Sample { energy: Energy::NeoHooke(1298.0769, 865.3846), literature: (2250.0, 0.3) },
     Sample { energy: Energy::Hencky(1298.0769, 865.3846), literature: (2250.0, 0.3) },
     Sample { energy: Energy::MooneyRivlin(176_051.0, 4332.63, 2e6), literature: (1.05257e6, 0.4588) },
+    // Of the moduli 2 c1 = 1 and 2; of Arruda and Boyce's the series 1 + 3/(5 L^2) + 99/(175 L^4) + 513/(875 L^6) + 42039/(67375 L^8).
+    Sample { energy: Energy::Yeoh([0.5, -0.005, 0.0002], 2.0), literature: (2.571429, 0.28571) },
+    Sample { energy: Energy::Gent(1.0, 1000.0, 2.0), literature: (2.571429, 0.28571) },
+    Sample { energy: Energy::ArrudaBoyce(1.0, 4.0, 2.0), literature: (2.658791, 0.27843) },
     Sample {
         energy: Energy::Ogden([6300.0, 12.0, -100.0], [1.3, 5.0, -2.0], 2000.0, 9.0),
         literature: (7437.65, -0.1198),
@@ -53,6 +63,9 @@ impl Energy {
             Self::NeoHooke(lambda, mu) => Arc::new(NeoHooke::new(*lambda, *mu)?),
             Self::Hencky(lambda, mu) => Arc::new(Hencky::new(*lambda, *mu)?),
             Self::MooneyRivlin(c1, c2, c) => Arc::new(MooneyRivlin::new(*c1, *c2, *c)?),
+            Self::Yeoh(c, kappa) => Arc::new(FirstInvariant::yeoh(*c, *kappa)?),
+            Self::Gent(mu, limit, kappa) => Arc::new(FirstInvariant::gent(*mu, *limit, *kappa)?),
+            Self::ArrudaBoyce(mu, lock, kappa) => Arc::new(FirstInvariant::arruda_boyce(*mu, *lock, *kappa)?),
             Self::Ogden(mu, alpha, kappa, beta) => Arc::new(Ogden::new(mu, alpha, *kappa, *beta)?),
         })
     }
@@ -78,6 +91,8 @@ impl AnalyticVector for Energy {
         let second = xx * yy + yy * zz + xx * zz - xy * xy - yz * yz - xz * xz;
         let det = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
         let log_j = det.ln() * 0.5;
+        let first = (log_j * (-2.0 / 3.0)).exp() * trace;
+        let of_volume = |kappa: f64| log_j * log_j * (0.5 * kappa);
         value[0] = match *self {
             Self::SaintVenantKirchhoff(lambda, mu) => {
                 let trace_e = (trace - 3.0) * 0.5;
@@ -94,6 +109,22 @@ impl AnalyticVector for Energy {
             Self::MooneyRivlin(c1, c2, c) => {
                 let volume = det.sqrt() - 1.0;
                 (trace - 3.0) * c1 + (second - 3.0) * c2 + volume * volume * c - log_j * (2.0 * (c1 + 2.0 * c2))
+            }
+            Self::Yeoh([c1, c2, c3], kappa) => {
+                let x = first - 3.0;
+                x * c1 + x * x * c2 + x * x * x * c3 + of_volume(kappa)
+            }
+            Self::Gent(mu, limit, kappa) => {
+                ((first - 3.0) * (-1.0 / limit) + 1.0).ln() * (-0.5 * mu * limit) + of_volume(kappa)
+            }
+            Self::ArrudaBoyce(mu, lock, kappa) => {
+                let terms = [1.0 / 2.0, 1.0 / 20.0, 11.0 / 1050.0, 19.0 / 7000.0, 519.0 / 673_750.0];
+                let (mut power, mut three, mut scale, mut sum) = (first, 3.0, mu, of_volume(kappa));
+                for term in terms {
+                    sum += (power - three) * (term * scale);
+                    (power, three, scale) = (power * first, three * 3.0, scale / (lock * lock));
+                }
+                sum
             }
             Self::Ogden(mu, alpha, kappa, beta) => {
                 let volumetric = log_j / beta + ((log_j * -beta).exp() - 1.0) / (beta * beta);
@@ -204,6 +235,10 @@ mod tests {
             (Energy::SaintVenantKirchhoff(2.0, 3.0), 4.5 * 4.5 + 3.0 * 6.75),
             (Energy::NeoHooke(2.0, 3.0), 1.5 * 9.0 + log * log - 3.0 * log),
             (Energy::Hencky(2.0, 3.0), log * log + 3.0 * 3.0 * (log / 3.0) * (log / 3.0)),
+            // Of a dilation only the volume counts.
+            (Energy::Yeoh([1.0, 2.0, 3.0], 2.0), log * log),
+            (Energy::Gent(1.0, 10.0, 2.0), log * log),
+            (Energy::ArrudaBoyce(1.0, 4.0, 2.0), log * log),
             (Energy::MooneyRivlin(2.0, 3.0, 0.5), 18.0 + 3.0 * 45.0 + 0.5 * 49.0 - 16.0 * log),
             (Energy::Ogden([1.0, 2.0, -3.0], [1.3, 5.0, -2.0], 2.0, -1.0), 2.0 * (-log + 7.0)),
         ];
