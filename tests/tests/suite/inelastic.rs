@@ -139,3 +139,30 @@ fn a_restart_has_the_same_bits() {
         assert!(table("at-once") == table("halted"), "{material}");
     }
 }
+
+/// The bar of scenes/necking-bar.toml: the largest force is that of Considere, the maximum of `sigma_y(a) exp(-a)` times the first area, and a neck forms behind it.
+#[test]
+fn a_bar_necks_behind_the_force_of_considere() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/necking-bar.toml");
+    let mut run = simulation(&std::fs::read_to_string(path).unwrap());
+    let nodes = run.model().reference.clone();
+    let at = |y: f64| nodes.chunks(3).enumerate().filter(move |(_, x)| (x[1] - y).abs() < 1e-9).map(|(node, _)| node);
+    let (end, middle): (Vec<usize>, Vec<usize>) = (at(26.667).collect(), at(0.0).collect());
+    let (mut forces, mut radii) = (Vec::new(), Vec::new());
+    while !run.finished() {
+        run.advance().unwrap_or_else(|e| panic!("{e}"));
+        let (reactions, q) = (run.reactions(), &run.state().q);
+        forces.push(4.0 * end.iter().map(|node| reactions[3 * node + 1]).sum::<f64>());
+        radii.push(middle.iter().map(|node| q[3 * node]).fold(0.0, f64::max) / 6.413);
+    }
+    let largest = forces.iter().copied().fold(0.0, f64::max);
+    let yields = |a: f64| 450.0 + 129.24 * a + 265.0 * (1.0 - (-16.93 * a).exp());
+    let considere = (1..600).map(|k| 1e-3 * f64::from(k)).map(|a| yields(a) * (-a).exp()).fold(0.0, f64::max);
+    // The mesh is a prism of 16 sides.
+    let area = 8.0 * (std::f64::consts::PI / 8.0).sin() * 6.413_f64.powi(2);
+    println!("{largest} {} {:?} {:?}", considere * area, forces.last(), radii.last());
+    assert!((largest / (considere * area) - 1.0).abs() < 0.01, "{largest} {}", considere * area);
+    let place = forces.iter().position(|force| *force == largest).unwrap();
+    assert!(radii[place] > 0.85 && *radii.last().unwrap() < 0.55, "{} {:?}", radii[place], radii.last());
+    assert!(forces.last().unwrap() / largest < 0.6);
+}
