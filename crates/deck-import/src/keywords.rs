@@ -248,8 +248,13 @@ const TABLE: &[Row] = &[
     ),
     // Laws.
     (
+        &["PLASTIC"],
+        CHANGED,
+        "of *PLASTIC only isotropic hardening without rates is imported: the body has the elastic part only, and stresses above the yield stress are wrong",
+        "give the material a `plasticity` (see `kinematic_modulus` and `rate` there)",
+    ),
+    (
         &[
-            "PLASTIC",
             "CYCLICHARDENING",
             "DEFORMATIONPLASTICITY",
             "DRUCKERPRAGER",
@@ -263,8 +268,8 @@ const TABLE: &[Row] = &[
             "CRUSHABLEFOAM",
         ],
         CHANGED,
-        "there is no plasticity: the body has the elastic part only, and stresses above the yield stress are wrong",
-        "use the scene only where the deck stays elastic",
+        "there is no plasticity of this kind: the body has the elastic part only, and stresses above the yield stress are wrong",
+        "use the scene only where the deck stays elastic, or give the material a `plasticity`",
     ),
     (
         &["CREEP", "VISCOELASTIC", "SWELLING"],

@@ -44,6 +44,9 @@ pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
         ));
     }
     let is_incompressible = poisson > 0.45;
+    if !material.plastic.is_empty() {
+        return Ok(plastic(material, [young, poisson], is_incompressible));
+    }
     let (name, notes) = if mixed {
         let note =
             "the law is neo-hooke, with the same moduli at small strains: saint-venant-kirchhoff has no mixed form";
@@ -53,6 +56,25 @@ pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
     };
     let text = format!("{{ law = \"{name}\", young = {}, poisson = {} }}", number(young), number(poisson));
     Ok(Law { text, summary: format!("*ELASTIC is {name}"), notes, is_incompressible })
+}
+
+/// Isotropic hardening behind Hencky's law.
+fn plastic(material: &Material, [young, poisson]: [f64; 2], is_incompressible: bool) -> Law {
+    let yields = match material.plastic[..] {
+        [[_, stress]] => format!("yield_stress = {}", number(stress)),
+        ref points => format!("hardening = [{}]", points.iter().map(|p| list(p)).collect::<Vec<_>>().join(", ")),
+    };
+    let (young, poisson) = (number(young), number(poisson));
+    Law {
+        text: format!("{{ law = \"hencky\", young = {young}, poisson = {poisson}, plasticity = {{ {yields} }} }}"),
+        summary: "*PLASTIC is hencky with `plasticity`".to_owned(),
+        notes: vec![(
+            "yield stresses are those of the Kirchhoff stress, in the deck of the true stress: they differ by the change of volume, some thousandths"
+                .to_owned(),
+            String::new(),
+        )],
+        is_incompressible,
+    }
 }
 
 /// Laws whose isochoric part is a sum of powers of the isochoric stretches are the Ogden law.
@@ -144,6 +166,7 @@ mod tests {
                 terms,
                 coefficients: coefficients.to_vec(),
             }),
+            plastic: Vec::new(),
             damping: None,
             place: DeckPlace { file: 0, line: 1 },
         }
@@ -162,6 +185,18 @@ mod tests {
             assert!(law(&material(Some(bad), None), false).is_err(), "{bad:?}");
         }
         assert!(law(&material(None, None), false).unwrap_err().contains("no isotropic"));
+    }
+
+    #[test]
+    fn isotropic_hardening_is_plasticity_behind_hencky_s_law() {
+        let mut steel = material(Some((2.1e5, 0.3)), None);
+        steel.plastic = vec![[0.0, 250.0]];
+        let perfect = law(&steel, false).unwrap();
+        let expected = "{ law = \"hencky\", young = 210000.0, poisson = 0.3, plasticity = { yield_stress = 250.0 } }";
+        assert_eq!(perfect.text, expected);
+        steel.plastic.push([0.1, 300.0]);
+        let hardening = "plasticity = { hardening = [[0.0, 250.0], [0.1, 300.0]] }";
+        assert!(law(&steel, true).unwrap().text.contains(hardening));
     }
 
     /// Shear and bulk modulus at small strains, read from the text: `mu = sum mu_p alpha_p / 2`, `kappa`.

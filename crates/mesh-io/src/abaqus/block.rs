@@ -17,7 +17,7 @@ impl Block {
 
     /// True if data lines may be in a file of their own, `INPUT=`; with other keywords that parameter means something else.
     pub fn takes_input(&self) -> bool {
-        const NAMES: [&str; 13] = [
+        const NAMES: [&str; 14] = [
             "AMPLITUDE",
             "BOUNDARY",
             "CLOAD",
@@ -29,6 +29,7 @@ impl Block {
             "FRICTION",
             "HYPERELASTIC",
             "INITIALCONDITIONS",
+            "PLASTIC",
             "SURFACEBEHAVIOR",
             "TIE",
         ];

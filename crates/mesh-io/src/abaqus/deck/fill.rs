@@ -90,7 +90,7 @@ impl Filler<'_> {
     fn block(&mut self, block: &Block) -> Result<(), MeshIoError> {
         let name = block.name();
         match (name.as_str(), &self.owner) {
-            ("DENSITY" | "ELASTIC" | "HYPERELASTIC" | "DAMPING", Owner::Material) => {
+            ("DENSITY" | "ELASTIC" | "HYPERELASTIC" | "PLASTIC" | "DAMPING", Owner::Material) => {
                 return self.of_material(block, &name);
             }
             ("FRICTION" | "SURFACEBEHAVIOR", Owner::Interaction) => return self.of_interaction(block, &name),
@@ -102,8 +102,9 @@ impl Filler<'_> {
             "MATERIAL" => {
                 let (name, place) = (block.require(self.contents, "NAME")?, block.place());
                 self.other_parameters(block, &["NAME"]);
-                let (density, elastic, hyperelastic, damping) = (None, None, None, None);
-                self.deck.materials.push(Material { name, density, elastic, hyperelastic, damping, place });
+                let (density, elastic, hyperelastic, plastic, damping) = (None, None, None, Vec::new(), None);
+                let material = Material { name, density, elastic, hyperelastic, plastic, damping, place };
+                self.deck.materials.push(material);
                 self.owner = Owner::Material;
             }
             "SURFACEINTERACTION" => {
@@ -221,6 +222,9 @@ impl Filler<'_> {
             self.material(|material| material.damping = Some(damping));
             return Ok(());
         }
+        if name == "PLASTIC" {
+            return self.plastic(block);
+        }
         let first = block.first(contents, "numbers of the material")?;
         match name {
             "DENSITY" => {
@@ -248,6 +252,34 @@ impl Filler<'_> {
         if name != "HYPERELASTIC" && block.rows.len() > 1 {
             self.leave(block.place(), format!("all lines of *{} but the first", block.keyword.name));
         }
+        Ok(())
+    }
+
+    /// Yield stress, plastic strain and temperature, line by line.
+    fn plastic(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let hardening = block.keyword.value("HARDENING").unwrap_or("ISOTROPIC").to_uppercase();
+        if hardening != "ISOTROPIC" {
+            self.leave(block.place(), format!("*PLASTIC, HARDENING={hardening}"));
+            return Ok(());
+        }
+        if self.is_other(block, &["HARDENING"]) {
+            return Ok(());
+        }
+        let (mut points, mut temperature, mut others) = (Vec::new(), None, false);
+        for row in block.rows(self.contents) {
+            let stress = row.real(0, "a yield stress")?;
+            let strain = row.optional(1, "a plastic strain")?.unwrap_or(0.0);
+            let at = row.optional(2, "a temperature")?;
+            if *temperature.get_or_insert(at) == at {
+                points.push([strain, stress]);
+            } else {
+                others = true;
+            }
+        }
+        if others {
+            self.leave(block.place(), "all lines of *PLASTIC but those of its first temperature".to_owned());
+        }
+        self.material(|material| material.plastic = points);
         Ok(())
     }
 
