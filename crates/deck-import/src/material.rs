@@ -25,7 +25,11 @@ pub(crate) struct Law {
 /// The law of a material, or what it lacks. `mixed`: the elements have an independent pressure.
 pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
     if let Some(hyperelastic) = &material.hyperelastic {
-        return ogden(hyperelastic);
+        return match (hyperelastic.law.replace(' ', "").as_str(), hyperelastic.terms) {
+            ("YEOH", _) | ("REDUCEDPOLYNOMIAL", 3) => of_first_invariant(hyperelastic, "yeoh", &["c1", "c2", "c3"]),
+            ("ARRUDA-BOYCE", _) => of_first_invariant(hyperelastic, "arruda-boyce", &["mu", "lock"]),
+            _ => ogden(hyperelastic),
+        };
     }
     let Some(elastic) = material.elastic else {
         return Err(format!("material {} has no isotropic *ELASTIC and no *HYPERELASTIC", material.name));
@@ -77,6 +81,44 @@ fn plastic(material: &Material, [young, poisson]: [f64; 2], is_incompressible: b
     }
 }
 
+/// `2 / D1`, or what CalculiX takes where there is none.
+fn bulk_modulus(d: Option<f64>, shear: f64, notes: &mut Vec<(String, String)>) -> f64 {
+    match d {
+        Some(d) if d > 0.0 => 2.0 / d,
+        _ => {
+            notes.push((
+                format!("it has no volumetric parameter D1: the bulk modulus is that of Poisson's ratio {RATIO}, as in CalculiX"),
+                "change `kappa` of the material if another one is meant".to_owned(),
+            ));
+            2.0 * shear * (1.0 + RATIO) / (3.0 * (1.0 - 2.0 * RATIO))
+        }
+    }
+}
+
+/// A law of the scene with the same isochoric energy in the same coefficients, which the volumetric parameter D1 follows.
+fn of_first_invariant(given: &Hyperelastic, name: &str, keys: &[&str]) -> Result<Law, String> {
+    let c = &given.coefficients;
+    let Some(values) = c.get(..keys.len()) else {
+        return Err(format!("*HYPERELASTIC, {} needs more numbers", given.law));
+    };
+    let mut notes = Vec::new();
+    // Of Arruda and Boyce's law nearly, for chains that lock late.
+    let shear = if name == "yeoh" { 2.0 * values[0] } else { values[0] };
+    let kappa = bulk_modulus(c.get(keys.len()).copied(), shear, &mut notes);
+    if name == "yeoh" && c[keys.len().min(c.len())..].iter().skip(1).any(|d| *d != 0.0) {
+        notes.push(("of the volumetric parameters only D1 is used".to_owned(), String::new()));
+    }
+    notes.push((
+        "the volumetric energy is kappa/2 (ln J)^2: the same bulk modulus at small strains".to_owned(),
+        String::new(),
+    ));
+    let parameters: Vec<String> =
+        keys.iter().zip(values).map(|(key, value)| format!("{key} = {}", number(*value))).collect();
+    let text = format!("{{ law = \"{name}\", {}, kappa = {} }}", parameters.join(", "), number(kappa));
+    let summary = format!("*HYPERELASTIC, {} is {name} with the same isochoric energy", given.law);
+    Ok(Law { text, summary, notes, is_incompressible: kappa > 10.0 * shear })
+}
+
 /// Laws whose isochoric part is a sum of powers of the isochoric stretches are the Ogden law.
 fn ogden(given: &Hyperelastic) -> Result<Law, String> {
     let c = &given.coefficients;
@@ -104,14 +146,6 @@ fn ogden(given: &Hyperelastic) -> Result<Law, String> {
             }
             (mu, alpha, at(2 * n))
         }
-        ("YEOH", _) => {
-            notes.push((
-                "of *HYPERELASTIC, YEOH only the first term is used: the material is too soft at large strains"
-                    .to_owned(),
-                "fit an Ogden law to the same tests".to_owned(),
-            ));
-            (vec![2.0 * need(0)?], vec![2.0], at(3))
-        }
         _ => {
             return Err(format!(
                 "*HYPERELASTIC, {} with {} terms does not map: fit an Ogden law to the same tests",
@@ -126,16 +160,7 @@ fn ogden(given: &Hyperelastic) -> Result<Law, String> {
             given.law
         ));
     }
-    let kappa = match d {
-        Some(d) if d > 0.0 => 2.0 / d,
-        _ => {
-            notes.push((
-                format!("it has no volumetric parameter D1: the bulk modulus is that of Poisson's ratio {RATIO}, as in CalculiX"),
-                "change `kappa` of the material if another one is meant".to_owned(),
-            ));
-            2.0 * shear * (1.0 + RATIO) / (3.0 * (1.0 - 2.0 * RATIO))
-        }
-    };
+    let kappa = bulk_modulus(d, shear, &mut notes);
     notes.push((
         "the volumetric energy is kappa/4 (J^2 - 1 - 2 ln J) in place of (J - 1)^2/D1: the same bulk modulus at small strains".to_owned(),
         String::new(),
@@ -219,8 +244,11 @@ mod tests {
             "{}",
             free.text
         );
-        assert!(of("YEOH", 3, &[1.0, 0.1, 0.1, 0.5]).unwrap().notes[0].0.contains("first term"));
-        assert!(of("ARRUDA-BOYCE", 1, &[1.0, 2.0, 0.1]).is_err());
+        let yeoh = of("YEOH", 3, &[1.0, -0.1, 0.1, 0.5]).unwrap().text;
+        assert_eq!(yeoh, "{ law = \"yeoh\", c1 = 1.0, c2 = -0.1, c3 = 0.1, kappa = 4.0 }");
+        let chains = of("ARRUDA-BOYCE", 1, &[1.0, 3.0, 0.1]).unwrap().text;
+        assert_eq!(chains, "{ law = \"arruda-boyce\", mu = 1.0, lock = 3.0, kappa = 20.0 }");
+        assert!(of("YEOH", 3, &[1.0]).is_err());
         assert!(of("OGDEN", 1, &[1.0]).is_err());
         assert!(of("OGDEN", 1, &[1.0, 0.0]).is_err());
         assert!(of("OGDEN", 0, &[]).is_err());
