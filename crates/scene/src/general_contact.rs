@@ -50,6 +50,7 @@ pub struct GeneralContact {
     pub modulus: Option<f64>,
     /// Friction of all pairs of bodies that are not in `pairs`: a coefficient, not negative, or a law, `{ law = "static-dynamic", mu_static = 0.5, mu_dynamic = 0.3, speed = 0.1 }`; frictionless if left out.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub friction: GeneralFriction,
     /// Slip speed (length per time) in dynamics below which friction falls to zero, positive: bodies creep instead of sticking. If left out they stick, like a spring of the shear stiffness of a skin of the thickness of the layer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -85,6 +86,7 @@ pub struct GeneralPair {
     pub between: [String; 2],
     /// Friction as in `[general_contact]`; that of `[general_contact]` if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
     pub friction: Option<GeneralFriction>,
     /// Modulus of the contact layer (a stress), positive; it follows from `stiffness` if left out, of two rigid bodies it is the `modulus` of `[general_contact]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]

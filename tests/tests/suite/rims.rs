@@ -17,11 +17,11 @@ fn pushed(method: &str, young: f64, cuts: u32, more: &str) -> String {
     )
 }
 
-/// Nodes of the slab that the rim passes over have a gap to the side of the block, small and continuous. (Of equal bodies with friction one step is cut.) With the bottom alone these runs end with "the active set cycles", whatever the step.
+/// Nodes of the slab that the rim passes over have a gap to the side of the block, small and continuous. (With friction between bodies of one stiffness the last bits decide whether the run ends: 5 of 8 did with the stiffness changed by some 1e-13, and 3 of 8 with other round-off.) With the bottom alone these runs end with "the active set cycles", whatever the step.
 #[test]
 fn nodes_pass_over_a_rim() {
     let friction = "friction = { law = \"coulomb\", mu = 0.3 }\n";
-    for (method, young, cuts, more) in [("nts", 1e6, 0, ""), ("nts", 1e4, 0, ""), ("cat", 1e3, 2, friction)] {
+    for (method, young, cuts, more) in [("nts", 1e6, 0, ""), ("nts", 1e4, 0, ""), ("cat", 1e4, 0, friction)] {
         let mut run = simulation(&pushed(method, young, cuts, more));
         while !run.finished() {
             run.advance().unwrap_or_else(|e| panic!("{method} {young}: {e}"));

@@ -13,7 +13,7 @@ const SCENES: [(&str, usize); 15] = [
     ("general-chain", 4),
     ("general-contact", 30),
     ("incline", 2),
-    ("plastic-impact", 6),
+    ("necking-bar", 30),
     ("resting-block", 3),
     ("slide", 3),
     ("tied-cantilever", 2),
