@@ -128,7 +128,7 @@ impl JsonSchema for GeneralFriction {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         let number = json_schema!({ "description": "Coefficient of friction, not negative.", "type": "number", "format": "double", "x-dimension": Dimension::Number });
-        let laws = LAWS.iter().map(|entry| catalogue::schema(&entry.law, serde_json::Map::new()).into());
+        let laws = LAWS.iter().map(|entry| catalogue::schema(&entry.law, serde_json::Map::new()));
         let ways: Vec<serde_json::Value> = std::iter::once(number.into()).chain(laws).collect();
         json_schema!({ "description": "A coefficient of friction, or a friction law with its parameters.", "oneOf": ways })
     }

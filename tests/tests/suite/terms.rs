@@ -73,10 +73,10 @@ impl Case<'_> {
         if self.term.begin(&step).is_err() {
             return;
         }
-        if rule.constraint().is_some() {
-            if let Some(method) = self.term.unilateral_mut() {
-                method.repair(self.q_np1, &self.active).unwrap();
-            }
+        if rule.constraint().is_some()
+            && let Some(method) = self.term.unilateral_mut()
+        {
+            method.repair(self.q_np1, &self.active).unwrap();
         }
         self.auxiliaries = vec![0.0; self.term.slot_count() * self.term.auxiliaries().len()];
         let mut started = self.auxiliaries.clone();
