@@ -93,7 +93,9 @@ impl Simulation {
         let Self { model, system, state, slots: SlotState { pressures, active, .. }, stage, .. } = self;
         let step = ContactStep { rates: rule.has_inertia(), support: &stage.support, ..at_rest(state, dt) };
         for (line, _, term) in model.terms_mut(&system.present.acting).filter(|(_, acts, _)| *acts) {
-            term.begin(&ContactStep { reach: 0.5 * term.length_scale(), ..step })?;
+            // What flows in the coming step is none of the forces before it.
+            let dt = if line == Line::Force { 0.0 } else { dt };
+            term.begin(&ContactStep { reach: 0.5 * term.length_scale(), dt, ..step })?;
             if let Line::Constraint(c) = line {
                 term.renew(&At::end(&state.q, &pressures[c], &active[c]).with_auxiliaries(&auxiliaries[c]), false)?;
             }
