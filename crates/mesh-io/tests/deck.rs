@@ -153,7 +153,7 @@ fn what_a_deck_says_is_kept() {
     assert_eq!(supports, [(set("Foot"), [true; 3], 0.0), (four, [false, true, true], 0.5)]);
     // places
     assert_eq!(steel.place, DeckPlace { file: 0, line: 17 });
-    assert_eq!(deck.place_name(deck.supports[1].place), "part.inp:51");
+    assert_eq!(deck.place_name(deck.supports[1].place), "part.inp:52");
     assert_eq!(deck.files().len(), 1);
 }
 
