@@ -300,6 +300,7 @@ const CASES: &[Case] = &[
         "contact[0].between",
     ),
     dynamic("constraint = \"modified\"", "closing = \"restore\"", "closing", "contact[0].closing"),
+    dynamic("constraint = \"modified\"", "gap = \"close\"\nsettle = 7", "settle", "contact[0].settle"),
     dynamic("constraint = \"modified\"", "constraint = \"one-sided\"", "one-sided", "contact[0].constraint"),
     dynamic("constraint = \"modified\"", "constraint = \"soft\"", "soft", "contact[0].constraint"),
     dynamic("constraint = \"modified\"", "enforcement = 1e5", "enforcement", "contact[0].enforcement"),
