@@ -63,6 +63,9 @@ const WORKS: [Work; 16] = [
 const PHASES: [(&str, &[&str]); 3] =
     [("contact", &["contact", "search"]), ("assembly", &["assembly"]), ("linear", &["factorisation", "solve"])];
 
+/// How linear systems are solved: with their own factors, with those of an iterate nearby, by iteration.
+const SOLUTIONS: [&str; 3] = ["solves", "nearby_solves", "iterative_solves"];
+
 /// A finished run.
 #[derive(Clone, Debug)]
 struct Run {
@@ -191,8 +194,7 @@ fn run(
         cpu: number(&summary["cpu_seconds"]),
         phases: PHASES.map(|(_, keys)| keys.iter().map(|key| cpu(key)).sum()),
         peak: number(&summary["memory"]["peak_resident_bytes"]) / 1e6,
-        solutions: number(&summary["linear_solver_counts"]["solves"])
-            + number(&summary["linear_solver_counts"]["iterative_solves"]),
+        solutions: SOLUTIONS.iter().map(|kind| number(&summary["linear_solver_counts"][kind])).sum(),
     }))
 }
 
