@@ -26,8 +26,8 @@ pub(crate) struct Body {
     pub damping: Option<Damping>,
     /// `integration = "reduced"`.
     pub is_reduced: bool,
-    /// `volumetric = "mixed"`.
-    pub is_mixed: bool,
+    /// `volumetric`, if the scene has to say it.
+    pub volumetric: Option<&'static str>,
     /// Sorted.
     pub elements: Vec<u32>,
     pub nodes: BTreeSet<u32>,
@@ -88,10 +88,13 @@ pub(crate) fn unique_name(name: &str, taken: &mut BTreeSet<String>) -> String {
 struct Variants {
     is_reduced: bool,
     is_hybrid: bool,
+    /// C3D20R alone: few enough points that displacement elements follow plastic flow, which keeps the volume.
+    follows_flow: bool,
     notes: Vec<(String, String)>,
 }
 
-fn variants(solids: &Solids, elements: &[u32]) -> Variants {
+/// `yields`: the material has `*PLASTIC`, which fully integrated elements take with an average of the change of volume.
+fn variants(solids: &Solids, elements: &[u32], yields: bool) -> Variants {
     let mut types: BTreeMap<&str, (u32, usize)> = BTreeMap::new();
     for &e in elements {
         if let Some(&name) = solids.element_types.get(e as usize) {
@@ -132,7 +135,7 @@ fn variants(solids: &Solids, elements: &[u32]) -> Variants {
         let bends = if kind.is_quadratic() { "" } else { "for bending add `cell = \"quadratic\"` to the body" };
         let of_type = format!("{} {name}", count(*number, "element", "elements"));
         let mut add = |here: String, remedy: &str| notes.push((format!("{of_type}: {here}"), remedy.to_owned()));
-        if *name == "C3D8" {
+        if *name == "C3D8" && !yields {
             let here = "CalculiX averages the change of volume in C3D8; without that it is stiffer here in bending and where the material is nearly incompressible";
             add(here.to_owned(), bends);
         }
@@ -155,7 +158,8 @@ fn variants(solids: &Solids, elements: &[u32]) -> Variants {
             add(format!("its independent pressure is `volumetric = \"mixed\"`: {here}"), remedy);
         }
     }
-    Variants { is_reduced, is_hybrid: !hybrid.is_empty(), notes }
+    let follows_flow = types.keys().all(|name| kind(name) == CellKind::Hex20 && letters(name).contains('R'));
+    Variants { is_reduced, is_hybrid: !hybrid.is_empty(), follows_flow, notes }
 }
 
 /// What takes the place of the pressure of a hybrid element, and what to do for a better one.
@@ -235,7 +239,8 @@ pub(crate) fn bodies(
     let mut taken = BTreeSet::new();
     for (&m, elements) in &of_material {
         let material = &deck.materials[m];
-        let variants = variants(solids, elements);
+        let yields = !material.plastic.is_empty();
+        let variants = variants(solids, elements, yields);
         let is_mixed = |law: &Law| variants.is_hybrid || law.is_incompressible && material.hyperelastic.is_some();
         let law = match material::law(material, variants.is_hybrid) {
             Ok(law) => law,
@@ -271,7 +276,7 @@ pub(crate) fn bodies(
         elements.iter().zip(&piece_of).for_each(|(&e, &piece)| own[piece].push(e));
         for (piece, elements) in own.into_iter().enumerate() {
             // Pieces of one material may have elements of different types.
-            let types = self::variants(solids, &elements);
+            let types = self::variants(solids, &elements, yields);
             let nodes = elements.iter().flat_map(|&e| mesh.elements[e as usize].iter().copied()).collect();
             let set = mesh.element_sets.iter().find(|(_, set)| **set == elements).map(|(name, _)| name.clone());
             let section = section_of[elements[0] as usize].map_or(&material.name, |s| &deck.sections[s].elements);
@@ -284,7 +289,11 @@ pub(crate) fn bodies(
                 density: material.density,
                 damping: material.damping.filter(|damping| *damping != Damping::default()),
                 is_reduced: types.is_reduced,
-                is_mixed: is_mixed(&law),
+                volumetric: if is_mixed(&law) {
+                    Some("mixed")
+                } else {
+                    (yields && types.follows_flow).then_some("displacement")
+                },
                 elements,
                 nodes,
             });

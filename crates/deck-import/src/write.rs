@@ -141,8 +141,8 @@ fn body(body: &Body, source: &Source, velocity: [f64; 3], is_dynamic: bool) -> S
     if body.is_reduced {
         text.push_str("integration = \"reduced\"\n");
     }
-    if body.is_mixed {
-        text.push_str("volumetric = \"mixed\"\n");
+    if let Some(volumetric) = body.volumetric {
+        let _ = writeln!(text, "volumetric = {}", string(volumetric));
     }
     let _ = writeln!(text, "material = {}", body.law.text);
     if let Some(density) = body.density {

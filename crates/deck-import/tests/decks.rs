@@ -322,6 +322,34 @@ fn variants_of_elements_have_their_rules() {
     assert!(rubber.contains("mu = [6.0, -1.0], alpha = [2.0, -2.0], kappa = 200.0"), "{rubber}");
 }
 
+/// Where the material yields, fully integrated elements average the change of volume, as CalculiX does in C3D8; C3D20R follows plastic flow as it is.
+#[test]
+fn elements_that_yield_average_the_change_of_volume() {
+    let yields = |deck: &str| imported(&deck.replacen("*ELASTIC", "*PLASTIC\n250.0, 0.0\n300.0, 0.1\n*ELASTIC", 1));
+    let linear = yields(CUBE);
+    assert!(linear.scene.contains("plasticity") && !linear.scene.contains("volumetric"), "{}", linear.scene);
+    let averages =
+        |import: &Import| import.left_out.iter().any(|entry| entry.to_string().contains("averages the change"));
+    assert!(averages(&imported(CUBE)) && !averages(&linear), "{:#?}", linear.left_out);
+    // Corners, and midpoints of the edges in the order of the format.
+    let corners = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]];
+    let edges = [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
+    let middle = |[a, b]: [usize; 2]| std::array::from_fn(|i| (corners[a][i] + corners[b][i]) / 2);
+    let nodes: Vec<[i32; 3]> = corners.into_iter().chain(edges.map(middle)).collect();
+    let lines: String = nodes.iter().enumerate().map(|(n, [x, y, z])| format!("{},{x},{y},{z}\n", n + 1)).collect();
+    let all: Vec<String> = (1..=20).map(|n| n.to_string()).collect();
+    let quadratic = format!(
+        "*NODE\n{lines}*ELEMENT,TYPE=C3D20R,ELSET=E\n1,{}\n{}\n*MATERIAL,NAME=steel\n*ELASTIC\n2.1e5,0.3\n*SOLID SECTION,ELSET=E,MATERIAL=steel\n",
+        all[..10].join(",") + ",",
+        all[10..].join(",")
+    );
+    let reduced = yields(&quadratic);
+    let expected = "integration = \"reduced\"\nvolumetric = \"displacement\"\n";
+    assert!(reduced.scene.contains(expected), "{}", reduced.scene);
+    assert!(!imported(&quadratic).scene.contains("volumetric"));
+    assert!(!yields(&quadratic.replace("C3D20R", "C3D20")).scene.contains("volumetric"));
+}
+
 /// Sections of a part belong to its instances; a set of the same name in another part is another one.
 #[test]
 fn parts_and_instances() {

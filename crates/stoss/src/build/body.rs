@@ -83,7 +83,9 @@ pub(super) fn bodies(
             }
         }
         let yields = body.material.inelasticity.plasticity.is_some();
-        if yields && body.volumetric == Some(Volumetric::Displacement) {
+        let follows_flow =
+            body.integration == Integration::Reduced && kinds.iter().all(|kind| *kind == CellKind::Hex20);
+        if yields && !follows_flow && body.volumetric == Some(Volumetric::Displacement) {
             warnings.push(format!(
                 "body `{}`: elements with `volumetric = \"displacement\"` lock in plastic flow, which keeps the volume; leave `volumetric` out",
                 body.name
