@@ -14,8 +14,8 @@ const ROUND_OFF: f64 = 1e-9;
 
 /// Axes of the nodes that have some of their own.
 pub(crate) struct LocalAxes {
-    /// For each node the three axes; nothing where they are not known.
-    of_node: BTreeMap<u32, Option<[[f64; 3]; 3]>>,
+    /// For each node the three axes; nothing for those that are not known.
+    of_node: BTreeMap<u32, [Direction; 3]>,
 }
 
 fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -42,8 +42,8 @@ fn unit(a: [f64; 3]) -> [f64; 3] {
     scaled(scaled(a).map(|x| if x.abs() < ROUND_OFF { 0.0 } else { x }))
 }
 
-/// The three axes at a place; nothing on the line of cylindrical ones.
-fn at(axes: &Axes, place: [f64; 3]) -> Option<[[f64; 3]; 3]> {
+/// The three axes at a place; on the line of cylindrical ones only that along it.
+fn at(axes: &Axes, place: [f64; 3]) -> [Direction; 3] {
     let (first, third) = match *axes {
         Axes::Rectangular { a, b } => (unit(a), unit(cross(a, b))),
         Axes::Cylindrical { a, b } => {
@@ -51,12 +51,12 @@ fn at(axes: &Axes, place: [f64; 3]) -> Option<[[f64; 3]; 3]> {
             let from = minus(place, a);
             let away = minus(from, along.map(|x| x * dot(from, along)));
             if dot(away, away) <= ROUND_OFF.powi(2) * dot(from, from) {
-                return None;
+                return [None, None, Some(along)];
             }
             (unit(away), along)
         }
     };
-    Some([first, unit(cross(third, first)), third])
+    [first, unit(cross(third, first)), third].map(Some)
 }
 
 impl LocalAxes {
@@ -65,15 +65,15 @@ impl LocalAxes {
         let mut of_node = BTreeMap::new();
         for local in &deck.local_axes {
             for node in lookup.node_set(&local.nodes).unwrap_or_default().members {
-                of_node.insert(node, local.axes.as_ref().and_then(|axes| at(axes, nodes[node as usize])));
+                of_node.insert(node, local.axes.as_ref().map_or([None; 3], |axes| at(axes, nodes[node as usize])));
             }
         }
         Self { of_node }
     }
 
-    /// Whether a node has axes that are not known.
-    pub fn are_unknown(&self, node: u32) -> bool {
-        self.of_node.get(&node).is_some_and(Option::is_none)
+    /// Whether a node has axes of its own, and that of some of the components is not known.
+    pub fn are_unknown(&self, node: u32, components: [bool; 3]) -> bool {
+        self.of_node.get(&node).is_some_and(|axes| (0..3).any(|i| components[i] && axes[i].is_none()))
     }
 
     /// Whether a node has axes of its own.
@@ -83,7 +83,7 @@ impl LocalAxes {
 
     /// The direction of a component at a node.
     pub fn direction(&self, node: u32, component: usize) -> Direction {
-        self.of_node.get(&node).copied().flatten().map(|axes| axes[component])
+        self.of_node.get(&node).and_then(|axes| axes[component])
     }
 
     /// Nodes by the direction of a component: those along the components of space first, then in the order of their first nodes.
@@ -116,10 +116,10 @@ mod tests {
         let r = 0.5_f64.sqrt();
         // The second point lies in the plane of the first two axes, and need not be across the first.
         let rectangular = Axes::Rectangular { a: [1.0, 1.0, 0.0], b: [0.0, 3.0, 0.0] };
-        assert!(close(at(&rectangular, [9.0; 3]).unwrap(), [[r, r, 0.0], [-r, r, 0.0], [0.0, 0.0, 1.0]]));
+        assert!(close(at(&rectangular, [9.0; 3]).map(Option::unwrap), [[r, r, 0.0], [-r, r, 0.0], [0.0, 0.0, 1.0]]));
         // About a line along z through (1, 0, 0).
         let cylindrical = Axes::Cylindrical { a: [1.0, 0.0, 5.0], b: [1.0, 0.0, 7.0] };
-        assert_eq!(at(&cylindrical, [1.0, 2.0, 0.0]), Some([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]));
-        assert_eq!(at(&cylindrical, [1.0, 0.0, 3.0]), None);
+        assert_eq!(at(&cylindrical, [1.0, 2.0, 0.0]), [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(Some));
+        assert_eq!(at(&cylindrical, [1.0, 0.0, 3.0]), [None, None, Some([0.0, 0.0, 1.0])]);
     }
 }

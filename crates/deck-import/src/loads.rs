@@ -59,7 +59,8 @@ impl Context<'_> {
                 if is_none {
                     continue;
                 }
-                self.drop_unknown_axes(&mut nodes, "*CLOAD", force.place);
+                let components = std::array::from_fn(|i| i == force.component);
+                self.drop_unknown_axes(&mut nodes, components, "*CLOAD", force.place);
                 let members = nodes.members.clone();
                 lines[force.component].push(DeckLine { step: Some(s), record: values.len() as u32, members });
                 selections.push(nodes);

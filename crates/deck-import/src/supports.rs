@@ -29,15 +29,21 @@ fn is_inclined(normal: [f64; 3]) -> bool {
 }
 
 impl Context<'_> {
-    /// Takes the nodes whose axes are not known out of what a line means; an entry if there are some.
-    pub(crate) fn drop_unknown_axes(&mut self, nodes: &mut Selection<u32>, keyword: &str, place: DeckPlace) {
+    /// Takes the nodes for whose components the axes are not known out of what a line means; an entry if there are some.
+    pub(crate) fn drop_unknown_axes(
+        &mut self,
+        nodes: &mut Selection<u32>,
+        components: [bool; 3],
+        keyword: &str,
+        place: DeckPlace,
+    ) {
         let before = nodes.members.len();
-        nodes.members.retain(|&node| !self.axes.are_unknown(node));
+        nodes.members.retain(|&node| !self.axes.are_unknown(node, components));
         let out = before - nodes.members.len();
         if out > 0 {
             nodes.name = None;
             let consequence = format!(
-                "it does not act on {} whose *TRANSFORM gives no axes there: its type is not read, or the node lies on the line of cylindrical axes",
+                "it does not act on {} whose *TRANSFORM gives no such axes there: its type is not read, or the node lies on the line of cylindrical axes",
                 count(out, "node", "nodes")
             );
             let remedy = "write [[prescribe]] or [[load]] for these nodes";
@@ -67,7 +73,7 @@ impl Context<'_> {
         let is_zero = support.value == 0.0;
         // Of a node that is held in all directions the axes do not matter.
         if !(is_zero && support.components == [true; 3]) {
-            self.drop_unknown_axes(&mut nodes, "*BOUNDARY", place);
+            self.drop_unknown_axes(&mut nodes, support.components, "*BOUNDARY", place);
         }
         let amplitude = match &support.amplitude {
             // Any multiple of zero is zero.

@@ -161,7 +161,9 @@ fn what_is_left_out_is_told_with_its_line() {
     // A request of output changes nothing.
     assert!(import.left_out.iter().all(|entry| !entry.what.contains("FILE")), "{:#?}", import.left_out);
     // One of the two turned nodes lies on the line of the cylindrical axes and has no radial direction; the shell's nodes have only what they have of the solid.
-    assert!(import.left_out.iter().any(|entry| entry.consequence.contains("on 1 node whose *TRANSFORM gives no axes")));
+    assert!(
+        import.left_out.iter().any(|entry| entry.consequence.contains("on 1 node whose *TRANSFORM gives no such axes"))
+    );
     assert_eq!(strings(&tables(&import, "prescribe"), "set"), ["block.base", "block.support"]);
 }
 
