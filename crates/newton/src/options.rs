@@ -53,6 +53,16 @@ impl LineSearch {
         Self::Backtracking { max_growth: 10.0, small: 0.0, reduction: 0.5, max_reductions: 8 }
     }
 
+    /// The same search without a look at the slope.
+    pub(crate) fn without_slope(self) -> Self {
+        match self {
+            Self::Slope { max_growth, small, reduction, max_reductions } => {
+                Self::Backtracking { max_growth, small, reduction, max_reductions }
+            }
+            other => other,
+        }
+    }
+
     /// The same search with a look at the slope; [`Self::Off`] and others stay what they are.
     pub fn with_slope(self) -> Self {
         match self {

@@ -168,6 +168,9 @@ impl Iteration<'_> {
                 .map(|at_start| LineStart { at_start, slope: problem.slope() })
                 .filter(|start| start.slope <= 0.0);
             let first = problem.longest_step()?.min(if self.cycles() { CYCLE_STEP } else { 1.0 });
+            // The slope along an increment of round-off is round-off, of either sign.
+            let is_round_off = increment <= o.stagnation_increment * problem.iterate_norm();
+            let line_search = if is_round_off { line_search.without_slope() } else { line_search };
             let (length, lower) = match self.step(problem, line_search, previous, (first, start))? {
                 Trial::Taken { norms: new, length, lower } => {
                     norms = new;
@@ -188,7 +191,7 @@ impl Iteration<'_> {
             // Full steps only: a short step says nothing about what a full one would gain.
             let fell = norms.measure <= o.polish_factor * previous.measure || length < 1.0;
             let at_round_off = norms.measure <= o.stagnation_residual * norms.scale
-                || (increment <= o.stagnation_increment * problem.iterate_norm()
+                || (is_round_off
                     && increment > 0.0
                     && problem.is_linearised()
                     && norms.violation <= ROUND_OFF_VIOLATION);

@@ -88,6 +88,10 @@ impl<F: Fn(f64) -> f64, K: Fn(f64) -> f64> NewtonProblem for Scalar<F, K> {
     fn iterate_norm(&self) -> f64 {
         self.x.abs()
     }
+
+    fn slope(&self) -> f64 {
+        (self.f)(self.x) * self.dx
+    }
 }
 
 fn with_line_search() -> NewtonOptions {
@@ -223,6 +227,31 @@ fn a_tolerance_below_round_off_is_not_a_failure() {
     assert_eq!(report.reason, StopReason::ConvergedToRoundOff);
     assert!((p.x - 2f64.sqrt()).abs() <= 4.5e-16);
     assert!(report.iteration_count() < 10);
+}
+
+fn with_slope() -> NewtonOptions {
+    NewtonOptions { line_search: LineSearch::backtracking().with_slope(), ..NewtonOptions::default() }
+}
+
+/// A force with kinks: full steps jump from one side to the other for ever, those that follow the slope end.
+#[test]
+fn a_force_that_yields_is_followed_along_its_slope() {
+    let yields = |x: f64| if x.abs() > 0.1 { x.signum() * (0.1 + 0.01 * (x.abs() - 0.1)) } else { x } - 0.05;
+    let stiffness = |x: f64| if x.abs() > 0.1 { 0.01 } else { 1.0 };
+    let mut jumps = Scalar::new(yields, stiffness, 4.0);
+    assert!(jumps.run(&with_line_search()).is_err());
+    let mut follows = Scalar::new(yields, stiffness, 4.0);
+    assert!(follows.run(&with_slope()).unwrap().reason.is_converged());
+    assert!((follows.x - 0.05).abs() < 1e-12, "{}", follows.x);
+}
+
+/// The residual is round-off above the tolerance, as that of a stiff body that nothing loads yet: its slope changes its sign whatever the length, and says nothing.
+#[test]
+fn a_slope_of_round_off_is_not_followed() {
+    let mut p = Scalar::new(|x| x - 1.0 + 1e-14 * (x - 1.0).signum(), |_| 1.0, 1.0 + 3e-14);
+    p.scale = 1e-9;
+    let report = p.run(&with_slope()).unwrap();
+    assert_eq!(report.reason, StopReason::ConvergedToRoundOff, "{:?}", report.iterations);
 }
 
 /// The last bits of the iterate lead to another branch, whose residual is as large as the forces: the iterate before is the solution.
