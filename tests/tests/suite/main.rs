@@ -27,6 +27,7 @@ mod general_table;
 mod impacts;
 mod increments;
 mod inelastic;
+mod inelastic_cases;
 mod joint_probes;
 mod lean;
 mod linear_solver;
