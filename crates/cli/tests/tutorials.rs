@@ -192,6 +192,7 @@ macro_rules! executed {
 }
 
 executed! {
+    clip_that_yields: "clip-that-yields.md",
     drop_test: "drop-test.md",
     first_impact: "first-impact.md",
     press_with_friction: "press-with-friction.md",
