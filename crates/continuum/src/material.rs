@@ -64,20 +64,45 @@ pub struct Loss {
     /// By viscous flow.
     pub viscous: f64,
     /// By softening.
-    pub damage: f64,
+    pub softening: f64,
 }
 
 impl Loss {
     /// All of it.
     pub fn total(&self) -> f64 {
-        self.plastic + self.viscous + self.damage
+        self.plastic + self.viscous + self.softening
     }
 
     /// Adds `weight` times another loss.
     pub fn add(&mut self, weight: f64, other: &Self) {
         self.plastic += weight * other.plastic;
         self.viscous += weight * other.viscous;
-        self.damage += weight * other.damage;
+        self.softening += weight * other.softening;
+    }
+}
+
+/// Which ways of losing energy a material has: the parts of its [`Loss`] that can be other than zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mechanisms {
+    /// It yields.
+    pub plastic: bool,
+    /// It relaxes.
+    pub viscous: bool,
+    /// It softens.
+    pub softening: bool,
+}
+
+impl Mechanisms {
+    /// All of them.
+    pub const ALL: Self = Self { plastic: true, viscous: true, softening: true };
+
+    /// Those that either has.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            plastic: self.plastic || other.plastic,
+            viscous: self.viscous || other.viscous,
+            softening: self.softening || other.softening,
+        }
     }
 }
 
@@ -132,6 +157,10 @@ pub trait Material: HyperelasticLaw {
         c_np1: &SymmetricTensor2,
         next: &mut [f64],
     ) -> Result<Loss, ConstitutiveError>;
+    /// Which parts of the loss can be other than zero; all of them if the material does not say.
+    fn mechanisms(&self) -> Mechanisms {
+        Mechanisms::ALL
+    }
     /// The part of the stored energy that is kept by hardening, per reference volume.
     fn hardening_energy(&self, _state: &[f64]) -> f64 {
         0.0

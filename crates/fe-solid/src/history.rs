@@ -1,12 +1,17 @@
 //! States of the Gauss points of a body whose law has some: the end of a step, what it lost, and the states as numbers for restarts and output.
 
 use crate::{MaterialPoint, SolidBody, SolidError, StepEnd, recovery};
-use stoss_continuum::{Material, StateEntry};
+use stoss_continuum::{Material, Mechanisms, StateEntry};
 
 impl SolidBody {
     /// Whether the law has a state.
     pub fn has_history(&self) -> bool {
         self.history().is_some()
+    }
+
+    /// Which ways of losing energy the law has; none of an elastic one.
+    pub fn mechanisms(&self) -> Mechanisms {
+        self.history().map_or_else(Mechanisms::default, |material| material.mechanisms())
     }
 
     fn history(&self) -> Option<&dyn Material> {

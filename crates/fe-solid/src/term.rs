@@ -1,7 +1,8 @@
 //! A body as a term of a step: what a solver of whole models asks of it.
 
 use crate::{ForceRule, SolidBody, SolidError, SolidStep, StepEnd};
-use stoss_term::{At, Fault, Local, Rule, Step, Term, Work};
+use stoss_continuum::Loss;
+use stoss_term::{At, Fault, Local, MaterialWork, Rule, Step, Term, Work};
 
 /// An element that is inverted, or whose law has no stress, has no force at these positions.
 impl From<SolidError> for Fault {
@@ -55,7 +56,11 @@ impl Term for SolidBody {
     fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
         Ok(match self.step_end(at.q_np1)? {
             None => Work { stored: self.strain_energy(at.q_np1)?, ..Work::default() },
-            Some(StepEnd { stored, loss, .. }) => Work { stored, dissipated: loss.total(), ..Work::default() },
+            Some(StepEnd { stored, hardening, loss }) => {
+                let Loss { plastic, viscous, softening } = loss;
+                let material = MaterialWork { hardening, plastic, viscous, softening };
+                Work { stored, dissipated: loss.total(), material, ..Work::default() }
+            }
         })
     }
 

@@ -11,8 +11,8 @@ use crate::volume::{Logarithmic, Sum};
 use std::sync::Arc;
 use stoss_continuum::volume::pressure_stress;
 use stoss_continuum::{
-    ConstitutiveError, HyperelasticLaw, Loss, Material, PointStep, Response, SmallStrainModuli, StateEntry, StepLaw,
-    StepStress, SymmetricTensor2, Tensor4, VolumetricEnergy, VolumetricSplit, Want,
+    ConstitutiveError, HyperelasticLaw, Loss, Material, Mechanisms, PointStep, Response, SmallStrainModuli, StateEntry,
+    StepLaw, StepStress, SymmetricTensor2, Tensor4, VolumetricEnergy, VolumetricSplit, Want,
 };
 
 /// Whose moduli a law with Maxwell branches was given.
@@ -371,7 +371,7 @@ impl Material for Inelastic {
             let w = base.respond(c_np1, Want::Energy)?.energy;
             if w > at.state[0] {
                 // What the step took, less what unloading will give back.
-                loss.damage = mullins.at(w, at.state[0]).energy - mullins.at(w, w).energy;
+                loss.softening = mullins.at(w, at.state[0]).energy - mullins.at(w, w).energy;
                 next[0] = w;
             }
         }
@@ -382,6 +382,14 @@ impl Material for Inelastic {
             Ok(loss)
         } else {
             Err(ConstitutiveError::NonFinite)
+        }
+    }
+
+    fn mechanisms(&self) -> Mechanisms {
+        Mechanisms {
+            plastic: self.branches.iter().any(|branch| matches!(branch, Branch::J2(_))),
+            viscous: self.branches.iter().any(|branch| matches!(branch, Branch::Maxwell(_))),
+            softening: self.mullins.is_some(),
         }
     }
 

@@ -17,17 +17,25 @@ pub struct Balance {
     pub potential: f64,
     /// Energy stored in contact (regularisations; zero for multipliers).
     pub contact: f64,
-    /// Energy dissipated since the start, non-decreasing: by friction, dampers and the damping of bodies, and the kinetic energy that is dropped when a static stage
+    /// Energy dissipated since the start, non-decreasing: by friction, dampers, the damping and the materials of bodies, and the kinetic energy that is dropped when a static stage
     /// follows a dynamic one.
     pub dissipation: f64,
-    /// The part of `dissipation` in bodies: by their damping ([`crate::Damping`]) and their materials.
+    /// The part of `dissipation` that the damping of bodies ([`crate::Damping`]) took.
     pub damping: f64,
+    /// The part of `dissipation` that plastic flow took.
+    pub plastic_loss: f64,
+    /// The part of `dissipation` that viscous flow of materials took.
+    pub viscous_loss: f64,
+    /// The part of `dissipation` that softening of materials took.
+    pub softening_loss: f64,
+    /// The part of `strain` that hardening has stored. With `plastic_loss` it is the plastic work.
+    pub hardening: f64,
     /// External work since the start: of loads that vary in time and of prescribed motion, and the jumps of `potential`, `contact` and `kinetic` where loads and
     /// couplings are switched on or off and where a dynamic stage sets velocities.
     pub external_work: f64,
     /// Work dissipated by the stabilisation of static stages since the start ([`crate::Stabilise`]), by the trapezium rule.
     pub stabilisation: f64,
-    /// Work that friction and dampers between points have taken from the bodies since the start, computed from their forces: equal to `friction_stored + dissipation - damping`, except for round-off and
+    /// Work that friction and dampers between points have taken from the bodies since the start, computed from their forces: equal to `friction_stored + dissipation` less [`Self::dissipated_in_bodies`], except for round-off and
     /// the residual of the iterations; a change of stage may drop energy of either kind.
     pub friction_work: f64,
     /// The part of `contact` that is stored in the tangential springs of friction.
@@ -51,6 +59,11 @@ pub struct Balance {
 }
 
 impl Balance {
+    /// The part of `dissipation` in bodies: by their damping and their materials.
+    pub fn dissipated_in_bodies(&self) -> f64 {
+        self.damping + self.plastic_loss + self.viscous_loss + self.softening_loss
+    }
+
     /// The total energy: kinetic + strain + potential + contact + dissipation + stabilisation - external work. A scheme that conserves
     /// energy keeps the sum of it, `closing_loss` and `impact_loss` constant.
     pub fn total(&self) -> f64 {

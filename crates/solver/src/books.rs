@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use stoss_integrators::StepRule;
+use stoss_term::MaterialWork;
 
 /// Energy of a body, a part, a load or a coupling in a step. What its forces take from the motion, `W = f . (q_np1 - q_n)` with the internal forces `f` that the equations of the step
 /// have of it, goes into what it stores, what it dissipates, less what it supplies; the rest is the remainder.
@@ -16,6 +17,8 @@ pub struct Posting {
     /// `W - (change of stored + dissipated - supplied)`: what got lost in the step, or was made if it is negative. NaN where it is not measured: in statics, whose forces are those of the end of the step,
     /// and with schemes that carry forces of the last end point.
     pub remainder: f64,
+    /// What of `stored` and `dissipated` a material with history has; zero of all but bodies.
+    pub material: MaterialWork,
 }
 
 /// All postings of a step. The sum of all remainders is what the total energy and the loss of impacts lack together ([`crate::Balance::total`]), but for what the iterations leave of the equations.
@@ -43,6 +46,9 @@ impl Posting {
         self.stored = step.stored;
         self.dissipated += step.dissipated;
         self.supplied += step.supplied;
+        let hardening = step.material.hardening;
+        self.material += step.material;
+        self.material.hardening = hardening;
         self.remainder += if step.remainder.is_nan() { 0.0 } else { step.remainder };
     }
 }

@@ -1,5 +1,6 @@
 //! Names of all that makes forces, and the columns of its energies: `terms.csv`.
 
+use stoss_continuum::Mechanisms;
 use stoss_solver::{Books, LoadKind, Posting, Simulation};
 
 /// What a group of columns belongs to.
@@ -35,6 +36,11 @@ const DISSIPATED: Entry = ("dissipated", |of| of.dissipated);
 const SUPPLIED: Entry = ("supplied", |of| of.supplied);
 const REMAINDER: Entry = ("remainder", |of| of.remainder);
 
+const PLASTIC: Entry = ("plastic_loss", |of| of.material.plastic);
+const HARDENING: Entry = ("hardening", |of| of.material.hardening);
+const VISCOUS: Entry = ("viscous_loss", |of| of.material.viscous);
+const SOFTENING: Entry = ("softening_loss", |of| of.material.softening);
+
 /// The columns of the table, by groups: only those that can be other than zero.
 #[derive(Debug)]
 pub(crate) struct Terms {
@@ -51,7 +57,10 @@ impl Terms {
         }
         for (b, body) in model.bodies.iter().enumerate() {
             let damped = (body.damping.acts() || body.solid.has_history()).then_some(DISSIPATED);
-            let columns = [STORED].into_iter().chain(damped).chain([REMAINDER]).collect();
+            let Mechanisms { plastic, viscous, softening } = body.solid.mechanisms();
+            let material = [(plastic, PLASTIC), (plastic, HARDENING), (viscous, VISCOUS), (softening, SOFTENING)];
+            let material = material.into_iter().filter(|(has, _)| *has).map(|(_, entry)| entry);
+            let columns = [STORED].into_iter().chain(damped).chain([REMAINDER]).chain(material).collect();
             groups.push((Of::Body(b), bodies.get(b).cloned().unwrap_or_default(), columns));
         }
         for (p, part) in model.parts.iter().enumerate() {

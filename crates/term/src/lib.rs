@@ -30,7 +30,9 @@ pub use fault::{Fault, Undefined};
 pub use local::{Auxiliary, Local, multipliers_of};
 pub use potential::{BodyPair, Potential, SurfaceForce, SurfaceNode};
 pub use reference_gap::{ClosingFriction, Overlap, ReferenceGap, ReferenceGapOptions};
-pub use report::{Coverage, JointCoordinate, JointReport, JointTorques, SlotFriction, SlotReport, SupportedNode, Work};
+pub use report::{
+    Coverage, JointCoordinate, JointReport, JointTorques, MaterialWork, SlotFriction, SlotReport, SupportedNode, Work,
+};
 pub use step::{Hold, Step, Support};
 pub use stoss_integrators::{ForceRule, GradientRule};
 pub use term::Term;

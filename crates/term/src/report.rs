@@ -130,6 +130,30 @@ pub struct Work {
     pub closing: Option<f64>,
     /// Work done in the step by constraints that depend on time: drives.
     pub driven: f64,
+    /// What of `stored` and `dissipated` a material with history has.
+    pub material: MaterialWork,
+}
+
+/// Energies of a material with history in a step: parts of what it stores and dissipates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MaterialWork {
+    /// Stored by hardening at the end of the step.
+    pub hardening: f64,
+    /// Dissipated in the step by plastic flow.
+    pub plastic: f64,
+    /// Dissipated in the step by viscous flow.
+    pub viscous: f64,
+    /// Dissipated in the step by softening.
+    pub softening: f64,
+}
+
+impl std::ops::AddAssign for MaterialWork {
+    fn add_assign(&mut self, other: Self) {
+        self.hardening += other.hardening;
+        self.plastic += other.plastic;
+        self.viscous += other.viscous;
+        self.softening += other.softening;
+    }
 }
 
 impl Default for Work {
@@ -142,6 +166,7 @@ impl Default for Work {
             damped: 0.0,
             closing: Some(0.0),
             driven: 0.0,
+            material: MaterialWork::default(),
         }
     }
 }
@@ -154,6 +179,7 @@ impl std::ops::AddAssign for Work {
         self.friction_work += other.friction_work;
         self.damped += other.damped;
         self.driven += other.driven;
+        self.material += other.material;
         self.closing = self.closing.zip(other.closing).map(|(a, b)| a + b);
     }
 }

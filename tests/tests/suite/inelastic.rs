@@ -3,6 +3,7 @@
 use crate::support::simulation;
 use stoss::run::{RunOptions, run_scene};
 use stoss::solver::Simulation;
+use stoss::term::MaterialWork;
 
 /// A cube in uniaxial stress whose length goes to `exp(0.5)` in ten steps.
 fn tension(material: &str) -> Simulation {
@@ -94,7 +95,19 @@ fn energy_and_losses_together_are_constant() {
             // The books of the body say so, and nothing is left over.
             let posting = record.books.bodies[0];
             assert!(posting.remainder.abs() < 1e-13 * start.total(), "{material}: {posting:?}");
+            // By cause, to the bit.
+            let MaterialWork { hardening, plastic, viscous, softening } = posting.material;
+            assert_eq!(posting.dissipated, plastic + viscous + softening, "{material}");
+            let of_balance = &record.balance;
+            assert!(hardening == of_balance.hardening && hardening <= posting.stored, "{material}: {posting:?}");
+            let in_bodies = of_balance.dissipated_in_bodies();
+            assert!((in_bodies - lost).abs() <= 1e-14 * lost && of_balance.damping == 0.0, "{material}");
         }
+        let end = *run.balance();
+        let [yields, relaxes, softens] = ["plasticity", "prony", "mullins"].map(|key| material.contains(key));
+        let causes = [end.plastic_loss > 0.0, end.viscous_loss > 0.0, end.softening_loss > 0.0];
+        assert_eq!(causes, [yields, relaxes, softens], "{material}");
+        assert_eq!(end.hardening > 0.0, material.contains("hardening_modulus"), "{material}");
         let end = run.balance();
         assert!(drift < 1e-12, "{material}: {drift:e}");
         assert!(end.dissipation > 1e-3 * start.total() && end.dissipation < start.total(), "{material}: {end:?}");
@@ -135,8 +148,20 @@ fn a_restart_has_the_same_bits() {
         run_scene(&path, &halted, &mut |_| {}).unwrap();
         let resumed = RunOptions { resume: true, until: None, ..halted };
         run_scene(&path, &resumed, &mut |_| {}).unwrap();
-        let table = |out: &str| std::fs::read(folder.path().join(out).join("balance.csv")).unwrap();
-        assert!(table("at-once") == table("halted"), "{material}");
+        for table in ["balance.csv", "terms.csv"] {
+            let read = |out: &str| std::fs::read_to_string(folder.path().join(out).join(table)).unwrap();
+            assert!(read("at-once") == read("halted"), "{material}");
+            for (column, key) in [
+                ("plastic_loss", "plasticity"),
+                ("hardening", "plasticity"),
+                ("viscous_loss", "prony"),
+                ("softening_loss", "mullins"),
+            ] {
+                let heads = read("halted").lines().next().unwrap().to_owned();
+                let has = heads.split(',').any(|head| head == column || head == format!("bar.{column}"));
+                assert_eq!(has, material.contains(key), "{table}: {heads}");
+            }
+        }
     }
 }
 

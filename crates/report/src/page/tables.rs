@@ -14,6 +14,9 @@ const FEWEST: usize = 1000;
 /// Tables that a page shows, by their file names without `.csv`.
 const NAMES: [&str; 7] = ["balance", "terms", "newton", "contact", "probes", "joints", "watch"];
 
+/// Columns of `terms.csv` that say what is stored at the end of a step, and not what happened in it.
+const STATES: [&str; 2] = [".stored", ".hardening"];
+
 /// A table of the page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Columns {
@@ -63,7 +66,8 @@ fn columns(table: &Table) -> Columns {
 
 /// Sums since the start of what terms dissipate, supply and lose or make in each step; what they store stays. A remainder that is not measured counts as none.
 fn since_start(mut table: Columns) -> Columns {
-    let of_steps = |name: &String| !matches!(name.as_str(), "step" | "time") && !name.ends_with(".stored");
+    let of_steps =
+        |name: &String| !matches!(name.as_str(), "step" | "time") && !STATES.iter().any(|state| name.ends_with(state));
     for (_, values) in table.names.iter().zip(&mut table.values).filter(|(name, _)| of_steps(name)) {
         let mut sum = 0.0;
         for value in values {

@@ -9,7 +9,19 @@ use crate::{Automatic, Balance, Coupling, DecisionKind, StepChange, StepRecord};
 use std::ops::Range;
 use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule};
 use stoss_linalg::vector;
-use stoss_term::{At, Work};
+use stoss_term::{At, MaterialWork, Work};
+
+/// What was taken from motion and strain in a step, but for contact.
+struct Damped {
+    /// By dampers of parts.
+    by_parts: f64,
+    /// In bodies, all.
+    in_bodies: f64,
+    /// The part of it by the damping of bodies.
+    by_damping: f64,
+    /// What materials with history took and store.
+    material: MaterialWork,
+}
 
 impl Simulation {
     /// Takes the end of the step as the state, and tells what was done.
@@ -40,7 +52,8 @@ impl Simulation {
         } else {
             (0.0, None)
         };
-        let damped_bodies = self.system.damped(dt) + draft.dissipated_in_bodies();
+        let damped_bodies = self.system.damped(dt);
+        let in_bodies = damped_bodies + draft.dissipated_in_bodies();
         let step = Step { state_n: &self.state, dt, rule };
         for (line, _, term) in self.model.terms_mut(&self.system.present.acting).filter(|(_, acts, _)| *acts) {
             term.commit(&At { q_np1: &next.q, ..iterate.at_line(line, &step) });
@@ -63,7 +76,12 @@ impl Simulation {
         let driven = contact_work.driven + draft.driven();
         let balance = self.measure_balance(draft.strain(), self.ledger.balance.external_work + work + driven);
         let before = self.ledger.balance;
-        let damped = [draft.dissipated_by_parts(), damped_bodies];
+        let damped = Damped {
+            by_parts: draft.dissipated_by_parts(),
+            in_bodies,
+            by_damping: damped_bodies,
+            material: draft.material(),
+        };
         self.enter(balance, &contact_work, work_of_contact, &impact, damped, stabilised);
         let books = self.close_books(draft, &impact, [of_supports, jump], stabilised, &before);
         self.step += 1;
@@ -177,14 +195,14 @@ impl Simulation {
         }
     }
 
-    /// Enters the step into the balance, of which the present energies and momenta are given. `damped`: what dampers of parts and bodies took.
+    /// Enters the step into the balance, of which the present energies and momenta are given.
     fn enter(
         &mut self,
         balance: Balance,
         contact_work: &Work,
         work_of_contact: Option<f64>,
         impact: &Impact,
-        [damped, damped_bodies]: [f64; 2],
+        Damped { by_parts, in_bodies, by_damping, material }: Damped,
         stabilised: f64,
     ) {
         let (before, quasi_static) = (self.ledger.balance, self.how.scheme.is_none());
@@ -200,10 +218,14 @@ impl Simulation {
         let of_impact: f64 = impact.friction.iter().sum();
         self.ledger.balance = Balance {
             contact: contact_work.stored,
-            dissipation: before.dissipation + contact_work.dissipated + of_impact + damped + damped_bodies,
-            damping: before.damping + damped_bodies,
+            dissipation: before.dissipation + contact_work.dissipated + of_impact + by_parts + in_bodies,
+            damping: before.damping + by_damping,
+            plastic_loss: before.plastic_loss + material.plastic,
+            viscous_loss: before.viscous_loss + material.viscous,
+            softening_loss: before.softening_loss + material.softening,
+            hardening: material.hardening,
             stabilisation: before.stabilisation + stabilised,
-            friction_work: before.friction_work + contact_work.friction_work + of_impact + damped,
+            friction_work: before.friction_work + contact_work.friction_work + of_impact + by_parts,
             friction_stored: contact_work.friction_stored,
             closing_loss: before.closing_loss - normal_work - impact.closing,
             contact_remainder: before.contact_remainder

@@ -8,7 +8,7 @@ use crate::{Balance, StepError};
 use std::ops::Range;
 use stoss_integrators::{ForceRule, Step, StepRule};
 use stoss_linalg::vector;
-use stoss_term::{At, Term, Work};
+use stoss_term::{At, MaterialWork, Term, Work};
 
 /// Books before the velocities of the end are known.
 #[derive(Debug)]
@@ -24,6 +24,13 @@ impl Draft {
     /// What the materials of bodies took.
     pub fn dissipated_in_bodies(&self) -> f64 {
         self.books.bodies.iter().map(|body| body.dissipated).sum()
+    }
+
+    /// What materials of bodies with history stored and took.
+    pub fn material(&self) -> MaterialWork {
+        let mut sum = MaterialWork::default();
+        self.books.bodies.iter().for_each(|body| sum += body.material);
+        sum
     }
 
     /// What the dampers of parts took.
@@ -76,7 +83,7 @@ impl Simulation {
         let at = iterate.force_at(&Step { state_n: &self.state, dt, rule: *rule });
         let bodies = self.model.bodies.len();
         for (f, (term, acts)) in self.model.forces(&self.system.present.acting).enumerate() {
-            let Work { stored, dissipated, driven: supplied, .. } =
+            let Work { stored, dissipated, driven: supplied, material, .. } =
                 if acts { term.work(&at)? } else { Work::default() };
             let mut work = works.forces[f];
             if let Some(body) = self.model.bodies.get(f).filter(|_| measured && self.is_damped()) {
@@ -86,12 +93,12 @@ impl Simulation {
             let rest = remainder(work - (stored - self.ledger.energies[f]) - dissipated + supplied);
             energies.push(stored);
             let list = if f < bodies { &mut books.bodies } else { &mut books.parts };
-            list.push(Posting { stored, dissipated, supplied, remainder: rest });
+            list.push(Posting { stored, dissipated, supplied, remainder: rest, material });
         }
         for (c, work) in of_pairs.iter().enumerate() {
             let (stored, dissipated, supplied) = (work.stored, work.dissipated, work.driven);
             let rest = remainder(works.couplings[c] - (stored - self.ledger.stored[c][0]) - dissipated + supplied);
-            books.couplings.push(Posting { stored, dissipated, supplied, remainder: rest });
+            books.couplings.push(Posting { stored, dissipated, supplied, remainder: rest, ..Posting::default() });
         }
         let inertia = match measured {
             true => {

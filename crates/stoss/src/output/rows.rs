@@ -7,6 +7,7 @@ use super::table::CsvTable;
 use crate::build::{JointPlace, Probe};
 use crate::terms::Terms;
 use std::collections::BTreeMap;
+use stoss_continuum::Mechanisms;
 use stoss_solver::{BodyPair, Simulation, StepRecord};
 
 const BALANCE: &str = "step,time,dt,lx,ly,lz,jx,jy,jz,kinetic,strain,potential,contact,dissipation,external_work,total";
@@ -16,6 +17,10 @@ const CLOSING: &str = "closing_loss,contact_remainder,impact_loss,impact_deforma
 const FRICTION: &str = "friction_work,friction_stored";
 /// Column that follows where a body is damped.
 const DAMPING: &str = "damping";
+/// Columns that follow where a material can lose energy in this way.
+const PLASTIC: &str = "plastic_loss,hardening";
+const VISCOUS: &str = "viscous_loss";
+const SOFTENING: &str = "softening_loss";
 /// Column that follows where a stage of statics is stabilised.
 const STABILISATION: &str = "stabilisation";
 const NEWTON: &str = "step,time,iteration,residual,increment,active,changes";
@@ -77,6 +82,12 @@ fn has_damping(simulation: &Simulation) -> bool {
     simulation.model().bodies.iter().any(|body| body.damping.acts())
 }
 
+/// Ways of losing energy that any of the materials has.
+fn mechanisms(simulation: &Simulation) -> Mechanisms {
+    let bodies = simulation.model().bodies.iter().map(|body| body.solid.mechanisms());
+    bodies.fold(Mechanisms::default(), Mechanisms::or)
+}
+
 impl Tables {
     /// Opens each table that the run has; `open` takes its name and its header.
     ///
@@ -101,10 +112,14 @@ impl Tables {
             .collect();
         let has_contact = simulation.model().has_contact_pairs();
         let has_friction = settings.has_friction();
+        let materials = mechanisms(simulation);
         let more = [
             (simulation.model().has_gaps(), CLOSING),
             (has_friction, FRICTION),
             (has_damping(simulation), DAMPING),
+            (materials.plastic, PLASTIC),
+            (materials.viscous, VISCOUS),
+            (materials.softening, SOFTENING),
             (settings.schedule.is_stabilised(), STABILISATION),
         ];
         let terms = Terms::new(&settings.parts, settings.schedule.is_stabilised(), simulation);
@@ -184,6 +199,16 @@ impl Tables {
         }
         if has_damping(simulation) {
             self.balance.number(b.damping);
+        }
+        let materials = mechanisms(simulation);
+        if materials.plastic {
+            self.balance.numbers(&[b.plastic_loss, b.hardening]);
+        }
+        if materials.viscous {
+            self.balance.number(b.viscous_loss);
+        }
+        if materials.softening {
+            self.balance.number(b.softening_loss);
         }
         if settings.schedule.is_stabilised() {
             self.balance.number(b.stabilisation);

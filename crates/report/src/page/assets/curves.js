@@ -7,6 +7,7 @@ const BALANCE = [
   ['Angular momentum', ['jx', 'jy', 'jz']],
   ['Energy', ['kinetic', 'strain', 'potential', 'contact', 'total']],
   ['Work and losses', ['external_work', 'dissipation', 'closing_loss', 'contact_remainder', 'impact_loss', 'friction_work', 'friction_stored']],
+  ['Energy in materials', ['plastic_loss', 'hardening', 'viscous_loss', 'softening_loss']],
 ];
 const CONTACT = [
   ['Contact force', ['contact_force_x', 'contact_force_y', 'contact_force_z']],
@@ -25,6 +26,10 @@ const TERMS = [
   ['stored', 'Stored energy by term'],
   ['supplied', 'Energy supplied since the start, by term'],
   ['dissipated', 'Energy dissipated since the start, by term'],
+  ['plastic_loss', 'Energy taken by plastic flow since the start, by body'],
+  ['hardening', 'Energy stored by hardening, by body'],
+  ['viscous_loss', 'Energy taken by viscous flow since the start, by body'],
+  ['softening_loss', 'Energy taken by softening since the start, by body'],
   ['remainder', 'Energy lost since the start, by term (negative: made)'],
 ];
 

@@ -154,8 +154,11 @@ fn stored_balance(folder: &Path) -> Result<Vec<(u64, f64, BalanceState)>, Output
                 impact_loss: value("impact_loss").unwrap_or(0.0),
                 impact_deformable: value("impact_deformable").unwrap_or(0.0),
                 impact_capped: value("impact_capped").unwrap_or(0.0),
-                // Nor has one without damping that.
-                damping: value("damping").unwrap_or(0.0),
+                // Nor has one whose bodies lose nothing these.
+                damping: ["damping", "plastic_loss", "viscous_loss", "softening_loss"]
+                    .map(|column| value(column).unwrap_or(0.0))
+                    .iter()
+                    .sum(),
             };
             Some((value("step")? as u64, value("time")?, state))
         };

@@ -480,7 +480,7 @@ fn balance_state(balance: &Balance) -> BalanceState {
         impact_loss: balance.impact_loss,
         impact_deformable: balance.impact_deformable,
         impact_capped: balance.impact_capped,
-        damping: balance.damping,
+        damping: balance.dissipated_in_bodies(),
     }
 }
 
