@@ -19,8 +19,8 @@ pub mod volume;
 
 pub use discrete_gradient::{energy_momentum_stress, energy_momentum_stress_and_tangent};
 pub use material::{
-    Loss, Material, Mechanisms, PointStep, Response, SMALLEST_STRAIN_INCREMENT_WITH_STATE, StateEntry, StepLaw,
-    StepStress, Want,
+    Loss, Material, Mechanisms, PointStep, Response, SMALLEST_STRAIN_INCREMENT_WITH_STATE, StateEntry, StateOutput,
+    StepLaw, StepStress, Want,
 };
 pub use measures::{cauchy_stress, green_lagrange, logarithmic_strain, principal_values, von_mises};
 pub use moduli::SmallStrainModuli;

@@ -106,7 +106,7 @@ impl Mechanisms {
     }
 }
 
-/// Some numbers of a state that belong together.
+/// Some numbers of a state, or of what output shows of one, that belong together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StateEntry {
     /// Name in output.
@@ -115,6 +115,15 @@ pub struct StateEntry {
     pub len: usize,
     /// What it measures, in one sentence.
     pub about: &'static str,
+}
+
+/// What output shows of a state: some numbers that belong together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StateOutput {
+    /// Name, length, meaning.
+    pub entry: StateEntry,
+    /// Whether it jumps from point to point, as a switch does: nodes then get means of elements in place of extrapolations.
+    pub jumps: bool,
 }
 
 /// A law with a state. As a hyperelastic law it is what a virgin point stores without flow; such a law says that it has a state by
@@ -161,6 +170,12 @@ pub trait Material: HyperelasticLaw {
     fn mechanisms(&self) -> Mechanisms {
         Mechanisms::ALL
     }
+    /// What output shows of a state, in the order of [`Material::output`]; nothing if the material does not say.
+    fn outputs(&self) -> &[StateOutput] {
+        &[]
+    }
+    /// Writes all numbers of [`Material::outputs`] for an accepted state; `before` is that at the begin of the step that led to it, or the state itself if there was none.
+    fn output(&self, _before: &[f64], _state: &[f64], _out: &mut [f64]) {}
     /// The part of the stored energy that is kept by hardening, per reference volume.
     fn hardening_energy(&self, _state: &[f64]) -> f64 {
         0.0

@@ -182,6 +182,12 @@ impl<const N: usize, const G: usize> Block<N, G> {
         Ok(StepEnd { stored, hardening, loss })
     }
 
+    /// State of a point before the last step, which is `state` if there was none.
+    fn state_before<'a>(&'a self, element: usize, gauss_point: usize, state: &'a [f64]) -> &'a [f64] {
+        let first = (element * G + gauss_point) * state.len();
+        self.next.get(first..first + state.len()).unwrap_or(state)
+    }
+
     /// What [`ElementBlock::begin_step`] kept of an element.
     #[inline]
     pub(crate) fn history(&self, element: usize) -> &[GaussPointHistory; G] {
@@ -361,6 +367,7 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
                 right_cauchy_green,
                 law: laws.at(gauss_point),
                 state: laws.state(gauss_point),
+                before: self.state_before(element, gauss_point, laws.state(gauss_point)),
                 volume: integration.weights[gauss_point],
                 pressure: averaged.map_or(0.0, |(pressure, _)| pressure[gauss_point]),
                 volumetric_energy: averaged.map_or(0.0, |(_, energy)| energy[gauss_point]),
@@ -375,6 +382,8 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
     }
 
     fn states_mut(&mut self) -> &mut [f64] {
+        // They are of no step.
+        self.next.clear();
         &mut self.states
     }
 

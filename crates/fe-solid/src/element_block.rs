@@ -48,6 +48,8 @@ pub(crate) struct PointStrain<'a> {
     /// The law of the accepted state, and the state.
     pub law: PointLaw<'a>,
     pub state: &'a [f64],
+    /// The state before the last step; the state itself if there was none.
+    pub before: &'a [f64],
     pub volume: f64,
     /// Averaged pressure, positive in tension, and `U`; zero if nothing is averaged.
     pub pressure: f64,

@@ -1,7 +1,18 @@
 //! States of the Gauss points of a body whose law has some: the end of a step, what it lost, and the states as numbers for restarts and output.
 
 use crate::{MaterialPoint, SolidBody, SolidError, StepEnd, recovery};
-use stoss_continuum::{Material, Mechanisms, StateEntry};
+use stoss_continuum::{Material, Mechanisms, StateEntry, StateOutput};
+
+/// Where an output is among all numbers that output shows of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutputPlace {
+    pub(crate) first: usize,
+    /// How many numbers it has.
+    pub len: usize,
+    /// How many there are of all outputs.
+    pub(crate) all: usize,
+    pub(crate) jumps: bool,
+}
 
 impl SolidBody {
     /// Whether the law has a state.
@@ -72,34 +83,54 @@ impl SolidBody {
         self.history().map_or(&[], |material| material.state())
     }
 
-    /// The place of an entry in the state of a point, by its name.
-    pub fn state_place(&self, name: &str) -> Option<usize> {
-        let mut first = 0;
-        for entry in self.state_entries() {
-            if entry.name == name {
-                return Some(first);
-            }
-            first += entry.len;
-        }
-        None
+    /// What output shows of the states.
+    pub fn state_outputs(&self) -> &[StateOutput] {
+        self.history().map_or(&[], |material| material.outputs())
     }
 
-    /// A number of the state at a material point: the function through the Gauss points of its element, as for stresses. `place`: of [`Self::state_place`].
+    /// Where an output is among all numbers of a point, by its name; nothing if the law has none of this name.
+    pub fn state_output(&self, name: &str) -> Option<OutputPlace> {
+        let (mut first, mut found) = (0, None);
+        for output in self.state_outputs() {
+            if output.entry.name == name {
+                found = Some((first, output));
+            }
+            first += output.entry.len;
+        }
+        let (at, output) = found?;
+        Some(OutputPlace { first: at, len: output.entry.len, all: first, jumps: output.jumps })
+    }
+
+    /// The numbers of an output at a material point: the functions through the Gauss points of its element, as for stresses; means of the element of what jumps.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Length`].
-    pub fn state_number_at(&self, point: &MaterialPoint, q: &[f64], place: usize) -> Result<f64, SolidError> {
+    pub fn state_output_at(
+        &self,
+        point: &MaterialPoint,
+        q: &[f64],
+        place: OutputPlace,
+    ) -> Result<Vec<f64>, SolidError> {
         self.check_length("the positions", q)?;
         let (cells, block, local) = self.locate(point.element);
-        let weights = recovery::extrapolation(cells.kind(), block.rule(), &[point.natural]);
-        let mut value = 0.0;
+        let weights = recovery::to_places(cells.kind(), block.rule(), &[point.natural], place.jumps);
+        let (mut values, mut all) = (vec![0.0; place.len], vec![0.0; place.all]);
         block
             .visit_points(self.material(), cells.nodes(), local, q, &mut |at| {
-                value += weights[at.gauss_point] * at.state.get(place).copied().unwrap_or(0.0);
+                self.write_outputs(at.before, at.state, &mut all);
+                let numbers = &all[place.first..place.first + place.len];
+                values.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += weights[at.gauss_point] * number);
                 Ok(())
             })
             .map_err(|failure| self.error(point.element, failure))?;
-        Ok(value)
+        Ok(values)
+    }
+
+    /// Writes all numbers of [`Self::state_outputs`] of a state.
+    pub(crate) fn write_outputs(&self, before: &[f64], state: &[f64], out: &mut [f64]) {
+        if let Some(material) = self.history() {
+            material.output(before, state, out);
+        }
     }
 
     /// The accepted states of all Gauss points, `[element][point][number]`, the elements in their order; empty of an elastic law.

@@ -51,6 +51,7 @@ mod viscous;
 pub use assembly::{TangentTarget, Workspace};
 pub use body::{InsideOut, SolidBody};
 pub use error::{SolidError, TimeLevel};
+pub use history::OutputPlace;
 pub use load::{
     FollowerPressure, add_follower_pressure, area_matrix, dead_pressure, dead_traction, external_work,
     follower_pressure, surface_area,

@@ -1,6 +1,6 @@
 //! Stresses and strains for output: at Gauss points, and extrapolated to nodes. Not used by any force.
 
-use crate::{SolidBody, SolidError, element::FailureKind, element_block::PointStrain};
+use crate::{OutputPlace, SolidBody, SolidError, element::FailureKind, element_block::PointStrain};
 use stoss_continuum::{ConstitutiveError, SymmetricTensor2, Tensor2};
 use stoss_reference_element::{CellKind, Rule};
 
@@ -96,21 +96,43 @@ impl SolidBody {
         self.nodal_mean(q, out, |f, _| Ok(stoss_continuum::logarithmic_strain(f).to_components()))
     }
 
-    /// Numbers of the state of the law at the body's nodes, made as [`Self::nodal_cauchy_stress`]: those of one entry of [`Self::state_entries`], of which `first` is the place of
-    /// the first one and `N` the count.
+    /// Numbers of an output of the states at the body's nodes, made as [`Self::nodal_cauchy_stress`]; of what jumps means of elements in place of functions through their points.
     ///
     /// # Errors
-    /// [`SolidError::InvertedElement`], [`SolidError::Length`].
-    pub fn nodal_state<const N: usize>(&self, q: &[f64], first: usize, out: &mut [[f64; N]]) -> Result<(), SolidError> {
-        self.nodal_mean(q, out, |_, point| {
-            Ok(std::array::from_fn(|k| point.state.get(first + k).copied().unwrap_or(0.0)))
+    /// [`SolidError::InvertedElement`], [`SolidError::Length`]; also if `N` is not the length of the output.
+    pub fn nodal_state_output<const N: usize>(
+        &self,
+        q: &[f64],
+        place: OutputPlace,
+        out: &mut [[f64; N]],
+    ) -> Result<(), SolidError> {
+        if place.len != N {
+            let (name, what) = (self.name().to_string(), "the numbers of the output");
+            return Err(SolidError::Length { name, what, found: N, expected: place.len });
+        }
+        let all = std::cell::RefCell::new(vec![0.0; place.all]);
+        self.nodal_mean_of(q, place.jumps, out, |_, point| {
+            let mut all = all.borrow_mut();
+            self.write_outputs(point.before, point.state, &mut all);
+            Ok(std::array::from_fn(|k| all[place.first + k]))
         })
     }
 
-    /// The mean at the body's nodes of what `value` makes of `F` and the other strains at the Gauss points, see [`Self::nodal_cauchy_stress`].
+    /// [`Self::nodal_mean_of`] of what does not jump.
     fn nodal_mean<const N: usize>(
         &self,
         q: &[f64],
+        out: &mut [[f64; N]],
+        value: impl Fn(&Tensor2, &PointStrain<'_>) -> Result<[f64; N], ConstitutiveError>,
+    ) -> Result<(), SolidError> {
+        self.nodal_mean_of(q, false, out, value)
+    }
+
+    /// The mean at the body's nodes of what `value` makes of `F` and the other strains at the Gauss points, see [`Self::nodal_cauchy_stress`].
+    fn nodal_mean_of<const N: usize>(
+        &self,
+        q: &[f64],
+        jumps: bool,
         out: &mut [[f64; N]],
         value: impl Fn(&Tensor2, &PointStrain<'_>) -> Result<[f64; N], ConstitutiveError>,
     ) -> Result<(), SolidError> {
@@ -126,7 +148,7 @@ impl SolidBody {
         out.fill([0.0; N]);
         let mut volumes = vec![0.0; out.len()];
         self.for_each_block(|block, cells| {
-            let extrapolation = extrapolation(cells.kind(), block.rule(), cells.kind().table().nodes);
+            let extrapolation = to_places(cells.kind(), block.rule(), cells.kind().table().nodes, jumps);
             let points = block.rule().len();
             let mut values = vec![[0.0; N]; points];
             for (element, nodes) in cells.iter().enumerate() {
@@ -180,14 +202,23 @@ pub(crate) fn with_pressure(mut stress: [f64; 6], pressure: f64) -> [f64; 6] {
     stress
 }
 
+/// Weights of the points of a rule for values at places in a cell: a row for each place, a column for each point. Those of [`extrapolation`], or of the mean of what `jumps`.
+pub(crate) fn to_places(kind: CellKind, rule: Rule, places: &[[f64; 3]], jumps: bool) -> Vec<f64> {
+    if jumps { mean(rule, places.len()) } else { extrapolation(kind, rule, places) }
+}
+
+fn mean(rule: Rule, places: usize) -> Vec<f64> {
+    let total: f64 = rule.iter().map(|(_, weight)| weight).sum();
+    (0..places).flat_map(|_| rule.iter().map(|(_, weight)| weight / total)).collect()
+}
+
 /// The values at places in a cell of the function of its linear cell that fits values at the points of a rule best in the sum of squares with the weights of
 /// the rule: a row for each place, a column for each point. The mean if there are fewer points than corners.
 pub(crate) fn extrapolation(kind: CellKind, rule: Rule, places: &[[f64; 3]]) -> Vec<f64> {
     let linear = kind.table().linear.table();
     let corners = linear.corners;
     if rule.len() < corners {
-        let total: f64 = rule.iter().map(|(_, weight)| weight).sum();
-        return places.iter().flat_map(|_| rule.iter().map(|(_, weight)| weight / total)).collect();
+        return mean(rule, places.len());
     }
     // E = N(nodes) (sum w N N^T)^-1 N(points)^T w
     let shapes: Vec<_> = rule.iter().map(|&(xi, _)| (linear.shape)(xi)).collect();

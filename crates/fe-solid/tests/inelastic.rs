@@ -179,7 +179,7 @@ fn uniform_flow_is_found_by_a_distorted_mesh() {
             assert!((state[6] - 0.115_776_615_210).abs() < 1e-11, "{kind}: {}", state[6]);
         }
         let mut nodal = vec![[0.0]; mesh.nodes.len()];
-        body.nodal_state(&q, 6, &mut nodal).unwrap();
+        body.nodal_state_output(&q, body.state_output("equivalent_plastic_strain").unwrap(), &mut nodal).unwrap();
         assert!(nodal.iter().all(|a| (a[0] - 0.115_776_615_210).abs() < 1e-11));
     }
 }

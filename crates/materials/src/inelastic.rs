@@ -3,7 +3,7 @@
 
 use crate::error::MaterialError;
 use crate::hencky::Hencky;
-use crate::logarithmic::{LogStrain, deviator, moved, strain_behind};
+use crate::logarithmic::{LogStrain, deviator, function, moved, strain_behind};
 use crate::maxwell::Maxwell;
 use crate::mullins::Mullins;
 use crate::plasticity::{J2, J2State, LogResponse, Plasticity};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use stoss_continuum::volume::pressure_stress;
 use stoss_continuum::{
     ConstitutiveError, HyperelasticLaw, Loss, Material, Mechanisms, PointStep, Response, SmallStrainModuli, StateEntry,
-    StepLaw, StepStress, SymmetricTensor2, Tensor4, VolumetricEnergy, VolumetricSplit, Want,
+    StateOutput, StepLaw, StepStress, SymmetricTensor2, Tensor4, VolumetricEnergy, VolumetricSplit, Want,
 };
 
 /// Whose moduli a law with Maxwell branches was given.
@@ -131,6 +131,35 @@ fn j2_state(j2: &J2, state: &[f64]) -> J2State {
     J2State { alpha: state[6], back }
 }
 
+/// What output shows of these branches.
+fn outputs(branches: &[Branch]) -> Vec<StateOutput> {
+    let mut out = Vec::new();
+    let mut add = |name: &str, len, jumps, about| {
+        out.push(StateOutput { entry: StateEntry { name: name.to_owned(), len, about }, jumps });
+    };
+    for branch in branches {
+        if let Branch::J2(j2) = branch {
+            add("equivalent_plastic_strain", 1, false, "Equivalent plastic strain, logarithmic, a number.");
+            add("plastic_strain", 6, false, "Plastic strain, logarithmic, in reference axes.");
+            add("yielding", 1, true, "1 where the point has yielded in the last step, else 0.");
+            if j2.has_back_strain() {
+                add("back_stress", 6, false, "Back stress of kinematic hardening, in reference axes.");
+            }
+        }
+    }
+    if branches.iter().any(|branch| matches!(branch, Branch::Maxwell(_))) {
+        let about =
+            "Viscous strain of the Maxwell branches, logarithmic, in reference axes, the mean by their shear moduli.";
+        add("viscous_strain", 6, false, about);
+    }
+    out
+}
+
+/// The logarithm of an inelastic stretch, of which `map` is the inverse.
+fn strain_of(map: &SymmetricTensor2) -> SymmetricTensor2 {
+    function(map, |x| -x.ln())
+}
+
 /// The rest `W(C)` of an elastic law, scaled.
 #[derive(Clone, Debug)]
 struct Base {
@@ -168,6 +197,7 @@ pub struct Inelastic {
     volume: Option<Arc<dyn VolumetricEnergy>>,
     moduli: SmallStrainModuli,
     entries: Vec<StateEntry>,
+    outputs: Vec<StateOutput>,
     virgin: Vec<f64>,
 }
 
@@ -262,7 +292,8 @@ impl Inelastic {
             virgin.extend(SymmetricTensor2::IDENTITY.0);
             virgin.resize(virgin.len() + branch.state_len() - 6, 0.0);
         }
-        Self { name: name.to_string(), base, mullins, branches, volume, moduli, entries, virgin }
+        let outputs = outputs(&branches);
+        Self { name: name.to_string(), base, mullins, branches, volume, moduli, entries, outputs, virgin }
     }
 
     fn virgin_law(&self) -> StepLaw<'_> {
@@ -390,6 +421,40 @@ impl Material for Inelastic {
             plastic: self.branches.iter().any(|branch| matches!(branch, Branch::J2(_))),
             viscous: self.branches.iter().any(|branch| matches!(branch, Branch::Maxwell(_))),
             softening: self.mullins.is_some(),
+        }
+    }
+
+    fn outputs(&self) -> &[StateOutput] {
+        &self.outputs
+    }
+
+    fn output(&self, before: &[f64], state: &[f64], out: &mut [f64]) {
+        let mut rest = out;
+        let mut put = |numbers: &[f64]| {
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(numbers.len());
+            own.copy_from_slice(numbers);
+            rest = others;
+        };
+        let (mut viscous, mut shear) = (SymmetricTensor2::ZERO, 0.0);
+        for (branch, first) in self.states(state) {
+            let map = tensor(&state[first..]);
+            match branch {
+                Branch::J2(j2) => {
+                    put(&[state[first + 6]]);
+                    put(&strain_of(&map).0);
+                    put(&[f64::from(u8::from(state[first + 6] > before[first + 6]))]);
+                    if j2.has_back_strain() {
+                        put(&j2.back_stress(&tensor(&state[first + 7..])).0);
+                    }
+                }
+                Branch::Maxwell(maxwell) => {
+                    viscous += strain_of(&map) * maxwell.shear;
+                    shear += maxwell.shear;
+                }
+            }
+        }
+        if shear > 0.0 {
+            put(&(viscous * (1.0 / shear)).0);
         }
     }
 

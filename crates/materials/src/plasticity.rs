@@ -102,6 +102,11 @@ impl J2 {
         self.of.kinematic > 0.0
     }
 
+    /// Back stress of a back strain.
+    pub fn back_stress(&self, back: &SymmetricTensor2) -> SymmetricTensor2 {
+        *back * (2.0 / 3.0 * self.of.kinematic)
+    }
+
     /// Overstress, its slope by the increment, and its potential, for an increment in the time `t`.
     fn overstress(&self, increment: f64, t: f64) -> (f64, f64, f64) {
         let Some(Overstress { stress, rate, exponent: m }) = self.of.overstress else { return (0.0, 0.0, 0.0) };

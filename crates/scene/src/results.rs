@@ -49,8 +49,16 @@ named! {
         PrincipalStresses = "principal_stresses",
         /// Von Mises stress at a material point.
         VonMises = "von_mises",
-        /// Equivalent plastic strain at a material point; zero where nothing yields.
+        /// Equivalent plastic strain at a material point of a body that yields.
         EquivalentPlasticStrain = "equivalent_plastic_strain",
+        /// Plastic strain at a material point of a body that yields, logarithmic, in reference directions: `.xx .yy .zz .xy .yz .xz`.
+        PlasticStrain = "plastic_strain",
+        /// Back stress at a material point of a body with a `kinematic_modulus`, in reference directions: `.xx .yy .zz .xy .yz .xz`.
+        BackStress = "back_stress",
+        /// Share of the Gauss points of the element that have yielded in the step, 0 to 1, of a body that yields.
+        Yielding = "yielding",
+        /// Viscous strain at a material point of a body with `prony`, logarithmic, in reference directions, the mean of the branches by their moduli: `.xx .yy .zz .xy .yz .xz`.
+        ViscousStrain = "viscous_strain",
         /// Deformation gradient at a material point, first index current, second index reference direction: `.xx .xy .xz .yx` and so on.
         DeformationGradient = "deformation_gradient",
         /// Kinetic plus strain energy of a body, or of the whole model.
@@ -110,8 +118,19 @@ impl Quantity {
                 | Self::LogarithmicStrain
                 | Self::PrincipalStresses
                 | Self::VonMises
-                | Self::EquivalentPlasticStrain
                 | Self::DeformationGradient
+        ) || self.is_of_state()
+    }
+
+    /// True if it is of the state of a material with history, and only bodies with such a material have it. Its name is that of the material's output.
+    pub fn is_of_state(self) -> bool {
+        matches!(
+            self,
+            Self::EquivalentPlasticStrain
+                | Self::PlasticStrain
+                | Self::BackStress
+                | Self::Yielding
+                | Self::ViscousStrain
         )
     }
 
@@ -129,8 +148,7 @@ impl Quantity {
                 | Self::LogarithmicStrain
                 | Self::PrincipalStresses
                 | Self::VonMises
-                | Self::EquivalentPlasticStrain
-        )
+        ) || self.is_of_state()
     }
 
     /// Names of its components in the order of their columns; empty for one value: energies, angles, coordinates of joints, von Mises stress.
@@ -144,9 +162,15 @@ impl Quantity {
             | Self::JointDisplacement
             | Self::Elevation
             | Self::VonMises
-            | Self::EquivalentPlasticStrain => &[],
+            | Self::EquivalentPlasticStrain
+            | Self::Yielding => &[],
             Self::PrincipalStresses => &[First, Second, Third],
-            Self::CauchyStress | Self::GreenLagrangeStrain | Self::LogarithmicStrain => &[Xx, Yy, Zz, Xy, Yz, Xz],
+            Self::CauchyStress
+            | Self::GreenLagrangeStrain
+            | Self::LogarithmicStrain
+            | Self::PlasticStrain
+            | Self::BackStress
+            | Self::ViscousStrain => &[Xx, Yy, Zz, Xy, Yz, Xz],
             Self::DeformationGradient => &[Xx, Xy, Xz, Yx, Yy, Yz, Zx, Zy, Zz],
             _ => &[X, Y, Z],
         }
@@ -215,8 +239,16 @@ named! {
         CauchyStress = "cauchy_stress",
         /// Von Mises stress.
         VonMises = "von_mises",
-        /// Equivalent plastic strain, extrapolated to nodes; scenes with a material that yields only.
+        /// Equivalent plastic strain, extrapolated to nodes; scenes with a material that yields only. Zero on other bodies.
         EquivalentPlasticStrain = "equivalent_plastic_strain",
+        /// Plastic strain, logarithmic, in reference directions, extrapolated to nodes; scenes with a material that yields only. Only if named in `fields`.
+        PlasticStrain = "plastic_strain",
+        /// Back stress of kinematic hardening in reference directions, extrapolated to nodes; scenes with a `kinematic_modulus` only. Only if named in `fields`.
+        BackStress = "back_stress",
+        /// Share of the Gauss points around a node that have yielded in the last step, 0 to 1; scenes with a material that yields only. Only if named in `fields`.
+        Yielding = "yielding",
+        /// Viscous strain of materials with `prony`, logarithmic, in reference directions, the mean of the branches by their moduli, extrapolated to nodes; scenes with such a material only. Only if named in `fields`.
+        ViscousStrain = "viscous_strain",
         /// Principal Cauchy stresses, the largest first. Only if named in `fields`.
         PrincipalStresses = "principal_stresses",
         /// Deformation gradient `F`, extrapolated to nodes, in the order xx, xy, xz, yx, ...: first the current direction, then the reference
@@ -254,6 +286,22 @@ impl Field {
                 | Self::LogarithmicStrain
                 | Self::Reaction
                 | Self::ContactMultiplier
+                | Self::PlasticStrain
+                | Self::BackStress
+                | Self::Yielding
+                | Self::ViscousStrain
+        )
+    }
+
+    /// True if it is of the state of a material with history, and only bodies with such a material have it. Its name is that of the material's output.
+    pub fn is_of_state(self) -> bool {
+        matches!(
+            self,
+            Self::EquivalentPlasticStrain
+                | Self::PlasticStrain
+                | Self::BackStress
+                | Self::Yielding
+                | Self::ViscousStrain
         )
     }
 }

@@ -224,11 +224,14 @@ impl crate::Quantity {
             Self::ReactionMoment | Self::ContactMoment | Self::JointMoment => Dimension::Moment,
             Self::JointAngle | Self::Elevation => Dimension::Angle,
             Self::AngularVelocity => Dimension::AngularVelocity,
-            Self::CauchyStress | Self::PrincipalStresses | Self::VonMises => Dimension::Stress,
+            Self::CauchyStress | Self::PrincipalStresses | Self::VonMises | Self::BackStress => Dimension::Stress,
             Self::GreenLagrangeStrain
             | Self::LogarithmicStrain
             | Self::DeformationGradient
-            | Self::EquivalentPlasticStrain => Dimension::Number,
+            | Self::EquivalentPlasticStrain
+            | Self::PlasticStrain
+            | Self::Yielding
+            | Self::ViscousStrain => Dimension::Number,
             Self::Energy | Self::KineticEnergy | Self::StrainEnergy => Dimension::Energy,
             Self::LinearMomentum => Dimension::Momentum,
             Self::AngularMomentum => Dimension::AngularMomentum,

@@ -46,9 +46,9 @@ fn uniaxial_tension_follows_the_hardening_curve() {
         let force: f64 = right.map(|(_, r)| r[0]).sum();
         assert!((force * 0.5_f64.exp() / stress - 1.0).abs() < 1e-8, "{plasticity}: {}", force * 0.5_f64.exp());
         let solid = &run.model().bodies[0].solid;
-        let place = solid.state_place("equivalent_plastic_strain").unwrap();
+        let place = solid.state_output("equivalent_plastic_strain").unwrap();
         let mut nodal = vec![[0.0]; solid.node_count()];
-        solid.nodal_state(&run.state().q, place, &mut nodal).unwrap();
+        solid.nodal_state_output(&run.state().q, place, &mut nodal).unwrap();
         assert!(nodal.iter().all(|a| (a[0] - strain).abs() < 1e-9), "{plasticity}: {:?}", nodal[0]);
     }
 }
@@ -223,4 +223,126 @@ fn a_bar_necks_behind_the_force_of_considere() {
     let place = forces.iter().position(|force| *force == largest).unwrap();
     assert!(radii[place] > 0.85 && *radii.last().unwrap() < 0.55, "{} {:?}", radii[place], radii.last());
     assert!(forces.last().unwrap() / largest < 0.6);
+}
+
+/// A cube that is pulled by 1 % of strain in a unit of time, and goes back by a tenth of it in the next tenth.
+fn pulled(material: &str, end: f64, more: &str) -> String {
+    let fixed =
+        |set: &str, axis: &str| format!("[[prescribe]]\nset = \"{set}\"\ncomponents = [\"{axis}\"]\nfixed = true\n");
+    format!(
+        "[scene]\ntitle = \"pulled\"\nkind = \"quasi-static\"\n[time]\nend = {end:?}\nstep = 0.1\n\
+         [[body]]\nname = \"bar\"\nmaterial = {{ {material} }}\n\
+         mesh = {{ generator = \"block\", size = [1, 1, 1], divisions = [1, 1, 1] }}\n\
+         [[body]]\nname = \"beside\"\nmaterial = {{ law = \"neo-hooke\", young = 1e3, poisson = 0.3 }}\n\
+         mesh = {{ generator = \"block\", size = [1, 1, 1], divisions = [1, 1, 1] }}\nposition = [0, 3, 0]\n\
+         {}{}{}{}{}{}[[prescribe]]\nset = \"bar.right\"\ncomponents = [\"x\"]\n\
+         displacement = {{ table = [[0.0, 0.0], [1.0, 0.01], [1.1, 0.009], [1000.0, 0.009]] }}\n{more}",
+        fixed("bar.left", "x"),
+        fixed("bar.front", "y"),
+        fixed("bar.bottom", "z"),
+        fixed("beside.left", "x"),
+        fixed("beside.front", "y"),
+        fixed("beside.bottom", "z"),
+    )
+}
+
+#[test]
+fn states_are_fields_and_probes() {
+    let probes: Vec<String> = [
+        ("equivalent_plastic_strain", ""),
+        ("plastic_strain", ""),
+        ("back_stress", ""),
+        ("yielding", ""),
+        ("logarithmic_strain", ""),
+        ("equivalent_plastic_strain", "reduce = \"max\"\n"),
+        ("yielding", "reduce = \"min\"\n"),
+        ("back_stress", "reduce = \"max\"\ncomponent = \"xx\"\n"),
+    ]
+    .iter()
+    .enumerate()
+    .map(|(k, (quantity, more))| {
+        let at = if more.is_empty() { "point = [0.3, 0.6, 0.2]\n" } else { more };
+        format!("[[probe]]\nname = \"p{k}\"\nquantity = \"{quantity}\"\nbody = \"bar\"\n{at}")
+    })
+    .collect();
+    let fields = "[output]\nfields = [\"displacement\", \"equivalent_plastic_strain\", \"plastic_strain\", \"back_stress\", \"yielding\"]\n";
+    let material = format!("{ELASTIC}, plasticity = {{ yield_stress = 450.0, kinematic_modulus = 2000.0 }}");
+    let text = pulled(&material, 1.1, &(probes.concat() + fields));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pulled.toml");
+    std::fs::write(&path, &text).unwrap();
+    let options = RunOptions { out: folder.path().join("out"), ..RunOptions::default() };
+    run_scene(&path, &options, &mut |_| {}).unwrap();
+    let table = std::fs::read_to_string(options.out.join("probes.csv")).unwrap();
+    let heads: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let rows: Vec<Vec<f64>> =
+        table.lines().skip(1).map(|row| row.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    let of = |row: &Vec<f64>, name: &str| row[heads.iter().position(|head| *head == name).unwrap()];
+    let (virgin, pulled, back) = (&rows[0], &rows[rows.len() - 2], &rows[rows.len() - 1]);
+    assert!(["p0", "p1.xx", "p2.xx", "p3"].iter().all(|name| of(virgin, name) == 0.0), "{virgin:?}");
+    // Uniaxial stress: plastic strain (1, -1/2, -1/2) a, back stress 2/3 H_k of it.
+    let a = of(pulled, "p0");
+    assert!(a > 5e-3 && a < of(pulled, "p4.xx"), "{a}");
+    for (name, value) in [
+        ("p1.xx", a),
+        ("p1.yy", -0.5 * a),
+        ("p1.xy", 0.0),
+        ("p2.xx", 2000.0 * 2.0 / 3.0 * a),
+        ("p2.zz", -2000.0 / 3.0 * a),
+        ("p3", 1.0),
+        ("p5", a),
+        ("p6", 1.0),
+        ("p7", 2000.0 * 2.0 / 3.0 * a),
+    ] {
+        assert!((of(pulled, name) - value).abs() < 1e-9 * (1.0 + value.abs()), "{name}: {} {value}", of(pulled, name));
+    }
+    // On the way back it is elastic.
+    assert_eq!((of(back, "p0"), of(back, "p3"), of(back, "p6")), (a, 0.0, 0.0));
+    let frame = stoss::mesh_io::read_vtu(options.out.join("frames/frame_000011.vtu")).unwrap();
+    let field = |name: &str| frame.point_data.iter().find(|field| field.name == name).unwrap().values.clone();
+    let strain = field("equivalent_plastic_strain");
+    assert!(strain[..8].iter().all(|x| (x - a).abs() < 1e-12) && strain[8..].iter().all(|x| *x == 0.0), "{strain:?}");
+    assert_eq!((field("back_stress").len(), field("plastic_strain").len(), field("yielding").len()), (96, 96, 16));
+}
+
+#[test]
+fn viscous_strain_is_a_probe() {
+    let material = "law = \"hencky\", young = 2.1, poisson = 0.3, prony = [[0.3, 0.5], [0.2, 2.0]]";
+    let probe = |name: &str, quantity: &str| {
+        format!("[[probe]]\nname = \"{name}\"\nquantity = \"{quantity}\"\nbody = \"bar\"\npoint = [0.5, 0.5, 0.5]\n")
+    };
+    let text = pulled(material, 40.0, &(probe("v", "viscous_strain") + &probe("e", "logarithmic_strain")));
+    let scene = stoss::scene::parse(&text.replace("step = 0.1", "step = 1.0"), "test.toml").unwrap();
+    let mut built = stoss::build::build(&scene, std::path::Path::new(".")).unwrap();
+    while !built.simulation.finished() {
+        built.simulation.advance().unwrap();
+    }
+    // All of the isochoric strain has relaxed after twenty times.
+    let values: Vec<Vec<f64>> = built.probes.iter().map(|probe| probe.values(&built.simulation)).collect();
+    let mean = (values[1][0] + values[1][1] + values[1][2]) / 3.0;
+    for k in 0..3 {
+        assert!((values[0][k] - (values[1][k] - mean)).abs() < 1e-7, "{values:?}");
+    }
+}
+
+#[test]
+fn what_no_body_has_is_refused_by_name() {
+    let steel = format!("{ELASTIC}, plasticity = {{ yield_stress = 450.0 }}");
+    let refused = |more: &str| {
+        let scene = stoss::scene::parse(&pulled(&steel, 1.0, more), "test.toml").unwrap();
+        let errors = stoss::build::build(&scene, std::path::Path::new(".")).map(|_| ()).unwrap_err();
+        assert_eq!(errors.problems().len(), 1, "{errors}");
+        errors.to_string()
+    };
+    let probe = |quantity: &str, body: &str, more: &str| {
+        format!("[[probe]]\nname = \"p\"\nquantity = \"{quantity}\"\nbody = \"{body}\"\n{more}")
+    };
+    let field = refused("[output]\nfields = [\"back_stress\"]\n");
+    for part in ["`bar` (hencky with plasticity)", "`beside` (neo-hooke)", "kinematic_modulus", "output.fields"] {
+        assert!(field.contains(part), "{field}");
+    }
+    let other = refused(&probe("equivalent_plastic_strain", "beside", "point = [0.5, 3.5, 0.5]\n"));
+    assert!(other.contains("`beside` (neo-hooke) has none") && other.contains("probe[0].quantity"), "{other}");
+    assert!(refused(&probe("yielding", "beside", "reduce = \"max\"\n")).contains("`beside`"));
+    assert!(refused("[output]\nfields = [\"viscous_strain\"]\n").contains("prony"));
 }

@@ -90,17 +90,20 @@ impl Extreme {
     fn tensors(&self, simulation: &Simulation) -> Vec<f64> {
         let Some(body) = self.body.map(|body| &simulation.model().bodies[body]) else { return Vec::new() };
         let (q, mut nodal) = (&simulation.state().q, vec![[0.0; 6]; body.nodes.len()]);
-        if self.quantity == Quantity::EquivalentPlasticStrain {
-            let Some(place) = body.solid.state_place("equivalent_plastic_strain") else {
-                return vec![0.0; self.nodes.len()];
-            };
+        let of_state = self.quantity.is_of_state().then(|| body.solid.state_output(self.quantity.name())).flatten();
+        if let Some(place) = of_state.filter(|place| place.len == 1) {
             let mut nodal = vec![[0.0]; body.nodes.len()];
-            if body.solid.nodal_state(q, place, &mut nodal).is_err() {
+            if body.solid.nodal_state_output(q, place, &mut nodal).is_err() {
                 return Vec::new();
             }
             return self.nodes.iter().map(|&node| nodal[(node - body.nodes.start) as usize][0]).collect();
         }
         let done = match self.quantity {
+            quantity if quantity.is_of_state() => match of_state {
+                Some(place) => body.solid.nodal_state_output(q, place, &mut nodal),
+                // Refused when the scene was built.
+                None => return Vec::new(),
+            },
             Quantity::GreenLagrangeStrain => body.solid.nodal_green_lagrange_strain(q, &mut nodal),
             Quantity::LogarithmicStrain => body.solid.nodal_logarithmic_strain(q, &mut nodal),
             _ => body.solid.nodal_cauchy_stress(q, &mut nodal),

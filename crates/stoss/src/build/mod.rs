@@ -56,6 +56,7 @@ mod schedule;
 mod separate;
 mod sets;
 mod sliding_support;
+mod state_output;
 mod supports;
 mod tie;
 mod trace;
@@ -217,6 +218,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         warnings.extend(supports::warnings(scene, &placed, &model));
         warnings.extend(condition::warnings(scene));
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
+        state_output::check_fields(scene, &model, &mut problems);
         warnings.extend(probe::warnings(scene, &placed, &probes));
         // Places in the model are known only if nothing was left out.
         if problems.list.is_empty() {

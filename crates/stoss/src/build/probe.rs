@@ -5,7 +5,7 @@ use super::condition::resolve;
 use super::extreme::Extreme;
 use super::multibody::Parts;
 use super::placed::{Placed, index};
-use super::supports;
+use super::{state_output, supports};
 use crate::scene::{Extremum, Quantity, Scene};
 use crate::solver::{Model, Simulation, SurfaceForce};
 use std::collections::BTreeSet;
@@ -71,10 +71,11 @@ impl Probe {
 
     /// What the interpolation of the element gives at a point; not a number where that is turned inside out.
     fn material(&self, simulation: &Simulation, body: usize, point: &MaterialPoint) -> Vec<f64> {
-        if self.quantity == Quantity::EquivalentPlasticStrain {
+        if self.quantity.is_of_state() {
             let (solid, q) = (&simulation.model().bodies[body].solid, &simulation.state().q);
-            let place = solid.state_place("equivalent_plastic_strain");
-            return vec![place.map_or(0.0, |place| solid.state_number_at(point, q, place).unwrap_or(f64::NAN))];
+            let values = solid.state_output(self.quantity.name());
+            let values = values.and_then(|place| solid.state_output_at(point, q, place).ok());
+            return values.unwrap_or_else(|| vec![f64::NAN; self.quantity.columns()]);
         }
         let Ok(state) = simulation.model().bodies[body].solid.state_at(point, &simulation.state().q) else {
             return vec![f64::NAN; self.quantity.columns()];
@@ -153,6 +154,10 @@ impl Probe {
             | Quantity::PrincipalStresses
             | Quantity::VonMises
             | Quantity::EquivalentPlasticStrain
+            | Quantity::PlasticStrain
+            | Quantity::BackStress
+            | Quantity::Yielding
+            | Quantity::ViscousStrain
             | Quantity::DeformationGradient => [f64::NAN; 3],
             Quantity::Displacement => {
                 let (q, x) = (self.mean(&simulation.state().q), self.mean(&simulation.model().reference));
@@ -332,9 +337,31 @@ fn extreme(
         problems.add(format!("probe[{p}]"), &item.name, message, "name a set of a deformable body");
         return None;
     }
+    if let Some(body) = body {
+        state_of(scene, model, body, p, item, problems)?;
+    }
     let components = item.quantity.components();
     let component = item.component.and_then(|wanted| components.iter().position(|c| *c == wanted));
     Some(Extreme::new(model, nodes, body, item.quantity, component, reduce))
+}
+
+/// Refuses a quantity of the state of a material that the body's law does not have.
+fn state_of(
+    scene: &Scene,
+    model: &Model,
+    body: usize,
+    p: usize,
+    item: &crate::scene::Probe,
+    problems: &mut Problems<'_>,
+) -> Option<()> {
+    let missing = item.quantity.is_of_state() && model.bodies[body].solid.state_output(item.quantity.name()).is_none();
+    if !missing {
+        return Some(());
+    }
+    let message = format!("{} has none", state_output::of_law(scene, body));
+    let remedy = state_output::remedy(item.quantity.name());
+    problems.add(format!("probe[{p}].quantity"), item.quantity.name(), message, remedy);
+    None
 }
 
 /// The material point of a stress or strain.
@@ -347,6 +374,7 @@ fn material(
     problems: &mut Problems<'_>,
 ) -> Option<ProbeTarget> {
     let (x, body) = (item.point?, scene.body_index(item.body.as_deref()?)?);
+    state_of(scene, model, body, p, item, problems)?;
     match model.bodies[body].solid.material_point(&model.reference, x) {
         Some(point) => Some(ProbeTarget::Material(body, point)),
         None => {

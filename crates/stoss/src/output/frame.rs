@@ -147,15 +147,32 @@ fn of_solids<const N: usize>(
     Ok(values)
 }
 
-/// Name in the states of the materials, and of the field.
-const PLASTIC_STRAIN: &str = "equivalent_plastic_strain";
+/// Whether a body has the output of states that a field shows.
+fn has_output(simulation: &Simulation, field: SceneField) -> bool {
+    simulation.model().bodies.iter().any(|body| body.solid.state_output(field.name()).is_some())
+}
+
+/// An output of states at the nodes; zero of bodies without.
+fn of_states<const N: usize>(simulation: &Simulation, field: SceneField) -> Result<Vec<[f64; N]>, OutputError> {
+    of_solids(simulation, |solid, q, out| match solid.state_output(field.name()) {
+        Some(place) => solid.nodal_state_output(q, place, out),
+        None => {
+            out.fill([0.0; N]);
+            Ok(())
+        }
+    })
+}
 
 /// What is computed for a frame: nothing that it does not have.
 #[derive(Default)]
 struct SolidFields {
     stress: Vec<[f64; 6]>,
     von_mises: Vec<f64>,
-    plastic_strain: Vec<[f64; 1]>,
+    equivalent_plastic_strain: Vec<[f64; 1]>,
+    plastic_strain: Vec<[f64; 6]>,
+    back_stress: Vec<[f64; 6]>,
+    yielding: Vec<[f64; 1]>,
+    viscous_strain: Vec<[f64; 6]>,
     principal: Vec<[f64; 3]>,
     deformation_gradient: Vec<[f64; 9]>,
     green_lagrange: Vec<[f64; 6]>,
@@ -172,15 +189,21 @@ impl SolidFields {
         if von_mises {
             fields.von_mises = fields.stress.iter().map(stoss_fe_solid::von_mises).collect();
         }
-        let yields = |body: &crate::solver::Body| body.solid.state_place(PLASTIC_STRAIN).is_some();
-        if want(SceneField::EquivalentPlasticStrain) && simulation.model().bodies.iter().any(yields) {
-            fields.plastic_strain = of_solids(simulation, |solid, q, out| match solid.state_place(PLASTIC_STRAIN) {
-                Some(place) => solid.nodal_state(q, place, out),
-                None => {
-                    out.fill([0.0]);
-                    Ok(())
-                }
-            })?;
+        let of = |field: SceneField| want(field) && has_output(simulation, field);
+        if of(SceneField::EquivalentPlasticStrain) {
+            fields.equivalent_plastic_strain = of_states(simulation, SceneField::EquivalentPlasticStrain)?;
+        }
+        if of(SceneField::PlasticStrain) {
+            fields.plastic_strain = of_states(simulation, SceneField::PlasticStrain)?;
+        }
+        if of(SceneField::BackStress) {
+            fields.back_stress = of_states(simulation, SceneField::BackStress)?;
+        }
+        if of(SceneField::Yielding) {
+            fields.yielding = of_states(simulation, SceneField::Yielding)?;
+        }
+        if of(SceneField::ViscousStrain) {
+            fields.viscous_strain = of_states(simulation, SceneField::ViscousStrain)?;
         }
         if principal {
             fields.principal = fields.stress.iter().map(stoss_fe_solid::principal_stresses).collect();
@@ -240,12 +263,21 @@ pub(super) fn with(
         ContactFields::default()
     };
     let reactions = simulation.reactions();
-    let candidates: [(SceneField, &str, usize, &[f64]); 16] = [
+    let candidates: [(SceneField, &str, usize, &[f64]); 20] = [
         (SceneField::Displacement, "displacement", 3, &displacement),
         (SceneField::Velocity, "velocity", 3, &state.v),
         (SceneField::CauchyStress, "cauchy_stress", 6, solid.stress.as_flattened()),
         (SceneField::VonMises, "von_mises", 1, &solid.von_mises),
-        (SceneField::EquivalentPlasticStrain, PLASTIC_STRAIN, 1, solid.plastic_strain.as_flattened()),
+        (
+            SceneField::EquivalentPlasticStrain,
+            "equivalent_plastic_strain",
+            1,
+            solid.equivalent_plastic_strain.as_flattened(),
+        ),
+        (SceneField::PlasticStrain, "plastic_strain", 6, solid.plastic_strain.as_flattened()),
+        (SceneField::BackStress, "back_stress", 6, solid.back_stress.as_flattened()),
+        (SceneField::Yielding, "yielding", 1, solid.yielding.as_flattened()),
+        (SceneField::ViscousStrain, "viscous_strain", 6, solid.viscous_strain.as_flattened()),
         (SceneField::PrincipalStresses, "principal_stresses", 3, solid.principal.as_flattened()),
         (SceneField::DeformationGradient, "deformation_gradient", 9, solid.deformation_gradient.as_flattened()),
         (SceneField::GreenLagrangeStrain, "green_lagrange_strain", 6, solid.green_lagrange.as_flattened()),
