@@ -111,7 +111,7 @@ impl Mechanisms {
 pub struct StateEntry {
     /// Name in output.
     pub name: String,
-    /// How many numbers: 1, or 6 of a symmetric tensor in the order 11, 22, 33, 12, 23, 13.
+    /// How many numbers: 1, 3 of a vector, or 6 of a symmetric tensor in the order 11, 22, 33, 12, 23, 13.
     pub len: usize,
     /// What it measures, in one sentence.
     pub about: &'static str,

@@ -133,6 +133,35 @@ impl SolidBody {
         }
     }
 
+    /// Sets an entry of the accepted states to the same numbers at all points of an element: `[element][number]`, for constants of the material that differ from element to
+    /// element, as directions of fibres. Nothing else is touched.
+    ///
+    /// # Errors
+    /// [`SolidError::Length`] if there is no such entry, or another count of numbers.
+    pub fn set_state_of_elements(&mut self, name: &str, numbers: &[f64]) -> Result<(), SolidError> {
+        let (mut len, mut found) = (0, None);
+        for entry in self.state_entries() {
+            if entry.name == name {
+                found = Some(len..len + entry.len);
+            }
+            len += entry.len;
+        }
+        let place = found.unwrap_or(0..0);
+        let expected = place.len() * self.element_count();
+        if numbers.len() != expected || expected == 0 {
+            let (name, what) = (self.name().to_string(), "the numbers of the elements");
+            return Err(SolidError::Length { name, what, found: numbers.len(), expected });
+        }
+        let mut of_elements = numbers.chunks_exact(place.len());
+        for block in self.blocks_mut() {
+            let points = len * block.rule().len();
+            for (states, own) in block.states_mut().chunks_exact_mut(points).zip(&mut of_elements) {
+                states.chunks_exact_mut(len).for_each(|state| state[place.clone()].copy_from_slice(own));
+            }
+        }
+        Ok(())
+    }
+
     /// The accepted states of all Gauss points, `[element][point][number]`, the elements in their order; empty of an elastic law.
     pub fn states(&self) -> impl Iterator<Item = &[f64]> {
         self.blocks().iter().map(|block| block.states())

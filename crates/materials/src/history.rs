@@ -1,11 +1,20 @@
 //! What a law is given beside its own parameters to have a history, as one value: what scene formats have.
 
-use crate::{Hencky, Inelastic, MaterialError, Moduli, Mullins, Plasticity};
+use crate::{Fibres, Hencky, Inelastic, MaterialError, Moduli, Mullins, Plasticity};
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_registry::Refusal;
 
-/// Plasticity, Maxwell branches, softening; each may be left out.
+/// Families of fibres that differ by their directions only.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FibreFamilies {
+    /// What they are like.
+    pub fibres: Fibres,
+    /// A direction each, of any length but zero: those of all points, but for points whose states get others.
+    pub directions: Vec<[f64; 3]>,
+}
+
+/// Plasticity, Maxwell branches, softening, fibres; each may be left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
     /// Yield stress and hardening, of Hencky's law only.
@@ -16,12 +25,14 @@ pub struct History {
     pub moduli: Moduli,
     /// Softening.
     pub mullins: Option<Mullins>,
+    /// Fibres.
+    pub fibres: Option<FibreFamilies>,
 }
 
 impl History {
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
-        self.plasticity.is_none() && self.prony.is_empty() && self.mullins.is_none()
+        self.plasticity.is_none() && self.prony.is_empty() && self.mullins.is_none() && self.fibres.is_none()
     }
 
     /// The law with this history; the law itself if there is none.
@@ -45,7 +56,12 @@ impl History {
                 let message = format!("is that of metals, whose elastic part is Hencky's law, not {}", law.name());
                 return Err(Refusal::new("plasticity", message, "write law = \"hencky\""));
             }
-            if let Some(other) = self.prony.first().map(|_| "prony").or(self.mullins.map(|_| "mullins")) {
+            let others = [
+                ("prony", !self.prony.is_empty()),
+                ("mullins", self.mullins.is_some()),
+                ("fibres", self.fibres.is_some()),
+            ];
+            if let Some((other, _)) = others.into_iter().find(|(_, has)| *has) {
                 let message = "cannot be combined with `plasticity`";
                 return Err(Refusal::new(other, message, "remove one of the two"));
             }
@@ -53,17 +69,28 @@ impl History {
             let law = Hencky::new(moduli.lame_lambda(), moduli.shear).map_err(refused("plasticity"))?;
             return Ok(Arc::new(Inelastic::plastic(law, plasticity.clone()).map_err(refused("plasticity"))?));
         }
-        match (self.prony.is_empty(), self.mullins) {
-            (true, None) => Ok(law),
-            (true, Some(mullins)) => Ok(Arc::new(Inelastic::softening(&law, mullins).map_err(refused("mullins"))?)),
-            (false, mullins) => {
-                let made = Inelastic::viscous(&law, &self.prony, self.moduli).map_err(refused("prony"))?;
-                Ok(match mullins {
-                    None => Arc::new(made),
-                    Some(mullins) => Arc::new(made.with_softening(mullins).map_err(refused("mullins"))?),
-                })
-            }
+        let mut made = None;
+        if !self.prony.is_empty() {
+            made = Some(Inelastic::viscous(&law, &self.prony, self.moduli).map_err(refused("prony"))?);
         }
+        if let Some(mullins) = self.mullins {
+            let softer = match made {
+                None => Inelastic::softening(&law, mullins),
+                Some(made) => made.with_softening(mullins),
+            };
+            made = Some(softer.map_err(refused("mullins"))?);
+        }
+        if let Some(FibreFamilies { fibres, directions }) = &self.fibres {
+            let stiffer = match made {
+                None => Inelastic::fibrous(&law, *fibres, directions),
+                Some(made) => made.with_fibres(*fibres, directions),
+            };
+            made = Some(stiffer.map_err(refused("fibres"))?);
+        }
+        Ok(match made {
+            None => law,
+            Some(made) => Arc::new(made),
+        })
     }
 }
 
@@ -83,7 +110,17 @@ mod tests {
         };
         let prony = |prony: &[(f64, f64)]| History { prony: prony.to_vec(), ..History::default() };
         let mullins = |r| History { mullins: Some(Mullins { r, m: 0.3, beta: 0.0 }), ..History::default() };
+        let fibres = |k2, direction| History {
+            fibres: Some(FibreFamilies {
+                fibres: Fibres { stiffness: 1.0, exponent: k2, dispersion: 0.1 },
+                directions: vec![direction],
+            }),
+            ..History::default()
+        };
+        let along = [0.0, 2.0, 0.0];
         let good = plastic(Hardening::linear(400.0, 100.0));
+        assert!(fibres(2.0, along).of(rubber.clone()).is_ok());
+        assert!(History { prony: vec![(0.1, 1.0)], ..fibres(2.0, along) }.of(rubber.clone()).is_ok());
         assert!(good.of(metal.clone()).unwrap().history().is_some());
         assert!(History::default().of(other.clone()).unwrap().history().is_none());
         assert!(prony(&[(0.3, 1.0)]).of(metal.clone()).is_ok() && mullins(1.5).of(rubber.clone()).is_ok());
@@ -99,6 +136,10 @@ mod tests {
             (prony(&[(0.6, 1.0)]), &other, "prony"),
             (mullins(1.0), &rubber, "mullins"),
             (mullins(2.0), &other, "mullins"),
+            (fibres(2.0, along), &other, "fibres"),
+            (fibres(-2.0, along), &rubber, "fibres"),
+            (fibres(2.0, [0.0; 3]), &rubber, "fibres"),
+            (History { fibres: fibres(2.0, along).fibres, ..good.clone() }, &metal, "fibres"),
         ] {
             assert_eq!(history.of(law.clone()).unwrap_err().parameter, key, "{history:?}");
         }

@@ -2,6 +2,7 @@
 //! (theory/inelastic). The branches are in `plasticity` and `maxwell`, the strains in `logarithmic`.
 
 use crate::error::MaterialError;
+use crate::fibres::Fibres;
 use crate::hencky::Hencky;
 use crate::logarithmic::{LogStrain, deviator, function, moved, strain_behind};
 use crate::maxwell::Maxwell;
@@ -30,6 +31,8 @@ pub enum Moduli {
 enum Branch {
     J2(J2),
     Maxwell(Maxwell),
+    /// Elastic; its state is its direction, at first this one.
+    Fibres(Fibres, [f64; 3]),
 }
 
 impl Branch {
@@ -38,7 +41,18 @@ impl Branch {
             Self::J2(j2) => 7 + if j2.has_back_strain() { 6 } else { 0 },
             // The map, and the elastic strain in its frame.
             Self::Maxwell(_) => 12,
+            Self::Fibres(..) => 3,
         }
+    }
+
+    /// Appends the state of a point that has seen nothing.
+    fn virgin(&self, out: &mut Vec<f64>) {
+        let end = out.len() + self.state_len();
+        match self {
+            Self::J2(_) | Self::Maxwell(_) => out.extend(SymmetricTensor2::IDENTITY.0),
+            Self::Fibres(_, direction) => out.extend(direction),
+        }
+        out.resize(end, 0.0);
     }
 
     fn entries(&self, number: usize, out: &mut Vec<StateEntry>) {
@@ -55,13 +69,54 @@ impl Branch {
                 add(format!("viscous_map_{number}"), 6, "Inverse of the viscous stretch, in reference axes.");
                 add(format!("viscous_elastic_strain_{number}"), 6, "Elastic strain of the branch, behind its map.");
             }
+            Self::Fibres(..) => {
+                add(
+                    format!("fibre_direction_{number}"),
+                    3,
+                    "Unit vector along the fibres in the reference configuration.",
+                );
+            }
         }
+    }
+
+    /// Adds the law of the step.
+    fn add(
+        &self,
+        state: &[f64],
+        at: &PointStep<'_>,
+        c: &SymmetricTensor2,
+        want: Want,
+        out: &mut Response,
+    ) -> Result<(), ConstitutiveError> {
+        if let Self::Fibres(fibres, _) = self {
+            let of = fibres.respond(std::array::from_fn(|i| state[i]), c, want)?;
+            out.energy += of.energy;
+            if want >= Want::Stress {
+                out.stress += of.stress;
+            }
+            if want == Want::Moduli {
+                out.moduli.add_scaled(1.0, &of.moduli);
+            }
+            return Ok(());
+        }
+        let strain = LogStrain::new(Some(&tensor(state)), c)?;
+        let response = self.respond(state, at, &strain);
+        out.energy += response.energy;
+        match want {
+            Want::Energy => {}
+            Want::Stress => strain.add_stress(&response.stress, &mut out.stress),
+            Want::Moduli => {
+                strain.add_moduli(&response.stress, &response.moduli, &mut out.stress, &mut out.moduli);
+            }
+        }
+        Ok(())
     }
 
     /// The law of the step at a strain behind the branch's map.
     fn respond(&self, state: &[f64], at: &PointStep<'_>, strain: &LogStrain) -> LogResponse {
         let e = strain.deviator();
         match self {
+            Self::Fibres(..) => unreachable!("fibres have no map"),
             Self::J2(j2) if at.stress == StepStress::Frozen => j2.elastic(&e),
             Self::J2(j2) => {
                 let mut of = j2_state(j2, state);
@@ -85,10 +140,14 @@ impl Branch {
         [c_n, c_np1]: [&SymmetricTensor2; 2],
         next: &mut [f64],
     ) -> Result<Loss, ConstitutiveError> {
+        if let Self::Fibres(..) = self {
+            return Ok(Loss::default());
+        }
         let map = tensor(state);
         let strain = strain_behind(&map, c_np1)?;
         let e = deviator(&strain);
         match self {
+            Self::Fibres(..) => unreachable!("fibres have no map"),
             Self::J2(j2) => {
                 let of = j2_state(j2, state);
                 let found = j2.solve(&e, &of, at.dt);
@@ -184,7 +243,7 @@ impl Base {
     }
 }
 
-/// An elastic law with plasticity, Maxwell branches or softening, alone or together: the law of a step for each (theory/inelastic).
+/// An elastic law with plasticity, Maxwell branches, softening or fibres, alone or together: the law of a step for each (theory/inelastic).
 ///
 /// As a hyperelastic law it is that of virgin points without flow, with the moduli of fast strains.
 #[derive(Clone, Debug)]
@@ -273,6 +332,46 @@ impl Inelastic {
         Ok(Self::assembled(&self.name, self.base, Some(mullins), self.branches, self.volume, self.moduli))
     }
 
+    /// The part of a law without the energy of the change of volume, and that energy, with nothing more.
+    fn plain(law: &Arc<dyn HyperelasticLaw>) -> Result<Self, MaterialError> {
+        let VolumetricSplit { rest, volume } = split(law)?;
+        let base = Base { law: rest, share: 1.0 };
+        Ok(Self::assembled(law.name(), Some(base), None, Vec::new(), Some(volume), law.small_strain_moduli()))
+    }
+
+    /// A law with families of fibres, each along a direction of any length but zero. The directions are those of virgin points; states of points may have others, which stay.
+    ///
+    /// # Errors
+    /// A law without such parts or with a history; parameters out of range, directions that are none.
+    pub fn fibrous(
+        law: &Arc<dyn HyperelasticLaw>,
+        fibres: Fibres,
+        directions: &[[f64; 3]],
+    ) -> Result<Self, MaterialError> {
+        Self::plain(law)?.with_fibres(fibres, directions)
+    }
+
+    /// The same with families of fibres beside what it has: they neither relax nor soften.
+    ///
+    /// # Errors
+    /// Parameters out of range, directions that are none; a material that yields.
+    pub fn with_fibres(self, fibres: Fibres, directions: &[[f64; 3]]) -> Result<Self, MaterialError> {
+        fibres.check()?;
+        if self.base.is_none() {
+            return Err(MaterialError::NoSplit { law: "a law that yields", part: "fibres" });
+        }
+        let Self { name, base, mullins, mut branches, volume, moduli, .. } = self;
+        for a in directions {
+            let length = a.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if !(length > 0.0 && length.is_finite()) {
+                let range = "the length of a vector that is not zero";
+                return Err(MaterialError::OutOfRange { law: "fibres", parameter: "direction", value: length, range });
+            }
+            branches.push(Branch::Fibres(fibres, a.map(|x| x / length)));
+        }
+        Ok(Self::assembled(&name, base, mullins, branches, volume, moduli))
+    }
+
     fn assembled(
         name: &str,
         base: Option<Base>,
@@ -287,10 +386,12 @@ impl Inelastic {
             entries.push(StateEntry { name: "largest_energy".into(), len: 1, about });
         }
         let mut virgin = vec![0.0; usize::from(mullins.is_some())];
-        for (k, branch) in branches.iter().enumerate() {
-            branch.entries(k + 1, &mut entries);
-            virgin.extend(SymmetricTensor2::IDENTITY.0);
-            virgin.resize(virgin.len() + branch.state_len() - 6, 0.0);
+        let (mut flowing, mut fibres) = (0, 0);
+        for branch in &branches {
+            let number = if matches!(branch, Branch::Fibres(..)) { &mut fibres } else { &mut flowing };
+            *number += 1;
+            branch.entries(*number, &mut entries);
+            branch.virgin(&mut virgin);
         }
         let outputs = outputs(&branches);
         Self { name: name.to_string(), base, mullins, branches, volume, moduli, entries, outputs, virgin }
@@ -350,17 +451,7 @@ impl Material for Inelastic {
             out.stress = out.stress * softened.factor;
         }
         for (branch, first) in self.states(at.state) {
-            let state = &at.state[first..];
-            let strain = LogStrain::new(Some(&tensor(state)), c)?;
-            let response = branch.respond(state, at, &strain);
-            out.energy += response.energy;
-            match want {
-                Want::Energy => {}
-                Want::Stress => strain.add_stress(&response.stress, &mut out.stress),
-                Want::Moduli => {
-                    strain.add_moduli(&response.stress, &response.moduli, &mut out.stress, &mut out.moduli);
-                }
-            }
+            branch.add(&at.state[first..], at, c, want, &mut out)?;
         }
         if at.stress == StepStress::Frozen {
             out.energy += self.hardening_energy(at.state);
@@ -437,18 +528,19 @@ impl Material for Inelastic {
         };
         let (mut viscous, mut shear) = (SymmetricTensor2::ZERO, 0.0);
         for (branch, first) in self.states(state) {
-            let map = tensor(&state[first..]);
+            let map = || tensor(&state[first..]);
             match branch {
+                Branch::Fibres(..) => {}
                 Branch::J2(j2) => {
                     put(&[state[first + 6]]);
-                    put(&strain_of(&map).0);
+                    put(&strain_of(&map()).0);
                     put(&[f64::from(u8::from(state[first + 6] > before[first + 6]))]);
                     if j2.has_back_strain() {
                         put(&j2.back_stress(&tensor(&state[first + 7..])).0);
                     }
                 }
                 Branch::Maxwell(maxwell) => {
-                    viscous += strain_of(&map) * maxwell.shear;
+                    viscous += strain_of(&map()) * maxwell.shear;
                     shear += maxwell.shear;
                 }
             }
@@ -461,7 +553,7 @@ impl Material for Inelastic {
     fn hardening_energy(&self, state: &[f64]) -> f64 {
         let of = |(branch, first): (&Branch, usize)| match branch {
             Branch::J2(j2) => j2.hardening_energy(&j2_state(j2, &state[first..])),
-            Branch::Maxwell(_) => 0.0,
+            Branch::Maxwell(_) | Branch::Fibres(..) => 0.0,
         };
         self.states(state).map(of).sum()
     }

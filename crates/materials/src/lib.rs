@@ -9,7 +9,7 @@
 //! * [`Ogden`]: powers of the principal stretches, decoupled, any number of terms;
 //! * [`FirstInvariant`]: Yeoh, Gent, Arruda-Boyce, of the first isochoric invariant;
 //! * [`Hencky`]: linear in the logarithmic strain, the elastic part of metals;
-//! * [`Inelastic`]: a law with [`Plasticity`], Maxwell branches or [`Mullins`] softening, which has a state ([`stoss_continuum::Material`]);
+//! * [`Inelastic`]: a law with [`Plasticity`], Maxwell branches, [`Mullins`] softening or [`Fibres`], which has a state ([`stoss_continuum::Material`]);
 //! * [`MaterialError`]: parameters that are refused.
 //!
 //! Not here: elements, and where states are kept.
@@ -73,6 +73,7 @@
 #![doc = include_str!("../README.md")]
 
 mod error;
+mod fibres;
 mod first_invariant;
 mod hardening;
 mod hencky;
@@ -91,10 +92,11 @@ mod state;
 mod volume;
 
 pub use error::MaterialError;
+pub use fibres::Fibres;
 pub use first_invariant::FirstInvariant;
 pub use hardening::Hardening;
 pub use hencky::Hencky;
-pub use history::History;
+pub use history::{FibreFamilies, History};
 pub use inelastic::{Inelastic, Moduli};
 pub use mooney_rivlin::MooneyRivlin;
 pub use mullins::Mullins;

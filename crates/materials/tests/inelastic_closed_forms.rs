@@ -3,7 +3,7 @@
 use crate::inelastic::{BULK, MU, Point, metal, table, voce};
 use std::sync::Arc;
 use stoss_continuum::{HyperelasticLaw, Material, StepStress, SymmetricTensor2, Tensor2, energy_momentum_stress};
-use stoss_materials::{Hardening, Hencky, Inelastic, Moduli, NeoHooke};
+use stoss_materials::{Fibres, Hardening, Hencky, Inelastic, Moduli, NeoHooke};
 
 fn young() -> f64 {
     9.0 * BULK * MU / (3.0 * BULK + MU)
@@ -252,4 +252,29 @@ fn virgin_metals_are_henckys() {
     let names: Vec<&str> = material.state().iter().map(|entry| entry.name.as_str()).collect();
     assert_eq!(names, ["plastic_map", "equivalent_plastic_strain"]);
     assert_eq!(metal(voce(), 1.0, None).state_len(), 13);
+}
+
+/// Isochoric uniaxial stretch of neo-Hooke with one family of fibres: `t1 - t3 = mu (l^2 - 1/l) + 2 W' (d (l^2 - 1/l) + (1 - 3 d) m)` with `W' = k1 E exp(k2 E^2)`,
+/// `E = d (l^2 + 2/l - 3) + (1 - 3 d) (n - 1)`; along the fibres `n = m = l^2`, across (in the direction of 2) `n = 1/l`, `m = 0`. Fibres that are pressed carry nothing.
+#[test]
+fn fibres_carry_as_they_lie() {
+    let (mu, k1, k2) = (MU, 2.0 * MU, 3.0);
+    let law: Arc<dyn HyperelasticLaw> = Arc::new(NeoHooke::new(BULK, mu).unwrap());
+    for d in [0.0, 0.2, 1.0 / 3.0] {
+        for (direction, along) in [([2.0, 0.0, 0.0], true), ([0.0, 0.5, 0.0], false)] {
+            let fibres = Fibres { stiffness: k1, exponent: k2, dispersion: d };
+            let material = Inelastic::fibrous(&law, fibres, &[direction]).unwrap();
+            for l in [0.8, 0.95, 1.0, 1.1, 1.3_f64] {
+                let c = SymmetricTensor2([l * l, 1.0 / l, 1.0 / l, 0.0, 0.0, 0.0]);
+                let s = Point::new(&material).law(1.0, StepStress::End).stress(&c).unwrap();
+                let found = l * l * s.0[0] - s.0[2] / l;
+                let (n, m) = if along { (l * l, l * l) } else { (1.0 / l, 0.0) };
+                let e = d * (l * l + 2.0 / l - 3.0) + (1.0 - 3.0 * d) * (n - 1.0);
+                let slope = k1 * e.max(0.0) * (k2 * e * e).exp();
+                let difference = l * l - 1.0 / l;
+                let expected = mu * difference + 2.0 * slope * (d * difference + (1.0 - 3.0 * d) * m);
+                assert!((found - expected).abs() < 1e-11 * mu, "{d} {along} {l}: {found} {expected}");
+            }
+        }
+    }
 }

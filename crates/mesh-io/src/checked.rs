@@ -157,6 +157,10 @@ impl Contents {
         };
         mesh.node_sets = sets(&self.node_sets, &kept.nodes);
         mesh.element_sets = sets(&self.element_sets, &kept.elements);
+        for (name, vectors) in &self.element_vectors {
+            let of_kept = kept.old_elements.iter().map(|&e| vectors.get(e as usize).copied().unwrap_or([f64::NAN; 3]));
+            mesh.element_vectors.insert(name.clone(), of_kept.collect());
+        }
         for (name, set) in &self.instances {
             let elements = restrict(set, &kept.elements);
             if !elements.is_empty() {

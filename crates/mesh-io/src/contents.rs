@@ -58,6 +58,8 @@ pub struct Contents {
     pub(crate) parts: BTreeMap<String, String>,
     pub(crate) node_sets: BTreeMap<String, BTreeSet<u32>>,
     pub(crate) element_sets: BTreeMap<String, BTreeSet<u32>>,
+    /// Vectors of the elements, as many as elements; not a number where an element has none.
+    pub(crate) element_vectors: BTreeMap<String, Vec<[f64; 3]>>,
     pub(crate) facet_sets: BTreeMap<String, BTreeSet<(u32, usize)>>,
     /// Faces, by their corners, that must be facets of elements.
     pub(crate) faces: BTreeMap<String, Vec<(FacetNodes, Place)>>,

@@ -25,6 +25,8 @@ pub struct Mesh {
     pub facet_sets: BTreeMap<String, Vec<Facet>>,
     /// Named sets of elements.
     pub element_sets: BTreeMap<String, Vec<u32>>,
+    /// Named vectors, one an element: directions in the axes of the mesh, which turn with it.
+    pub element_vectors: BTreeMap<String, Vec<[f64; 3]>>,
 }
 
 pub(crate) fn bounding_box(nodes: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
@@ -216,6 +218,10 @@ impl Mesh {
                 .map(|f| part.facet(new_element[f.element as usize], f.local as usize))
                 .collect();
             part.facet_sets.insert(name.clone(), facets);
+        }
+        for (name, vectors) in &self.element_vectors {
+            let kept = elements.iter().map(|&e| vectors[e as usize]).collect();
+            part.element_vectors.insert(name.clone(), kept);
         }
         part.node_sets.retain(|_, s| !s.is_empty());
         part.element_sets.retain(|_, s| !s.is_empty());

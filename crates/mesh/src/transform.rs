@@ -47,12 +47,19 @@ impl Rotation {
 }
 
 impl Mesh {
-    /// Rotates the mesh, then translates it.
+    /// Rotates the mesh, then translates it; vectors of elements turn with it.
     ///
     /// # Errors
     /// [`MeshError::Parameter`] if the rotation or the translation is bad; the mesh is then unchanged.
     pub fn transform(&mut self, rotation: Option<&Rotation>, translation: [f64; 3]) -> Result<(), MeshError> {
-        place(&mut self.nodes, rotation, translation)
+        place(&mut self.nodes, rotation, translation)?;
+        if let Some(rotation) = rotation {
+            let about_origin = Rotation { about: [0.0; 3], ..*rotation };
+            for vectors in self.element_vectors.values_mut() {
+                place(vectors, Some(&about_origin), [0.0; 3])?;
+            }
+        }
+        Ok(())
     }
 
     /// The mesh with mapped coordinates; connectivity and sets stay.

@@ -1,4 +1,4 @@
-//! What materials of bodies have beside an elastic law: plasticity, Maxwell branches, softening (theory/inelastic).
+//! What materials of bodies have beside an elastic law: plasticity, Maxwell branches, softening, fibres (theory/inelastic).
 
 #[cfg(feature = "schema")]
 use crate::Dimension;
@@ -6,7 +6,10 @@ use crate::names::named;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use stoss_materials::{Hardening as Curve, Moduli as Given, Mullins as Softening, Overstress, Plasticity as Yielding};
+use stoss_materials::{
+    FibreFamilies, Fibres as GivenFibres, Hardening as Curve, Moduli as Given, Mullins as Softening, Overstress,
+    Plasticity as Yielding,
+};
 
 named! {
     /// What the moduli of a law with `prony` are.
@@ -136,5 +139,80 @@ impl Plasticity {
 impl From<Mullins> for Softening {
     fn from(Mullins { r, m, beta }: Mullins) -> Self {
         Self { r, m, beta }
+    }
+}
+
+/// Fibres of Holzapfel, Gasser and Ogden: `k1/(2 k2) (exp(k2 <E>^2) - 1)` for each family, with `E = dispersion (J^(-2/3) I1 - 3) + (1 - 3 dispersion) (I4 - 1)`
+/// and the square `I4` of the isochoric stretch along the fibres. They carry tension only. Directions are given in one of three ways: `direction`, `field`, or `axis`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Fibres {
+    /// Stiffness, positive (stress).
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    pub k1: f64,
+    /// How fast they stiffen, positive.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    pub k2: f64,
+    /// How far they scatter about their direction, from 0 (not at all, if left out) to 1/3 (in all directions alike).
+    #[serde(default, skip_serializing_if = "crate::body::is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    pub dispersion: f64,
+    /// Direction of one family, everywhere the same, in the axes of the scene, of the undeformed body in its place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    pub direction: Option<[f64; 3]>,
+    /// Names of vectors of the cells in the mesh file (VTU), a family each; they turn with the `rotation` of the body.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub field: Vec<String>,
+    /// Axis of a cylinder: two families around it, which rise along the axis by plus and minus `angle`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    pub axis: Option<[f64; 3]>,
+    /// A point of the axis (three lengths); the origin if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    pub point: Option<[f64; 3]>,
+    /// Angle of the fibres with the circumference in degrees, from 0 to 90; with `axis`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Angle)))]
+    pub angle: Option<f64>,
+}
+
+impl Fibres {
+    /// As the catalogue of laws has it. Directions that differ from element to element are any.
+    pub(crate) fn families(&self) -> FibreFamilies {
+        let any = [1.0, 0.0, 0.0];
+        let directions = match (self.direction, self.axis) {
+            (Some(direction), _) => vec![direction],
+            (None, Some(_)) => vec![any; 2],
+            (None, None) => vec![any; self.field.len()],
+        };
+        let fibres = GivenFibres { stiffness: self.k1, exponent: self.k2, dispersion: self.dispersion };
+        FibreFamilies { fibres, directions }
+    }
+
+    /// Key, message and remedy where keys do not fit each other.
+    pub(crate) fn misfit(&self) -> Option<[&'static str; 3]> {
+        const REMEDY: &str = "give one of them";
+        let ways = [self.direction.is_some(), !self.field.is_empty(), self.axis.is_some()];
+        match ways.iter().filter(|has| **has).count() {
+            0 => return Some(["direction", "is missing, and so are `field` and `axis`", "add direction = [1, 0, 0]"]),
+            1 => {}
+            _ => {
+                let key = if self.direction.is_some() { "direction" } else { "field" };
+                return Some([key, "directions are given twice, by `direction`, `field` or `axis`", REMEDY]);
+            }
+        }
+        if self.axis.is_some() && self.angle.is_none() {
+            return Some(["angle", "is missing", "add angle = 45.0, in degrees from the circumference"]);
+        }
+        if self.axis.is_none() && self.angle.is_some() {
+            return Some(["angle", "has no effect without `axis`", "remove it, or give the axis"]);
+        }
+        if self.axis.is_none() && self.point.is_some() {
+            return Some(["point", "has no effect without `axis`", "remove it, or give the axis"]);
+        }
+        None
     }
 }

@@ -73,7 +73,7 @@ pub use general::{
 };
 pub use general_contact::{GeneralContact, GeneralFriction, GeneralPair, Initial};
 pub use gravity::Gravity;
-pub use inelastic::{Moduli, Mullins, Plasticity, Rate};
+pub use inelastic::{Fibres, Moduli, Mullins, Plasticity, Rate};
 pub use joint::{
     ActingOn, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension, Spring,
 };

@@ -5,7 +5,7 @@ use crate::Dimension;
 #[cfg(feature = "schema")]
 use crate::catalogue;
 use crate::catalogue::{Parameter, given};
-use crate::{Moduli, Mullins, Plasticity};
+use crate::{Fibres, Moduli, Mullins, Plasticity};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -47,6 +47,9 @@ pub struct Inelasticity {
     /// Softening.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mullins: Option<Mullins>,
+    /// Fibres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fibres: Option<Fibres>,
 }
 
 impl Inelasticity {
@@ -57,6 +60,7 @@ impl Inelasticity {
             prony: self.prony.iter().map(|&[share, time]| (share, time)).collect(),
             moduli: self.moduli.unwrap_or(Moduli::Instantaneous).into(),
             mullins: self.mullins.map(Into::into),
+            fibres: self.fibres.as_ref().map(Fibres::families),
         }
     }
 
@@ -120,7 +124,8 @@ impl JsonSchema for Material {
             "What the moduli of the law are, with `prony`: `instantaneous` if left out.",
         );
         let mullins = about(generator.subschema_for::<Mullins>(), "Softening of filled rubber; none if left out.");
-        for (key, schema) in [("prony", branches), ("moduli", moduli), ("mullins", mullins)] {
+        let fibres = about(generator.subschema_for::<Fibres>(), "Fibres in the material; none if left out.");
+        for (key, schema) in [("prony", branches), ("moduli", moduli), ("mullins", mullins), ("fibres", fibres)] {
             history.insert(key.to_owned(), schema.to_value());
         }
         let plasticity = about(generator.subschema_for::<Plasticity>(), "Von Mises plasticity; none if left out.");

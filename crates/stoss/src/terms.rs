@@ -56,8 +56,8 @@ impl Terms {
             groups.push((Of::Inertia, "inertia".to_owned(), vec![STORED, REMAINDER]));
         }
         for (b, body) in model.bodies.iter().enumerate() {
-            let damped = (body.damping.acts() || body.solid.has_history()).then_some(DISSIPATED);
             let Mechanisms { plastic, viscous, softening } = body.solid.mechanisms();
+            let damped = (body.damping.acts() || plastic || viscous || softening).then_some(DISSIPATED);
             let material = [(plastic, PLASTIC), (plastic, HARDENING), (viscous, VISCOUS), (softening, SOFTENING)];
             let material = material.into_iter().filter(|(has, _)| *has).map(|(_, entry)| entry);
             let columns = [STORED].into_iter().chain(damped).chain([REMAINDER]).chain(material).collect();

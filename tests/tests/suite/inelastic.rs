@@ -346,3 +346,125 @@ fn what_no_body_has_is_refused_by_name() {
     assert!(refused(&probe("yielding", "beside", "reduce = \"max\"\n")).contains("`beside`"));
     assert!(refused("[output]\nfields = [\"viscous_strain\"]\n").contains("prony"));
 }
+
+/// A nearly incompressible cube with fibres that is pulled to a stretch of 1.2 along x; `mesh` is its mesh.
+fn fibrous(fibres: &str, mesh: &str, more: &str) -> String {
+    let fixed =
+        |set: &str, axis: &str| format!("[[prescribe]]\nset = \"{set}\"\ncomponents = [\"{axis}\"]\nfixed = true\n");
+    format!(
+        "[scene]\ntitle = \"fibres\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.25\n\
+         [[body]]\nname = \"bar\"\nvolumetric = \"mixed\"\n\
+         material = {{ law = \"yeoh\", c1 = 0.5, c2 = 0.0, c3 = 0.0, kappa = 1e6, fibres = {{ k1 = 2.0, k2 = 3.0, {fibres} }} }}\n\
+         mesh = {mesh}\n{more}{}{}{}[[prescribe]]\nset = \"bar.right\"\ncomponents = [\"x\"]\n\
+         displacement = {{ table = [[0.0, 0.0], [1.0, 0.2]] }}\n",
+        fixed("bar.left", "x"),
+        fixed("bar.front", "y"),
+        fixed("bar.bottom", "z"),
+    )
+}
+
+const CUBE: &str = "{ generator = \"block\", size = [1, 1, 1], divisions = [2, 1, 1] }";
+
+/// Force on the right face at the end.
+fn force_of(text: &str, folder: &std::path::Path) -> f64 {
+    let mut run = crate::support::simulation_in(text, folder);
+    while !run.finished() {
+        run.advance().unwrap_or_else(|e| panic!("{e}"));
+    }
+    let reactions = run.reactions();
+    let right = run.model().reference.chunks(3).zip(reactions.chunks(3)).filter(|(x, _)| (x[0] - 1.0).abs() < 1e-9);
+    right.map(|(_, r)| r[0]).sum()
+}
+
+/// Along the fibres the force of an incompressible bar is `(mu (l^2 - 1/l) + 2 W' l^2)/l` with `W' = k1 E exp(k2 E^2)`, `E = l^2 - 1`; across them, where they are
+/// pressed, `mu (l - 1/l^2)`.
+#[test]
+fn fibres_are_stiff_along_and_soft_across() {
+    let here = std::path::Path::new(".");
+    let (l, mu) = (1.2_f64, 1.0);
+    let e = l * l - 1.0;
+    let along = (mu * (l * l - 1.0 / l) + 4.0 * e * (3.0 * e * e).exp() * l * l) / l;
+    let across = mu * (l - 1.0 / (l * l));
+    for (direction, force) in [("[3, 0, 0]", along), ("[0, 1, 0]", across), ("[0, 0, -2]", across)] {
+        let found = force_of(&fibrous(&format!("direction = {direction}"), CUBE, ""), here);
+        assert!((found / force - 1.0).abs() < 1e-5, "{direction}: {found} {force}");
+    }
+    // Of a cylinder far away about z the circumference at the cube is x, and both families with the angle 0 are along it: twice as stiff.
+    let twice = (mu * (l * l - 1.0 / l) + 8.0 * e * (3.0 * e * e).exp() * l * l) / l;
+    let found = force_of(&fibrous("axis = [0, 0, 1], point = [0.5, -1e7, 0], angle = 0.0", CUBE, ""), here);
+    assert!((found / twice - 1.0).abs() < 1e-5, "{found} {twice}");
+    let found = force_of(&fibrous("axis = [0, 0, 1], point = [0.5, -1e7, 0], angle = 90.0", CUBE, ""), here);
+    assert!((found / across - 1.0).abs() < 1e-5, "{found} {across}");
+}
+
+/// Directions from a field of the cells; they turn with the body, and go to the cells that a cell becomes.
+#[test]
+fn fibres_follow_a_field_of_the_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let vtu = "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\"><UnstructuredGrid>\n\
+        <Piece NumberOfPoints=\"8\" NumberOfCells=\"1\">\n\
+        <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n\
+        0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\n</DataArray></Points>\n<Cells>\n\
+        <DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3 4 5 6 7</DataArray>\n\
+        <DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">8</DataArray>\n\
+        <DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">12</DataArray>\n</Cells>\n\
+        <CellData><DataArray type=\"Float64\" Name=\"fibre\" NumberOfComponents=\"3\" format=\"ascii\">0 4 0</DataArray></CellData>\n\
+        </Piece>\n</UnstructuredGrid></VTKFile>\n";
+    std::fs::write(folder.path().join("cube.vtu"), vtu).unwrap();
+    let planes =
+        [("left", [0.0; 3], 0), ("right", [1.0, 0.0, 0.0], 0), ("front", [0.0; 3], 1), ("bottom", [0.0; 3], 2)];
+    let sets: String = planes
+        .iter()
+        .map(|(name, point, axis)| {
+            let normal: [f64; 3] = std::array::from_fn(|i| if i == *axis { 1.0 } else { 0.0 });
+            format!(
+                "[[set]]\nname = \"bar.{name}\"\nbody = \"bar\"\nplane = {{ point = {point:?}, normal = {normal:?} }}\n"
+            )
+        })
+        .collect();
+    let file = "{ file = \"cube.vtu\" }";
+    let l = 1.2_f64;
+    let e = l * l - 1.0;
+    let along = (l * l - 1.0 / l + 4.0 * e * (3.0 * e * e).exp() * l * l) / l;
+    for (placed, force) in [
+        ("", l - 1.0 / (l * l)),
+        ("rotation = { axis = [0, 0, 1], degrees = -90.0, about = [0.5, 0.5, 0.0] }\n", along),
+        ("rotation = { axis = [0, 0, 1], degrees = -90.0, about = [0.5, 0.5, 0.0] }\ncell = \"tet10\"\n", along),
+    ] {
+        let text = fibrous("field = [\"fibre\"]", file, &(placed.to_owned() + &sets));
+        let found = force_of(&text, folder.path());
+        assert!((found / force - 1.0).abs() < 1e-5, "{placed}: {found} {force}");
+    }
+    let scene = stoss::scene::parse(&fibrous("field = [\"fibres\"]", file, &sets), "test.toml").unwrap();
+    let errors = stoss::build::build(&scene, folder.path()).map(|_| ()).unwrap_err().to_string();
+    assert!(errors.contains("the mesh has fibre") && errors.contains("body[0].material.fibres.field[0]"), "{errors}");
+}
+
+#[test]
+fn fibres_that_fit_nothing_are_refused() {
+    for (fibres, key, part) in [
+        ("dispersion = 0.1", "fibres.direction", "is missing"),
+        ("direction = [1, 0, 0], axis = [0, 0, 1], angle = 3.0", "fibres.direction", "twice"),
+        ("axis = [0, 0, 1]", "fibres.angle", "is missing"),
+        ("direction = [0, 0, 0]", "fibres.direction", "zero vector"),
+        ("direction = [1, 0, 0], dispersion = 0.4", "fibres.dispersion", "1/3"),
+        ("direction = [1, 0, 0], angle = 4.0", "fibres.angle", "without `axis`"),
+    ] {
+        let errors = stoss::scene::parse(&fibrous(fibres, CUBE, ""), "test.toml").map(|_| ()).unwrap_err().to_string();
+        assert!(errors.contains(key) && errors.contains(part), "{fibres}: {errors}");
+    }
+    let text = fibrous("axis = [0, 0, 1], point = [0.25, 0.5, 0], angle = 4.0", CUBE, "");
+    let scene = stoss::scene::parse(&text, "test.toml").unwrap();
+    let errors = stoss::build::build(&scene, std::path::Path::new(".")).map(|_| ()).unwrap_err().to_string();
+    assert!(errors.contains("centre of element 0"), "{errors}");
+    // With plasticity there is no matrix to put them into.
+    let both = pulled(
+        &format!(
+            "{ELASTIC}, plasticity = {{ yield_stress = 450.0 }}, fibres = {{ k1 = 1.0, k2 = 1.0, direction = [1, 0, 0] }}"
+        ),
+        1.0,
+        "",
+    );
+    let errors = stoss::scene::parse(&both, "test.toml").map(|_| ()).unwrap_err().to_string();
+    assert!(errors.contains("fibres") && errors.contains("cannot be combined with `plasticity`"), "{errors}");
+}

@@ -5,6 +5,7 @@
 //! | hexahedra (types 12, 25, 29), voxels (11), tetrahedra (10, 24), wedges (13, 26) | elements; nodes on edges stay where they are |
 //! | array of the cells of whole numbers, one a cell | element set `array=value` for each value, but not of zeros and ones of a floating-point type |
 //! | array of the cells of zeros and ones | also the set `array` of its ones; of triangles (5, 22) and quadrilaterals (9, 23, 28) a facet set |
+//! | array of the cells with three components | vectors of the elements, such as directions of fibres |
 //! | array of the points of zeros and ones | the node set `array` of its ones |
 //!
 //! Several pieces are put side by side. Cells without a volume are left out with a note, but for those of a facet set. Parallel
@@ -48,6 +49,7 @@ struct Piece {
     offsets: Vec<f64>,
     types: Vec<f64>,
     cell_arrays: Vec<Named>,
+    cell_vectors: Vec<(String, Vec<[f64; 3]>)>,
     point_arrays: Vec<Named>,
 }
 
@@ -159,6 +161,14 @@ fn array(arrays: &Arrays, tag: &xml::Tag, section: &str, piece: &mut Piece) -> R
             let is_integer = tag.attribute("type").is_some_and(|kind| !kind.starts_with("Float"));
             of.push(Named { name, values, is_integer });
         }
+        ("CellData", _) if tag.attribute("NumberOfComponents") == Some("3") => {
+            let values = arrays.values(tag)?;
+            if values.len() != 3 * piece.cells {
+                let value = format!("array {name:?} with {} values", values.len());
+                return Err(arrays.error(tag.end, value, format!("expected {}", 3 * piece.cells)));
+            }
+            piece.cell_vectors.push((name, values.as_chunks::<3>().0.to_vec()));
+        }
         _ => {}
     }
     Ok(())
@@ -198,7 +208,16 @@ fn add(arrays: &Arrays, piece: Piece, start: usize, contents: &mut Contents) -> 
         }
         let nodes: Vec<u32> = nodes.iter().map(|&n| first_node + n as u32).collect();
         let names = groups.of(cell);
+        let before = contents.elements.len();
         cells::add(contents, piece.types[cell] as u8, cell, &nodes, &names, place)?;
+        if contents.elements.len() > before {
+            for (name, vectors) in &piece.cell_vectors {
+                // Elements of pieces without this array have none.
+                let of_elements = contents.element_vectors.entry(name.clone()).or_default();
+                of_elements.resize(before, [f64::NAN; 3]);
+                of_elements.push(vectors[cell]);
+            }
+        }
     }
     for Named { name, values, .. } in piece.point_arrays.iter().filter(|a| is_choice(&a.values)) {
         let chosen = (0..points).filter(|&n| values[n] == 1.0).map(|n| first_node + n as u32);

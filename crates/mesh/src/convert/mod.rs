@@ -91,6 +91,7 @@ impl Mesh {
         let first_new = self.nodes.len() as u32;
         let kinds: Vec<CellKind> = self.elements.cells().map(|(kind, _)| kind).collect();
         mesh.element_sets = self.element_sets.clone();
+        mesh.element_vectors = self.element_vectors.clone();
         for (name, set) in &self.facet_sets {
             let facets = set.iter().map(|f| mesh.facet(f.element, f.local as usize)).collect();
             mesh.facet_sets.insert(name.clone(), facets);
@@ -145,6 +146,10 @@ fn with_elements(mesh: &Mesh, elements: Elements, first_child: &[u32]) -> Mesh {
     let children = |e: u32| first_child[e as usize]..first_child[e as usize + 1];
     for (name, set) in &mesh.element_sets {
         new.element_sets.insert(name.clone(), set.iter().flat_map(|&e| children(e)).collect());
+    }
+    for (name, vectors) in &mesh.element_vectors {
+        let of_children = vectors.iter().enumerate().flat_map(|(e, v)| children(e as u32).map(|_| *v));
+        new.element_vectors.insert(name.clone(), of_children.collect());
     }
     for (name, set) in &mesh.facet_sets {
         let mut facets = Vec::new();

@@ -3,7 +3,7 @@
 use super::node::Node;
 use super::table::Table;
 use crate::material::Inelasticity;
-use crate::{Moduli, Mullins, Plasticity, Rate};
+use crate::{Fibres, Moduli, Mullins, Plasticity, Rate};
 
 /// The keys of a material that give it a history; whether the law takes them is asked later.
 pub(super) fn inelasticity(table: &Table<'_>) -> Option<Inelasticity> {
@@ -11,11 +11,12 @@ pub(super) fn inelasticity(table: &Table<'_>) -> Option<Inelasticity> {
     let prony = table.default("prony", Vec::new(), |n| n.list(|pair| pair.array(Node::positive)));
     let moduli = table.optional("moduli", |n| n.choice(Moduli::NAMES, Moduli::from_name));
     let mullins = table.optional("mullins", mullins);
+    let fibres = table.optional("fibres", fibres);
     let (prony, moduli) = (prony?, moduli?);
     if moduli.is_some() && prony.is_empty() {
         return table.fail("moduli", "has no effect without `prony`", "remove it, or add prony = [[0.3, 0.01]]");
     }
-    Some(Inelasticity { plasticity: plasticity?, prony, moduli, mullins: mullins? })
+    Some(Inelasticity { plasticity: plasticity?, prony, moduli, mullins: mullins?, fibres: fibres? })
 }
 
 fn plasticity(node: &Node<'_>) -> Option<Plasticity> {
@@ -59,4 +60,37 @@ fn mullins(node: &Node<'_>) -> Option<Mullins> {
     let beta = table.default("beta", 0.0, Node::not_negative);
     table.finish();
     Some(Mullins { r: r?, m: m?, beta: beta? })
+}
+
+fn fibres(node: &Node<'_>) -> Option<Fibres> {
+    let table = node.table_like("{ k1 = 1.0, k2 = 10.0, direction = [1, 0, 0] }")?;
+    let k1 = table.required("k1", "k1 = 1.0", Node::positive);
+    let k2 = table.required("k2", "k2 = 10.0", Node::positive);
+    let dispersion = table.default("dispersion", 0.0, |n| match n.number()? {
+        value if (0.0..=1.0 / 3.0).contains(&value) => Some(value),
+        _ => n.fail("must be from 0 to 1/3", "choose 0 for fibres that do not scatter"),
+    });
+    let direction = table.optional("direction", Node::direction);
+    let field = table.default("field", Vec::new(), |n| n.list(Node::text));
+    let axis = table.optional("axis", Node::direction);
+    let point = table.optional("point", Node::vector);
+    let angle = table.optional("angle", |n| match n.number()? {
+        value if (0.0..=90.0).contains(&value) => Some(value),
+        _ => n.fail("must be from 0 to 90 degrees", "0 is around the axis, 90 along it"),
+    });
+    table.finish();
+    let found = Fibres {
+        k1: k1?,
+        k2: k2?,
+        dispersion: dispersion?,
+        direction: direction?,
+        field: field?,
+        axis: axis?,
+        point: point?,
+        angle: angle?,
+    };
+    match found.misfit() {
+        Some([key, message, remedy]) => table.fail(key, message, remedy),
+        None => Some(found),
+    }
 }

@@ -1,5 +1,6 @@
 //! Meshes, laws, densities, initial velocities.
 
+use super::fibres;
 use super::mesh_files::MeshFiles;
 use super::placed::{Placed, Shape};
 use super::round;
@@ -64,7 +65,7 @@ pub(super) fn bodies(
             ));
         }
         let first_node = (model.reference.len() / 3) as u32;
-        let solid = match SolidBody::with_options(&body.name, &mesh, first_node, Arc::clone(&law), options(body)) {
+        let mut solid = match SolidBody::with_options(&body.name, &mesh, first_node, Arc::clone(&law), options(body)) {
             Ok(solid) => solid,
             Err(error @ SolidError::NoVolumetricPart { .. }) => {
                 let remedy = "leave `volumetric` out, or choose another law than saint-venant-kirchhoff";
@@ -76,6 +77,12 @@ pub(super) fn bodies(
                 continue;
             }
         };
+        if let Some(of_body) = &body.material.inelasticity.fibres {
+            let key = format!("{key}.material.fibres");
+            if fibres::set(of_body, &key, &mesh, &mut solid, problems).is_none() {
+                continue;
+            }
+        }
         for x in &mesh.nodes {
             model.reference.extend_from_slice(x);
             if scene.is_dynamic() {

@@ -9,6 +9,7 @@ mod condition;
 mod contact;
 mod drawing;
 mod extreme;
+mod fibres;
 #[cfg(any(feature = "nts", feature = "mortar"))]
 mod friction;
 #[cfg(feature = "general")]

@@ -12,6 +12,7 @@ pub(super) fn of_law(scene: &Scene, body: usize) -> String {
         ("plasticity", given.plasticity.is_some()),
         ("prony", !given.prony.is_empty()),
         ("mullins", given.mullins.is_some()),
+        ("fibres", given.fibres.is_some()),
     ];
     let keys: Vec<&str> = keys.iter().filter(|(_, has)| *has).map(|(key, _)| *key).collect();
     match keys[..] {
