@@ -176,6 +176,10 @@ pub trait Material: HyperelasticLaw {
     }
     /// Writes all numbers of [`Material::outputs`] for an accepted state; `before` is that at the begin of the step that led to it, or the state itself if there was none.
     fn output(&self, _before: &[f64], _state: &[f64], _out: &mut [f64]) {}
+    /// Increment of the equivalent plastic strain between two states, which step control can limit; zero of what does not yield.
+    fn flow(&self, _before: &[f64], _next: &[f64]) -> f64 {
+        0.0
+    }
     /// The part of the stored energy that is kept by hardening, per reference volume.
     fn hardening_energy(&self, _state: &[f64]) -> f64 {
         0.0

@@ -179,7 +179,11 @@ impl<const N: usize, const G: usize> Block<N, G> {
         let weights = self.integration[element].weights.iter();
         let states = next.chunks_exact(history.state_len().max(1));
         let hardening = states.zip(weights).map(|(state, weight)| weight * history.hardening_energy(state)).sum();
-        Ok(StepEnd { stored, hardening, loss })
+        let len = history.state_len();
+        let before = &self.states[element * G * len..(element + 1) * G * len];
+        let points = before.chunks_exact(len.max(1)).zip(next.chunks_exact(len.max(1)));
+        let flow = points.map(|(before, next)| history.flow(before, next)).fold(0.0, f64::max);
+        Ok(StepEnd { stored, hardening, loss, flow })
     }
 
     /// State of a point before the last step, which is `state` if there was none.

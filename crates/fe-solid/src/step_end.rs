@@ -11,6 +11,8 @@ pub struct StepEnd {
     pub hardening: f64,
     /// What was lost in the step.
     pub loss: Loss,
+    /// Largest increment of the equivalent plastic strain of a point.
+    pub flow: f64,
 }
 
 impl StepEnd {
@@ -19,5 +21,6 @@ impl StepEnd {
         self.stored += other.stored;
         self.hardening += other.hardening;
         self.loss.add(1.0, &other.loss);
+        self.flow = self.flow.max(other.flow);
     }
 }

@@ -56,9 +56,9 @@ impl Term for SolidBody {
     fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
         Ok(match self.step_end(at.q_np1)? {
             None => Work { stored: self.strain_energy(at.q_np1)?, ..Work::default() },
-            Some(StepEnd { stored, hardening, loss }) => {
+            Some(StepEnd { stored, hardening, loss, flow }) => {
                 let Loss { plastic, viscous, softening } = loss;
-                let material = MaterialWork { hardening, plastic, viscous, softening };
+                let material = MaterialWork { hardening, plastic, viscous, softening, flow };
                 Work { stored, dissipated: loss.total(), material, ..Work::default() }
             }
         })

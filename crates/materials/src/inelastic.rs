@@ -550,6 +550,11 @@ impl Material for Inelastic {
         }
     }
 
+    fn flow(&self, before: &[f64], next: &[f64]) -> f64 {
+        let yielding = self.states(next).filter(|(branch, _)| matches!(branch, Branch::J2(_)));
+        yielding.map(|(_, first)| next[first + 6] - before[first + 6]).fold(0.0, f64::max)
+    }
+
     fn hardening_energy(&self, state: &[f64]) -> f64 {
         let of = |(branch, first): (&Branch, usize)| match branch {
             Branch::J2(j2) => j2.hardening_energy(&j2_state(j2, &state[first..])),

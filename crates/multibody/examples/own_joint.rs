@@ -58,6 +58,7 @@ fn simulation(model: Model) -> Result<Simulation, Box<dyn Error>> {
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     Ok(Simulation::new(model, settings)?)

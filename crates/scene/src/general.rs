@@ -87,7 +87,7 @@ pub struct Time {
     /// Nominal step size (time), positive, at most `end`. The last step is shortened to meet `end`. With `automatic` it is the largest step.
     #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
     pub step: f64,
-    /// Time-stepping scheme with its parameters; required in dynamic scenes, not allowed in quasi-static ones.
+    /// Time-stepping scheme with its parameters; required in dynamic scenes, unless every dynamic stage has its own, not allowed in quasi-static ones.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
     /// Largest number of successive cutbacks (halvings) of a step that fails, 0 to 30, before the run stops: the smallest step is
@@ -97,6 +97,11 @@ pub struct Time {
     /// Number of successful steps after which a halved step is doubled again, at least 1.
     #[serde(default = "Time::default_grow_after")]
     pub grow_after: u32,
+    /// Largest increment of the equivalent plastic strain that a point may have in a step, positive; for scenes with a material that yields. A step with more is halved like one that fails, and one with more than half of it is
+    /// not followed by a larger one. No limit if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    pub max_plastic_increment: Option<f64>,
     /// Automatic choice of the increments in a quasi-static scene; off if left out. Stages may have their own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub automatic: Option<Automatic>,

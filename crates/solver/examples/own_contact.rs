@@ -128,6 +128,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             scheme: Some(Box::new(EnergyMomentum)),
             newton: NewtonOptions { relative_tolerance: 1e-11, ..NewtonOptions::default() },
             inside_out: InsideOutRule::Refuse,
+            max_plastic_increment: None,
             solver: Box::new(AutoSolver::new()),
         };
         let mut run = Simulation::new(block(height)?, settings)?;

@@ -174,6 +174,7 @@ fn miss(orbit: &Orbit, steps: u32) -> Result<f64, Box<dyn Error>> {
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-11, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     let mut run = Simulation::new(model, settings)?;

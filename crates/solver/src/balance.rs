@@ -17,8 +17,8 @@ pub struct Balance {
     pub potential: f64,
     /// Energy stored in contact (regularisations; zero for multipliers).
     pub contact: f64,
-    /// Energy dissipated since the start, non-decreasing: by friction, dampers, the damping and the materials of bodies, and the kinetic energy that is dropped when a static stage
-    /// follows a dynamic one.
+    /// Energy dissipated since the start, non-decreasing: by friction, dampers, the damping and the materials of bodies, and what is dropped when a static stage
+    /// follows a dynamic one: the kinetic energy, and what the first step gives up on the way to equilibrium.
     pub dissipation: f64,
     /// The part of `dissipation` that the damping of bodies ([`crate::Damping`]) took.
     pub damping: f64,

@@ -183,6 +183,12 @@ impl Clock {
         StepChange::None
     }
 
+    /// Accepts a step after which the next one must not be larger; it is as if none before it had succeeded.
+    pub fn stay(&mut self) {
+        self.tick += self.stride();
+        self.successes = 0;
+    }
+
     /// Cuts back after a failed step; returns false if the step cannot be halved further.
     pub fn cut(&mut self) -> bool {
         self.successes = 0;

@@ -97,6 +97,18 @@ pub enum StepError {
         /// Number of such elements, and the worst one.
         found: InsideOut,
     },
+    /// A point of a body flows by more in a step than the settings allow.
+    #[error(
+        "body {body}: the equivalent plastic strain of a point would grow by {increment:.2e} in the step, more than the limit {limit:.2e}"
+    )]
+    PlasticIncrement {
+        /// The body.
+        body: String,
+        /// The largest increment.
+        increment: f64,
+        /// The limit, [`crate::Settings::max_plastic_increment`].
+        limit: f64,
+    },
     /// Accelerations and multipliers at the start are not determined.
     #[error(
         "accelerations at the start are not determined by masses and constraints ({0}): a constraint may be given twice, or something may have neither mass nor constraint"

@@ -27,6 +27,8 @@ pub enum FailureKind {
     Cycling,
     /// The active set did not settle.
     Unsettled,
+    /// A point flows by more than is allowed in a step.
+    PlasticIncrement,
     /// Any other; the reason is in [`FailedAttempt::reason`].
     Other,
 }
@@ -145,6 +147,7 @@ fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
         StepError::Singular { at, .. } => (FailureKind::Singular, **at),
         StepError::Cycling { at, .. } => (FailureKind::Cycling, **at),
         StepError::Blocked { at, .. } => (FailureKind::Other, **at),
+        StepError::PlasticIncrement { .. } => (FailureKind::PlasticIncrement, Place::default()),
         StepError::ActiveSet { .. } => (FailureKind::Unsettled, Place::default()),
         _ => (FailureKind::Other, Place::default()),
     }

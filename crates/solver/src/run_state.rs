@@ -16,6 +16,8 @@ pub struct StageState {
     pub released: Vec<Release>,
     /// Where components were whose prescription was switched on and begins there.
     pub departures: Vec<Departure>,
+    /// Whether the stage is static and begins with the positions of a motion, which are no equilibrium: its first step goes to one.
+    pub from_motion: bool,
     /// (component, prescription, column), sorted; follows from the model.
     #[serde(skip)]
     pub(crate) prescribed: Vec<(u32, u32, u32)>,

@@ -52,6 +52,9 @@ pub struct Settings {
     pub newton: NewtonOptions,
     /// Treatment of elements that are inverted at a vertex.
     pub inside_out: InsideOutRule,
+    /// Largest increment of the equivalent plastic strain that a point may have in a step, positive: a step with more fails with [`StepError::PlasticIncrement`], thus is tried again with
+    /// a smaller one, and a step with more than half of it is not followed by a larger one. No limit if `None`.
+    pub max_plastic_increment: Option<f64>,
     /// Direct solver.
     pub solver: Box<dyn LinearSolver>,
 }
@@ -130,6 +133,7 @@ struct How {
     scheme: Option<Box<dyn Scheme>>,
     newton: NewtonOptions,
     inside_out: InsideOutRule,
+    max_plastic_increment: Option<f64>,
 }
 
 /// A running simulation. See [`Self::advance`].
@@ -199,7 +203,7 @@ impl Simulation {
         if let Some(scheme) = &settings.scheme {
             stage::check_scheme(&**scheme, &model).map_err(SimulationError::Model)?;
         }
-        let Settings { control, scheme, newton, inside_out, solver } = settings;
+        let Settings { control, scheme, newton, inside_out, max_plastic_increment, solver } = settings;
         let mut system = System::new(&model, acting, has_mass, solver)?;
         system.set_has_rates(dynamic, &model);
         let clock = Clock::new(control);
@@ -214,8 +218,17 @@ impl Simulation {
         let count = |pair: &crate::Coupling| pair.term.slot_count();
         let has_supports = model.prescriptions.iter().any(|p| !p.nodes.is_empty());
         let mut simulation = Self {
-            how: How { control, scheme, newton, inside_out },
-            stage: StageState { number: 1, off, released: Vec::new(), prescribed, support, departures, sudden },
+            how: How { control, scheme, newton, inside_out, max_plastic_increment },
+            stage: StageState {
+                number: 1,
+                off,
+                released: Vec::new(),
+                departures,
+                from_motion: false,
+                prescribed,
+                support,
+                sudden,
+            },
             system,
             clock,
             state,

@@ -205,6 +205,7 @@ fn run(chain: &WarmChain, temperatures: &[f64], speed: f64, step: f64, end: f64)
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-11, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     Simulation::new(Model { reference, velocity, parts, ..Model::default() }, settings).unwrap()

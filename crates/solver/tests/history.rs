@@ -160,6 +160,7 @@ fn with(part: Box<dyn Term>) -> Simulation {
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     Simulation::new(model, settings).unwrap()

@@ -28,6 +28,7 @@ fn simulation(model: Model, step: f64, end: f64) -> Simulation {
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     Simulation::new(model, settings).unwrap()

@@ -100,7 +100,9 @@ fn load(path: &Path, laws: &OwnLaws, set: &[(String, String)]) -> Result<(Scene,
 }
 
 fn scheme_name(scene: &Scene) -> String {
-    match scene.time.integrator.as_ref().filter(|_| scene.is_dynamic()) {
+    // That of [time], or of the first stage that has one.
+    let schemes = scene.time.integrator.iter().chain(scene.stages.iter().filter_map(|stage| stage.integrator.as_ref()));
+    match schemes.into_iter().next().filter(|_| scene.is_dynamic()) {
         Some(integrator) => integrator.scheme.clone(),
         None => "quasi-static".to_owned(),
     }

@@ -145,6 +145,8 @@ pub struct MaterialWork {
     pub viscous: f64,
     /// Dissipated in the step by softening.
     pub softening: f64,
+    /// Largest increment of the equivalent plastic strain of a point in the step, a number and no energy: of a sum the largest of all.
+    pub flow: f64,
 }
 
 impl std::ops::AddAssign for MaterialWork {
@@ -153,6 +155,7 @@ impl std::ops::AddAssign for MaterialWork {
         self.plastic += other.plastic;
         self.viscous += other.viscous;
         self.softening += other.softening;
+        self.flow = self.flow.max(other.flow);
     }
 }
 

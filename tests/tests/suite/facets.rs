@@ -98,6 +98,7 @@ impl Blocks {
             scheme: if is_dynamic { Some(Box::new(EnergyMomentum)) } else { None },
             newton: NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() },
             inside_out: InsideOutRule::Refuse,
+            max_plastic_increment: None,
             solver: Box::new(AutoSolver::new()),
         };
         Simulation::new(self.model, settings).unwrap()

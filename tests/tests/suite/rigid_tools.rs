@@ -81,6 +81,7 @@ impl Impact {
             scheme: Some(Box::new(EnergyMomentum)),
             newton: NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() },
             inside_out: InsideOutRule::Refuse,
+            max_plastic_increment: None,
             solver: Box::new(AutoSolver::new()),
         };
         let mut simulation = Simulation::new(self.model, settings).unwrap();

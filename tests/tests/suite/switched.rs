@@ -247,3 +247,34 @@ proptest! {
         check(&case);
     }
 }
+
+/// A bar that is let go under a load, and comes to equilibrium in statics: what it gives up there is dissipated like its kinetic energy, and `total` stays. `[time]` has no scheme, because the
+/// dynamic stage has its own.
+#[test]
+fn the_total_energy_stays_where_statics_follow_a_motion() {
+    for plasticity in ["", ", plasticity = { yield_stress = 10.0, hardening_modulus = 100.0 }"] {
+        let text = format!(
+            "[scene]\ntitle = \"rest\"\nkind = \"dynamic\"\n[time]\nend = 0.2\nstep = 0.01\n\
+             [[body]]\nname = \"b\"\nmesh = {{ generator = \"block\", size = [1, 1, 1], divisions = [2, 1, 1] }}\n\
+             material = {{ law = \"hencky\", young = 1000.0, poisson = 0.3{plasticity} }}\ndensity = 10.0\n\
+             velocity_gradient = [[1, 0, 0], [0, 0, 0], [0, 0, 0]]\n\
+             [[prescribe]]\nset = \"b.left\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
+             [[load]]\nset = \"b.right\"\ntotal_force = [10.0, 0.0, 0.0]\n\
+             [[stage]]\nname = \"move\"\nkind = \"dynamic\"\nuntil = 0.1\nintegrator = {{ scheme = \"energy-momentum\" }}\n\
+             [[stage]]\nname = \"rest\"\nkind = \"quasi-static\"\nuntil = 0.2\nstep = 0.05\n"
+        );
+        let built = build(&stoss::scene::parse(&text, "rest.toml").unwrap(), std::path::Path::new(".")).unwrap();
+        let (mut run, schedule) = (built.simulation, built.schedule);
+        let start = run.balance().total();
+        let (mut before, mut steps) = (0.0, 0);
+        while !run.finished() || schedule.advance(&mut run).unwrap() {
+            steps += 1;
+            let balance = run.advance().unwrap().balance;
+            assert!((balance.total() / start - 1.0).abs() < 1e-12, "{balance:?}");
+            assert!(balance.dissipation >= before - 1e-14 * start, "{balance:?}");
+            before = balance.dissipation;
+        }
+        // Without plasticity it is the energy of the vibration about the equilibrium.
+        assert!(before > 0.5 * start && steps == 12, "{before} {start} {steps}");
+    }
+}

@@ -53,6 +53,7 @@ pub fn run_with(model: Model, step: f64, end: f64, scheme: Option<Box<dyn Scheme
         scheme,
         newton: NewtonOptions { relative_tolerance: 1e-9, line_search: LineSearch::Off, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     Simulation::new(model, settings).unwrap()

@@ -15,6 +15,7 @@ pub fn simulation(model: Model, dynamic: bool, step: f64, end: f64) -> Simulatio
         scheme: dynamic.then(|| Box::new(EnergyMomentum) as Box<dyn Scheme>),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     Simulation::new(model, settings).unwrap()

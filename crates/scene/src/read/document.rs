@@ -21,7 +21,9 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         Some(table) => general::header(&table),
         None => (None, None),
     };
-    let time = root.required("time", "[time]", super::Node::table).and_then(|table| general::time(&table, kind));
+    let stage_tables = root.tables("stage");
+    let time = root.required("time", "[time]", super::Node::table);
+    let time = time.and_then(|table| general::time(&table, kind, event::have_own_schemes(&stage_tables)));
     let solver = root.default("solver", crate::Solver::default(), general::solver);
     let gravity = root.optional("gravity", event::gravity);
     let has_gravity = root.has("gravity");
@@ -34,7 +36,6 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let prescribe_tables = root.tables("prescribe");
     let load_tables = root.tables("load");
     let event_tables = root.tables("event");
-    let stage_tables = root.tables("stage");
 
     let setting = Setting { kind, gravity: has_gravity };
     let held = held(&prescribe_tables, &event_tables, &stage_tables);

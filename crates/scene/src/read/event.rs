@@ -6,6 +6,7 @@ use super::results::{component_fits, probe_of};
 use super::table::Table;
 use super::world::{Action, GRAVITY, World};
 use crate::{Event, EventCondition, Gravity, Kind, Stage, Time};
+use toml::de::DeValue;
 
 pub(super) fn gravity(node: &Node<'_>) -> Option<Gravity> {
     let table = node.table_like("{ acceleration = [0, 0, -9.81] }")?;
@@ -195,6 +196,16 @@ fn stage(
         })
     })();
     (stage, until)
+}
+
+/// Whether there are stages, and each is static or has an integrator of its own.
+pub(super) fn have_own_schemes(stages: &[Option<Table<'_>>]) -> bool {
+    let is_static = |table: &Table<'_>| {
+        let is_word = |kind: Node<'_>| matches!(kind.value, DeValue::String(word) if word == Kind::QuasiStatic.name());
+        table.get("kind").is_some_and(is_word)
+    };
+    let has_own = |table: &Table<'_>| table.has("integrator") || is_static(table);
+    !stages.is_empty() && stages.iter().flatten().all(has_own)
 }
 
 fn off(node: &Node<'_>, world: &World<'_>, has_gravity: bool) -> Option<Vec<String>> {

@@ -32,11 +32,12 @@ pub(super) const MAX_STEPS: f64 = 1e9;
 /// The clock has so many ticks in a step at most.
 const SMALLEST: f64 = 1e9;
 
-pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
+/// `own_schemes`: there are stages, and none of them takes the scheme of `[time]`.
+pub(super) fn time(table: &Table<'_>, kind: Option<Kind>, own_schemes: bool) -> Option<Time> {
     let end = table.required("end", "end = 1.0", Node::positive);
     let step = table.required("step", "step = 0.01", Node::positive);
     let integrator = match kind {
-        Some(Kind::Dynamic) => {
+        Some(Kind::Dynamic) if !own_schemes => {
             table.required("integrator", "integrator = { scheme = \"energy-momentum\" }", integrator).map(Some)
         }
         Some(Kind::QuasiStatic) if table.has("integrator") => table.fail(
@@ -48,6 +49,7 @@ pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
     };
     let max_cuts = table.default("max_cuts", Time::DEFAULT_MAX_CUTS, |n| n.whole(0..=30).map(|i| i as u32));
     let grow_after = table.default("grow_after", Time::DEFAULT_GROW_AFTER, Node::count);
+    let max_plastic_increment = table.optional("max_plastic_increment", Node::positive);
     let statics = |key| match kind {
         Some(Kind::Dynamic) if table.has(key) => {
             table.fail(key, "is for statics", "remove it, or move it into a static [[stage]]")
@@ -86,6 +88,7 @@ pub(super) fn time(table: &Table<'_>, kind: Option<Kind>) -> Option<Time> {
         integrator: integrator?,
         max_cuts: max_cuts?,
         grow_after: grow_after?,
+        max_plastic_increment: max_plastic_increment?,
         automatic: automatic?,
         stabilise: stabilise?,
     })

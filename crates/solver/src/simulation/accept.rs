@@ -83,13 +83,19 @@ impl Simulation {
             material: draft.material(),
         };
         self.enter(balance, &contact_work, work_of_contact, &impact, damped, stabilised);
+        if std::mem::take(&mut self.stage.from_motion) {
+            // What the forces of inertia held goes the way of the kinetic energy.
+            let dropped = before.total() - self.ledger.balance.total();
+            self.ledger.balance.dissipation += dropped.max(0.0);
+        }
+        let near_limit = self.how.max_plastic_increment.is_some_and(|limit| draft.flows_beyond(0.5 * limit).is_some());
         let books = self.close_books(draft, &impact, [of_supports, jump], stabilised, &before);
         self.step += 1;
         self.stage.sudden.clear();
         if let Some(work) = work_of_contact {
             self.warn_contact_gain(work - contact_work.driven, &before);
         }
-        self.choose_next_size(solves);
+        self.choose_next_size(solves, near_limit);
         self.warn_stabilisation();
         self.warn_fallbacks();
         self.warn_handed_over();
@@ -238,9 +244,13 @@ impl Simulation {
         };
     }
 
-    /// Tells the clock how many iterations the step took, and notes what it makes of that.
-    fn choose_next_size(&mut self, solves: u32) {
+    /// Tells the clock how many iterations the step took, and notes what it makes of that. `near_limit`: points flow by so much that the next step must not be larger.
+    fn choose_next_size(&mut self, solves: u32, near_limit: bool) {
         let (time, dt) = (self.state.time, self.clock.dt());
+        if near_limit {
+            self.clock.stay();
+            return;
+        }
         let change = match (self.clock.accept(solves), self.how.control.automatic) {
             (StepChange::None, _) => None,
             (StepChange::Doubled, None) => {

@@ -302,6 +302,12 @@ impl Simulation {
         }
         let (work, of_pairs) = self.contact_work(&attempt.iterate, rule, dt)?;
         let draft = self.draft(&attempt.iterate, &of_pairs, &rule, dt)?;
+        if let Some(limit) = self.how.max_plastic_increment
+            && let Some((body, increment)) = draft.flows_beyond(limit)
+        {
+            let body = self.model.bodies[body].solid.name().to_owned();
+            return Err(StepError::PlasticIncrement { body, increment, limit });
+        }
         let (contact, slaves) = self.contact_summary(&attempt, rule, dt, &of_pairs)?.unzip();
         let mut contact = contact.map(|c| ContactSummary { coverage, ..c });
         let stored = of_pairs.iter().map(|work| [work.stored, work.friction_stored]).collect();

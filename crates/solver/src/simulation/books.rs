@@ -33,6 +33,12 @@ impl Draft {
         sum
     }
 
+    /// The body that has the point which flows most, and how far, if that is more than `limit`.
+    pub fn flows_beyond(&self, limit: f64) -> Option<(usize, f64)> {
+        let increments = self.books.bodies.iter().map(|body| body.material.flow).enumerate();
+        increments.filter(|(_, flow)| *flow > limit).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
     /// What the dampers of parts took.
     pub fn dissipated_by_parts(&self) -> f64 {
         self.books.parts.iter().map(|part| part.dissipated).sum()

@@ -122,6 +122,7 @@ impl Simulation {
         (self.how.control, self.how.newton) = (control, newton);
         self.set_stabilisation(stabilise);
         self.stage.off = off;
+        self.stage.from_motion = self.how.scheme.is_none() && (was_dynamic || self.stage.from_motion);
         self.stage.number += 1;
         self.note(DecisionKind::Stage, reason);
         Ok(())

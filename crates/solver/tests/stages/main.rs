@@ -28,6 +28,7 @@ fn settings(scheme: Option<Box<dyn Scheme>>, step: f64, end: f64) -> Settings {
         scheme,
         newton: NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     }
 }

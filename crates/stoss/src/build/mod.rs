@@ -220,6 +220,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         warnings.extend(condition::warnings(scene));
         probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
         state_output::check_fields(scene, &model, &mut problems);
+        state_output::check_limit(scene, &model, &mut problems);
         warnings.extend(probe::warnings(scene, &placed, &probes));
         // Places in the model are known only if nothing was left out.
         if problems.list.is_empty() {
@@ -350,6 +351,7 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             Kind::Dynamic => scheme,
         },
         newton: newton(scene, scene.header.kind),
+        max_plastic_increment: scene.time.max_plastic_increment,
         inside_out: match solver.inside_out {
             InsideOut::Refuse => InsideOutRule::Refuse,
             InsideOut::Warn => InsideOutRule::Warn,

@@ -46,3 +46,18 @@ pub(super) fn check_fields(scene: &Scene, model: &Model, problems: &mut Problems
         problems.add("output.fields".to_owned(), name, message, remedy(name));
     }
 }
+
+/// Refuses a limit of the plastic increment where nothing yields.
+pub(super) fn check_limit(scene: &Scene, model: &Model, problems: &mut Problems<'_>) {
+    let Some(limit) = scene.time.max_plastic_increment else { return };
+    if model.bodies.iter().any(|body| body.solid.mechanisms().plastic) {
+        return;
+    }
+    let bodies: Vec<String> = (0..model.bodies.len()).map(|body| of_law(scene, body)).collect();
+    let message = match bodies[..] {
+        [] => "there is no deformable body that could yield".to_owned(),
+        _ => format!("no body yields: {}", bodies.join(", ")),
+    };
+    let remedy = "remove it, or give a material `plasticity`";
+    problems.add("time.max_plastic_increment".to_owned(), limit, message, remedy);
+}

@@ -90,6 +90,7 @@ fn simulation(model: Model) -> Simulation {
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions::default(),
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     Simulation::new(model, settings).unwrap()

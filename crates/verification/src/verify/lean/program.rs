@@ -74,6 +74,7 @@ fn model() -> Result<(), Box<dyn Error>> {
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     run(Simulation::new(model, settings)?)

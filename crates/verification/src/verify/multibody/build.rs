@@ -168,6 +168,7 @@ fn with_options(
         scheme,
         newton: NewtonOptions { relative_tolerance: TOLERANCE, line_search, ..NewtonOptions::default() },
         inside_out: InsideOutRule::Refuse,
+        max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
     Ok(Simulation::new(model, settings)?)
