@@ -121,7 +121,7 @@ fn what_is_left_out_is_said_and_files_stay() {
         "missing, so that the verdict of a run is at best doubtful:",
         "left-out.inp:46: *EQUATION: its equations are left out",
         "not as in the deck:",
-        "left-out.inp:36: *PLASTIC, HARDENING=KINEMATIC: of *PLASTIC only isotropic",
+        "left-out.inp:36: *PLASTIC, HARDENING=COMBINED: of *PLASTIC only isotropic",
         "next: stoss check left-out.toml",
     ];
     let places = parts.map(|part| text.find(part).unwrap_or_else(|| panic!("{part} in\n{text}")));

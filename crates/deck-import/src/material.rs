@@ -49,7 +49,7 @@ pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
     }
     let is_incompressible = poisson > 0.45;
     if !material.plastic.is_empty() {
-        return Ok(plastic(material, [young, poisson], is_incompressible));
+        return plastic(material, [young, poisson], is_incompressible);
     }
     let (name, notes) = if mixed {
         let note =
@@ -62,23 +62,56 @@ pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
     Ok(Law { text, summary: format!("*ELASTIC is {name}"), notes, is_incompressible })
 }
 
-/// Isotropic hardening behind Hencky's law.
-fn plastic(material: &Material, [young, poisson]: [f64; 2], is_incompressible: bool) -> Law {
-    let yields = match material.plastic[..] {
+/// Isotropic or linear kinematic hardening behind Hencky's law.
+fn plastic(material: &Material, [young, poisson]: [f64; 2], is_incompressible: bool) -> Result<Law, String> {
+    let wrong = |what: String| Err(format!("material {} has *PLASTIC {what}", material.name));
+    let points = &material.plastic;
+    if let Some([_, stress]) = points.iter().find(|[_, stress]| !(*stress > 0.0 && stress.is_finite())) {
+        return wrong(format!("with the yield stress {stress}, which must be positive"));
+    }
+    if let Some([a, b]) = points.windows(2).map(|pair| [pair[0], pair[1]]).find(|[a, b]| b[0] <= a[0] || b[0].is_nan())
+    {
+        return wrong(format!("whose plastic strains do not grow: {} behind {}", b[0], a[0]));
+    }
+    let mut notes = vec![(
+        "yield stresses are those of the Kirchhoff stress, in the deck of the true stress: they differ by the change of volume, some thousandths"
+            .to_owned(),
+        String::new(),
+    )];
+    let first = points.first().map_or(0.0, |first| first[0]);
+    let mut all = points.clone();
+    if first < 0.0 {
+        return wrong(format!("with the plastic strain {first}, which must not be negative"));
+    }
+    if first > 0.0 && all.len() > 1 {
+        all.insert(0, [0.0, all[0][1]]);
+        notes.push((
+            format!("its first plastic strain is {first} and not 0: up to there the yield stress is the first one, as in CalculiX (Abaqus refuses it)"),
+            "check the table: is the elastic strain in it?".to_owned(),
+        ));
+    }
+    let yields = match all[..] {
         [[_, stress]] => format!("yield_stress = {}", number(stress)),
+        [[_, stress], .., [strain, last]] if material.is_kinematic => {
+            let slope = (last - stress) / strain;
+            if first > 0.0 || slope < 0.0 {
+                return wrong("with kinematic hardening that does not begin at 0 or falls".to_owned());
+            }
+            notes.push((
+                "its kinematic hardening goes on with the same slope behind its second point".to_owned(),
+                String::new(),
+            ));
+            format!("yield_stress = {}, kinematic_modulus = {}", number(stress), number(slope))
+        }
         ref points => format!("hardening = [{}]", points.iter().map(|p| list(p)).collect::<Vec<_>>().join(", ")),
     };
     let (young, poisson) = (number(young), number(poisson));
-    Law {
+    Ok(Law {
         text: format!("{{ law = \"hencky\", young = {young}, poisson = {poisson}, plasticity = {{ {yields} }} }}"),
         summary: "*PLASTIC is hencky with `plasticity`".to_owned(),
-        notes: vec![(
-            "yield stresses are those of the Kirchhoff stress, in the deck of the true stress: they differ by the change of volume, some thousandths"
-                .to_owned(),
-            String::new(),
-        )],
+        notes,
         is_incompressible,
-    }
+    })
 }
 
 /// `2 / D1`, or what CalculiX takes where there is none.
@@ -192,6 +225,7 @@ mod tests {
                 coefficients: coefficients.to_vec(),
             }),
             plastic: Vec::new(),
+            is_kinematic: false,
             damping: None,
             place: DeckPlace { file: 0, line: 1 },
         }
@@ -222,6 +256,31 @@ mod tests {
         steel.plastic.push([0.1, 300.0]);
         let hardening = "plasticity = { hardening = [[0.0, 250.0], [0.1, 300.0]] }";
         assert!(law(&steel, true).unwrap().text.contains(hardening));
+        // Linear kinematic hardening: the slope between the two points.
+        steel.is_kinematic = true;
+        let kinematic = law(&steel, false).unwrap();
+        assert!(kinematic.text.contains("yield_stress = 250.0, kinematic_modulus = 500.0"), "{}", kinematic.text);
+        steel.plastic[1][1] = 200.0;
+        assert!(law(&steel, false).unwrap_err().contains("falls"));
+    }
+
+    /// What a scene would refuse is a message of the import, and a table that begins late has its first stress before.
+    #[test]
+    fn tables_of_plasticity_that_scenes_refuse() {
+        let mut steel = material(Some((2.1e5, 0.3)), None);
+        steel.plastic = vec![[0.002, 250.0], [0.1, 300.0]];
+        let late = law(&steel, false).unwrap();
+        assert!(late.text.contains("hardening = [[0.0, 250.0], [0.002, 250.0], [0.1, 300.0]]"), "{}", late.text);
+        assert!(late.notes.iter().any(|(note, _)| note.contains("0.002 and not 0")), "{:?}", late.notes);
+        for (points, part) in [
+            (vec![[0.0, -1.0]], "must be positive"),
+            (vec![[0.0, 250.0], [0.0, 260.0]], "do not grow"),
+            (vec![[-0.1, 250.0], [0.1, 260.0]], "not be negative"),
+        ] {
+            steel.plastic = points;
+            let message = law(&steel, false).unwrap_err();
+            assert!(message.contains(part), "{message}");
+        }
     }
 
     /// Shear and bulk modulus at small strains, read from the text: `mu = sum mu_p alpha_p / 2`, `kappa`.

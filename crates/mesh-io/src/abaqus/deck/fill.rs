@@ -103,7 +103,8 @@ impl Filler<'_> {
                 let (name, place) = (block.require(self.contents, "NAME")?, block.place());
                 self.other_parameters(block, &["NAME"]);
                 let (density, elastic, hyperelastic, plastic, damping) = (None, None, None, Vec::new(), None);
-                let material = Material { name, density, elastic, hyperelastic, plastic, damping, place };
+                let material =
+                    Material { name, density, elastic, hyperelastic, plastic, is_kinematic: false, damping, place };
                 self.deck.materials.push(material);
                 self.owner = Owner::Material;
             }
@@ -258,7 +259,8 @@ impl Filler<'_> {
     /// Yield stress, plastic strain and temperature, line by line.
     fn plastic(&mut self, block: &Block) -> Result<(), MeshIoError> {
         let hardening = block.keyword.value("HARDENING").unwrap_or("ISOTROPIC").to_uppercase();
-        if hardening != "ISOTROPIC" {
+        let is_kinematic = hardening == "KINEMATIC";
+        if hardening != "ISOTROPIC" && !is_kinematic {
             self.leave(block.place(), format!("*PLASTIC, HARDENING={hardening}"));
             return Ok(());
         }
@@ -279,7 +281,12 @@ impl Filler<'_> {
         if others {
             self.leave(block.place(), "all lines of *PLASTIC but those of its first temperature".to_owned());
         }
-        self.material(|material| material.plastic = points);
+        if is_kinematic && points.len() > 2 {
+            // Linear hardening has two.
+            self.leave(block.place(), format!("*PLASTIC, HARDENING=KINEMATIC with {} points", points.len()));
+            return Ok(());
+        }
+        self.material(|material| (material.plastic, material.is_kinematic) = (points, is_kinematic));
         Ok(())
     }
 

@@ -6,7 +6,7 @@
 //! | keyword | in the deck |
 //! |---|---|
 //! | `*HEADING` | [`Deck::title`] |
-//! | `*MATERIAL` with `*DENSITY`, `*ELASTIC` (isotropic), `*HYPERELASTIC`, `*PLASTIC` (isotropic hardening), `*DAMPING` (`ALPHA`, `BETA`) | [`Material`] |
+//! | `*MATERIAL` with `*DENSITY`, `*ELASTIC` (isotropic), `*HYPERELASTIC`, `*PLASTIC` (isotropic hardening, kinematic hardening of two points), `*DAMPING` (`ALPHA`, `BETA`) | [`Material`] |
 //! | `*SOLID SECTION` | [`SolidSection`] |
 //! | `*TRANSFORM` (rectangular and cylindrical) | [`LocalAxes`] |
 //! | `*AMPLITUDE` (tabular) | [`Amplitude`] |
@@ -68,8 +68,10 @@ pub struct Material {
     pub elastic: Option<Elastic>,
     /// Of `*HYPERELASTIC`.
     pub hyperelastic: Option<Hyperelastic>,
-    /// Of `*PLASTIC` with isotropic hardening, at its first temperature: equivalent plastic strain and yield stress (force per area) of each line; nothing without it.
+    /// Of `*PLASTIC`, at its first temperature: equivalent plastic strain and yield stress (force per area) of each line; nothing without it.
     pub plastic: Vec<[f64; 2]>,
+    /// Whether its hardening is kinematic, with two lines at most; else it is isotropic.
+    pub is_kinematic: bool,
     /// Of `*DAMPING`.
     pub damping: Option<Damping>,
     /// Its place.
