@@ -11,7 +11,10 @@ use stoss_fe_solid::{
     kernel::{self, LocalTangent, TangentFactors},
 };
 use stoss_linalg::{ScatterMap, SparsityPattern};
-use stoss_materials::{MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
+use stoss_materials::{
+    Fibres, Hardening, Hencky, Inelastic, Moduli, MooneyRivlin, Mullins, NeoHooke, Ogden, Plasticity,
+    SaintVenantKirchhoff,
+};
 use stoss_mesh::{Mesh, generate::Block};
 use stoss_reference_element::{CellKind, hex8, quadrature::GAUSS_HEX_2};
 
@@ -90,6 +93,52 @@ fn on_one_thread(criterion: &mut Criterion) {
     assert_eq!(rayon::current_num_threads(), 1);
     bodies(criterion);
     cells(criterion);
+    states(criterion);
+}
+
+/// A mixed hex8 for each material with a state in the middle of its flow, beside neo-Hooke's law: force and tangent, force, and the end of the step (what it lost, and its states).
+fn states(criterion: &mut Criterion) {
+    const GOOD: &str = "good parameters";
+    let neo_hooke: Arc<dyn HyperelasticLaw> = Arc::new(NeoHooke::new(1298.0769, 865.3846).expect(GOOD));
+    let metal = |kinematic| {
+        let law = Hencky::new(1298.0769, 865.3846).expect(GOOD);
+        let plasticity = Plasticity { hardening: Hardening::linear(5.0, 100.0), kinematic, overstress: None };
+        Inelastic::plastic(law, plasticity).expect(GOOD)
+    };
+    let viscous = |shares: &[(f64, f64)]| Inelastic::viscous(&neo_hooke, shares, Moduli::Instantaneous).expect(GOOD);
+    let fibres = Fibres { stiffness: 100.0, exponent: 2.0, dispersion: 0.1 };
+    let materials: [(&str, Arc<dyn HyperelasticLaw>); 7] = [
+        ("neo-hooke", neo_hooke.clone()),
+        ("plastic", Arc::new(metal(0.0))),
+        ("plastic, kinematic", Arc::new(metal(100.0))),
+        ("one branch", Arc::new(viscous(&[(0.3, 1.0)]))),
+        ("three branches", Arc::new(viscous(&[(0.3, 1.0), (0.2, 0.1), (0.1, 10.0)]))),
+        ("softening", Arc::new(Inelastic::softening(&neo_hooke, Mullins { r: 1.5, m: 1.0, beta: 0.0 }).expect(GOOD))),
+        (
+            "two families of fibres",
+            Arc::new(Inelastic::fibrous(&neo_hooke, fibres, &[[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]).expect(GOOD)),
+        ),
+    ];
+    let mesh = Block::new([0.0; 3], [1.0; 3], [1; 3]).generate().expect("a block");
+    let reference: Vec<f64> = mesh.nodes.iter().flatten().copied().collect();
+    let mut group = criterion.benchmark_group("mixed hex8 with a state");
+    for (name, law) in materials {
+        let options = SolidOptions { volumetric: Volumetric::Mixed, ..SolidOptions::default() };
+        let mut problem = Problem::of(&mesh, law, options);
+        problem.body.begin_step(&reference, ForceRule::END_POINT, 1.0).expect("no element is inverted");
+        problem.body.end_step(&problem.q_n).expect("no element is inverted");
+        for rule in [ForceRule::END_POINT, ForceRule::DiscreteGradient] {
+            problem.body.begin_step(&problem.q_n, rule, 1.0).expect("no element is inverted");
+            for (what, with_tangent) in [("force and tangent", true), ("force", false)] {
+                group.bench_function(format!("{name}, {rule:?} {what}"), |bencher| {
+                    bencher.iter(|| problem.assemble(black_box(rule), with_tangent));
+                });
+            }
+        }
+        group.bench_function(format!("{name}, end of a step"), |bencher| {
+            bencher.iter(|| problem.body.step_end(black_box(&problem.q_np1)).expect("no element is inverted"));
+        });
+    }
 }
 
 fn bodies(criterion: &mut Criterion) {

@@ -3,7 +3,7 @@ use crate::common::*;
 use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{ForceRule, MassKind, SolidBody, SolidStep, TangentTarget};
-use stoss_materials::{Hardening, Hencky, Inelastic, Moduli, Mullins, NeoHooke, Overstress, Plasticity};
+use stoss_materials::{Fibres, Hardening, Hencky, Inelastic, Moduli, Mullins, NeoHooke, Overstress, Plasticity};
 use stoss_mesh::Mesh;
 use stoss_reference_element::{CellKind, Integration};
 
@@ -24,6 +24,14 @@ fn rubber(bulk: f64) -> Arc<dyn HyperelasticLaw> {
     Arc::new(Inelastic::viscous(&law, &[(0.4, 1e-6), (0.2, 1e-4), (0.1, 1e-9)], Moduli::Instantaneous).unwrap())
 }
 
+/// Two families in a relaxing matrix.
+fn fibres() -> Arc<dyn HyperelasticLaw> {
+    let law: Arc<dyn HyperelasticLaw> = Arc::new(NeoHooke::new(BULK, MU).unwrap());
+    let fibres = Fibres { stiffness: 0.3 * MU, exponent: 2.0, dispersion: 0.1 };
+    let relaxing = Inelastic::viscous(&law, &[(0.4, 1e-6)], Moduli::Instantaneous).unwrap();
+    Arc::new(relaxing.with_fibres(fibres, &[[1.0, 0.2, 0.0], [0.0, 1.0, -1.0]]).unwrap())
+}
+
 /// Every kind of history.
 fn materials() -> Vec<(&'static str, Arc<dyn HyperelasticLaw>)> {
     let overstress = Some(Overstress { stress: 200.0, rate: 1e4, exponent: 0.3 });
@@ -35,6 +43,7 @@ fn materials() -> Vec<(&'static str, Arc<dyn HyperelasticLaw>)> {
         ("overstress", metal(Hardening::linear(450.0, 129.24), 500.0, overstress)),
         ("maxwell", rubber(BULK)),
         ("softening", Arc::new(softening)),
+        ("fibres", fibres()),
     ]
 }
 
@@ -310,4 +319,49 @@ fn states_are_those_of_accepted_steps() {
     // An elastic law has nothing of it.
     let elastic = body_with(&mesh, &laws()[1], Integration::Full);
     assert_eq!((elastic.step_end(&q), states(&elastic).len()), (Ok(None), 0));
+}
+
+/// An element that is stretched, sheared and bent along a path that never repeats, for 10^4 steps: the work of its forces is stored or lost, and no map loses its determinant.
+#[test]
+fn ten_thousand_steps_of_an_element_do_not_drift() {
+    for (name, law) in materials() {
+        let mesh = cells(&[CellKind::Hex8], [1, 1, 1], 0.0, 0.0, 0);
+        let mut body = made(&mesh, &law, Integration::Full, true);
+        let x = positions(&mesh);
+        let at = |step: u32| {
+            let t = 0.37 * f64::from(step);
+            let (a, g) = (0.03 * t.sin(), 0.05 * (1.3 * t).cos() - 0.05);
+            map_positions(&x, |x| {
+                [x[0] * (1.0 + a) + g * x[1], x[1] * (1.0 - 0.4 * a) + 0.1 * g * x[0] * x[2], x[2] + 0.2 * a * x[0]]
+            })
+        };
+        let mut q_n = at(0);
+        body.begin_step(&q_n, ForceRule::DiscreteGradient, 1e-6).unwrap();
+        let first = body.strain_energy(&q_n).unwrap();
+        let (mut work, mut lost, mut worst) = (0.0, 0.0, 0.0_f64);
+        for step in 1..=10_000 {
+            let q_np1 = at(step);
+            body.begin_step(&q_n, ForceRule::DiscreteGradient, 1e-6).unwrap();
+            let f = force(&body, SolidStep { q_n: &q_n, q_np1: &q_np1, rule: ForceRule::DiscreteGradient }).unwrap();
+            work += (0..f.len()).map(|i| f[i] * (q_np1[i] - q_n[i])).sum::<f64>();
+            let end = body.step_end(&q_np1).unwrap().unwrap();
+            body.end_step(&q_np1).unwrap();
+            lost += end.loss.total();
+            worst = worst.max((work - lost - (end.stored - first)).abs());
+            q_n = q_np1;
+        }
+        // Beside what was lost, or beside the energy of such strains.
+        assert!(worst < 1e-12 * lost.max(0.0025 * MU), "{name}: {worst:e} of {lost}");
+        let len: usize = body.state_entries().iter().map(|entry| entry.len).sum();
+        for state in states(&body).chunks(len) {
+            let mut at = 0;
+            for entry in body.state_entries() {
+                if entry.name.contains("map") {
+                    let det = stoss_continuum::SymmetricTensor2(std::array::from_fn(|i| state[at + i])).det();
+                    assert!((det - 1.0).abs() < 1e-11, "{name}: {}: det G - 1 = {:e}", entry.name, det - 1.0);
+                }
+                at += entry.len;
+            }
+        }
+    }
 }
