@@ -172,7 +172,7 @@ fn a_dynamic_stage_begins_with_the_stress_that_is_there() {
     let side = |scheme: &str| {
         let text = format!(
             "[scene]\ntitle = \"relaxing\"\nkind = \"dynamic\"\n[time]\nend = 1.01\nstep = 0.1\nintegrator = {{ scheme = \"{scheme}\" }}\n\
-             [[body]]\nname = \"b\"\nmesh = {{ generator = \"block\", size = [1, 1, 1], divisions = [1, 1, 1] }}\ndensity = 1e-8\n\
+             [[body]]\nname = \"b\"\nmesh = {{ generator = \"block\", min = [0, 0, 0], max = [1, 1, 1], divisions = [1, 1, 1] }}\ndensity = 1e-8\n\
              material = {{ law = \"hencky\", young = 2.1, poisson = 0.3, prony = [[0.4, 0.5]] }}\n\
              [[prescribe]]\nset = \"b.left\"\ncomponents = [\"x\"]\nfixed = true\n\
              [[prescribe]]\nset = \"b.front\"\ncomponents = [\"y\"]\nfixed = true\n\
@@ -235,9 +235,9 @@ fn pulled(material: &str, end: f64, more: &str) -> String {
     format!(
         "[scene]\ntitle = \"pulled\"\nkind = \"quasi-static\"\n[time]\nend = {end:?}\nstep = 0.1\n\
          [[body]]\nname = \"bar\"\nmaterial = {{ {material} }}\n\
-         mesh = {{ generator = \"block\", size = [1, 1, 1], divisions = [1, 1, 1] }}\n\
+         mesh = {{ generator = \"block\", min = [0, 0, 0], max = [1, 1, 1], divisions = [1, 1, 1] }}\n\
          [[body]]\nname = \"beside\"\nmaterial = {{ law = \"neo-hooke\", young = 1e3, poisson = 0.3 }}\n\
-         mesh = {{ generator = \"block\", size = [1, 1, 1], divisions = [1, 1, 1] }}\nposition = [0, 3, 0]\n\
+         mesh = {{ generator = \"block\", min = [0, 0, 0], max = [1, 1, 1], divisions = [1, 1, 1] }}\nposition = [0, 3, 0]\n\
          {}{}{}{}{}{}[[prescribe]]\nset = \"bar.right\"\ncomponents = [\"x\"]\n\
          displacement = {{ table = [[0.0, 0.0], [1.0, 0.01], [1.1, 0.009], [1000.0, 0.009]] }}\n{more}",
         fixed("bar.left", "x"),
@@ -357,7 +357,7 @@ fn fibrous(fibres: &str, mesh: &str, more: &str) -> String {
     format!(
         "[scene]\ntitle = \"fibres\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 0.25\n\
          [[body]]\nname = \"bar\"\nvolumetric = \"mixed\"\n\
-         material = {{ law = \"yeoh\", c1 = 0.5, c2 = 0.0, c3 = 0.0, kappa = 1e6, fibres = {{ k1 = 2.0, k2 = 3.0, {fibres} }} }}\n\
+         material = {{ law = \"yeoh\", c1 = 0.5, c2 = 0.0, c3 = 0.0, kappa = 1e7, fibres = {{ k1 = 2.0, k2 = 3.0, {fibres} }} }}\n\
          mesh = {mesh}\n{more}{}{}{}[[prescribe]]\nset = \"bar.right\"\ncomponents = [\"x\"]\n\
          displacement = {{ table = [[0.0, 0.0], [1.0, 0.2]] }}\n",
         fixed("bar.left", "x"),
@@ -366,7 +366,7 @@ fn fibrous(fibres: &str, mesh: &str, more: &str) -> String {
     )
 }
 
-const CUBE: &str = "{ generator = \"block\", size = [1, 1, 1], divisions = [2, 1, 1] }";
+const CUBE: &str = "{ generator = \"block\", min = [0, 0, 0], max = [1, 1, 1], divisions = [2, 1, 1] }";
 
 /// Force on the right face at the end.
 fn force_of(text: &str, folder: &std::path::Path) -> f64 {
@@ -512,4 +512,34 @@ fn plastic_increments_can_be_limited() {
     );
     let errors = stoss::build::build(&scene.unwrap(), std::path::Path::new(".")).map(|_| ()).unwrap_err().to_string();
     assert!(errors.contains("no body yields: `bar` (hencky), `beside` (neo-hooke)"), "{errors}");
+}
+
+/// What `stoss check` says of a body: that it yields, relaxes, softens, has fibres, and which moduli are those of fast strains.
+#[test]
+fn check_says_what_a_law_does() {
+    let line = |material: &str| {
+        let scene = stoss::scene::parse(&pulled(material, 1.0, ""), "test.toml").unwrap();
+        let built = stoss::build::build(&scene, std::path::Path::new(".")).unwrap();
+        built.bodies.iter().find(|line| line.starts_with("bar: ")).unwrap().clone()
+    };
+    let yields = line(&format!("{ELASTIC}, plasticity = {{ yield_stress = 450.0 }}"));
+    assert!(yields.contains("hencky that yields (E = 2.068999e5, nu = 0.2900 at small strains)"), "{yields}");
+    // G = 1 and 0.4 relaxed, K = 10: E = 9 K G/(3 K + G), nu = (3 K - 2 G)/(6 K + 2 G).
+    let [fast, slow] = [1.0, 0.4].map(|g| (90.0 * g / (30.0 + g), (30.0 - 2.0 * g) / (60.0 + 2.0 * g)));
+    for (given, moduli) in [(1.0, ""), (0.4, ", moduli = \"long-term\"")] {
+        let lambda = 10.0 - 2.0 / 3.0 * given;
+        let relaxes = line(&format!(
+            "law = \"hencky\", lambda = {lambda:?}, mu = {given:?}, prony = [[0.4, 1.0], [0.2, 2.0]]{moduli}"
+        ));
+        for ((young, poisson), which) in [(fast, "at small fast strains, instantaneous"), (slow, "relaxed, long-term")]
+        {
+            assert!(relaxes.contains(&format!("E = {young:.6e}, nu = {poisson:.4} {which}")), "{relaxes}");
+        }
+        assert!(relaxes.contains("hencky that relaxes"), "{relaxes}");
+    }
+    let both = line(
+        "law = \"neo-hooke\", young = 2.1, poisson = 0.3, mullins = { r = 1.5, m = 0.3 }, fibres = { k1 = 1.0, k2 = 1.0, direction = [1, 0, 0] }",
+    );
+    assert!(both.contains("neo-hooke that softens and has fibres") && both.contains("without the fibres"), "{both}");
+    assert!(line("law = \"neo-hooke\", young = 2.1, poisson = 0.3").contains("neo-hooke (E = 2.1"));
 }

@@ -4,6 +4,7 @@ use super::fibres;
 use super::mesh_files::MeshFiles;
 use super::placed::{Placed, Shape};
 use super::round;
+use super::state_output;
 use super::trace::{Needs, Traces};
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
@@ -98,20 +99,18 @@ pub(super) fn bodies(
                 body.name
             ));
         }
-        let (moduli, quality) = (law.small_strain_moduli(), mesh.quality());
+        let quality = mesh.quality();
         warnings.extend(quality.warning().map(|warning| format!("body `{}`: {warning}", body.name)));
         if body.integration == Integration::Reduced {
             warnings.extend(warn_of_single_rows(&body.name, &mesh));
         }
         lines.push(format!(
-            "{}: {} nodes, {}{}, {} (E = {:.6e}, nu = {:.4} at small strains), {}",
+            "{}: {} nodes, {}{}, {}, {}",
             body.name,
             mesh.nodes.len(),
             names(&kinds),
             if body.volumetric() == Volumetric::Mixed { " mixed" } else { "" },
-            law.name(),
-            moduli.young_modulus(),
-            moduli.poisson_ratio(),
+            state_output::described(&body.material, &*law),
             quality,
         ));
         lines.extend(notes.iter().map(|note| format!("{}: note: {note}", body.name)));

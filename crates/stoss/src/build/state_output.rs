@@ -1,8 +1,40 @@
 //! Which bodies have what scenes ask of the states of materials, in words.
 
 use super::Problems;
-use crate::scene::Scene;
+use crate::scene::{Material, Scene};
 use crate::solver::Model;
+use stoss_continuum::{HyperelasticLaw, SmallStrainModuli};
+
+/// A law with what it does beside being elastic, and its moduli at small strains: of one that relaxes those of fast strains and those of the relaxed material.
+pub(super) fn described(material: &Material, law: &dyn HyperelasticLaw) -> String {
+    let fast = law.small_strain_moduli();
+    let say =
+        |moduli: SmallStrainModuli| format!("E = {:.6e}, nu = {:.4}", moduli.young_modulus(), moduli.poisson_ratio());
+    let given = &material.inelasticity;
+    let has = law.history().map(|history| history.mechanisms()).unwrap_or_default();
+    let does = [
+        (has.plastic, "yields"),
+        (has.viscous, "relaxes"),
+        (has.softening, "softens"),
+        (given.fibres.is_some(), "has fibres"),
+    ];
+    let does: Vec<&str> = does.iter().filter(|(has, _)| *has).map(|(_, does)| *does).collect();
+    let that = if does.is_empty() { String::new() } else { format!(" that {}", does.join(" and ")) };
+    let relaxing: f64 = given.prony.iter().map(|[share, _]| share).sum();
+    let fibres = if given.fibres.is_some() { ", without the fibres" } else { "" };
+    match relaxing > 0.0 {
+        false => format!("{}{that} ({} at small strains{fibres})", law.name(), say(fast)),
+        true => {
+            let relaxed = SmallStrainModuli { shear: fast.shear * (1.0 - relaxing), bulk: fast.bulk };
+            format!(
+                "{}{that} ({} at small fast strains, instantaneous; {} relaxed, long-term{fibres})",
+                law.name(),
+                say(fast),
+                say(relaxed)
+            )
+        }
+    }
+}
 
 /// A body with its law, as `` `block` (neo-hooke) ``.
 pub(super) fn of_law(scene: &Scene, body: usize) -> String {
