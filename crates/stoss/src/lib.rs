@@ -85,4 +85,6 @@ mod terms;
 mod recipes {
     #[doc = include_str!("../../../docs/how-to-add/friction-law.md")]
     struct FrictionLaw;
+    #[doc = include_str!("../../../docs/how-to-add/material-law.md")]
+    struct MaterialLaw;
 }

@@ -3,6 +3,9 @@
 #[path = "../../../crates/stoss/examples/own_law.rs"]
 mod example;
 
+#[path = "../../../crates/stoss/examples/own_history.rs"]
+mod with_state;
+
 use example::{STRETCHED, ciarlet, laws};
 use std::path::Path;
 use stoss::build::{OwnLaws, build_with};
@@ -87,5 +90,35 @@ fn names_of_the_catalogue_are_taken() {
     for name in ["neo-hooke", "ciarlet", "two words", ""] {
         let error = laws().with(name, ciarlet).unwrap_err();
         assert_eq!(error.name, name);
+    }
+}
+
+/// A law with a state from outside of the crates: energy and loss are constant, the books have the loss, and a run that resumes has the states.
+#[test]
+fn a_run_with_an_own_state_loses_what_it_says_and_resumes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("flying.toml");
+    std::fs::write(&path, with_state::FLYING).unwrap();
+    let checked = check_scene_with(&path, &with_state::laws()).unwrap().to_string();
+    assert!(checked.contains("softer that softens"), "{checked}");
+    let at_once = RunOptions { out: folder.path().join("at-once"), laws: with_state::laws(), ..RunOptions::default() };
+    let summary = run_scene(&path, &at_once, &mut |_| {}).unwrap();
+    assert!(summary.drift["energy"].relative.unwrap() < 1e-12, "{:?}", summary.drift);
+    let halted = RunOptions { out: folder.path().join("halted"), until: Some(0.14), ..at_once };
+    run_scene(&path, &halted, &mut |_| {}).unwrap();
+    let resumed = RunOptions { resume: true, until: None, ..halted };
+    run_scene(&path, &resumed, &mut |_| {}).unwrap();
+    for table in ["balance.csv", "terms.csv"] {
+        let read = |out: &str| std::fs::read_to_string(folder.path().join(out).join(table)).unwrap();
+        assert!(read("at-once") == read("halted"), "{table}");
+        let text = read("halted");
+        let heads: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+        let place = heads.iter().position(|head| head.ends_with("softening_loss")).unwrap();
+        assert!(
+            !heads.iter().any(|head| head.ends_with("plastic_loss") || head.ends_with("viscous_loss")),
+            "{heads:?}"
+        );
+        let lost = |row: &str| -> f64 { row.split(',').nth(place).unwrap().parse().unwrap() };
+        assert!(text.lines().skip(1).map(lost).fold(0.0, f64::max) > 0.0, "{table}");
     }
 }
