@@ -1,18 +1,7 @@
 //! States of the Gauss points of a body whose law has some: the end of a step, what it lost, and the states as numbers for restarts and output.
 
-use crate::{MaterialPoint, SolidBody, SolidError, StepEnd, recovery};
-use stoss_continuum::{Material, Mechanisms, StateEntry, StateOutput};
-
-/// Where an output is among all numbers that output shows of a point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct OutputPlace {
-    pub(crate) first: usize,
-    /// How many numbers it has.
-    pub len: usize,
-    /// How many there are of all outputs.
-    pub(crate) all: usize,
-    pub(crate) jumps: bool,
-}
+use crate::{MaterialPoint, OutputPlace, SolidBody, SolidError, StepEnd, recovery};
+use stoss_continuum::{Material, Mechanisms, StateEntry};
 
 impl SolidBody {
     /// Whether the law has a state.
@@ -25,7 +14,7 @@ impl SolidBody {
         self.history().map_or_else(Mechanisms::default, |material| material.mechanisms())
     }
 
-    fn history(&self) -> Option<&dyn Material> {
+    pub(crate) fn history(&self) -> Option<&dyn Material> {
         self.material().law.history()
     }
 
@@ -83,24 +72,6 @@ impl SolidBody {
         self.history().map_or(&[], |material| material.state())
     }
 
-    /// What output shows of the states.
-    pub fn state_outputs(&self) -> &[StateOutput] {
-        self.history().map_or(&[], |material| material.outputs())
-    }
-
-    /// Where an output is among all numbers of a point, by its name; nothing if the law has none of this name.
-    pub fn state_output(&self, name: &str) -> Option<OutputPlace> {
-        let (mut first, mut found) = (0, None);
-        for output in self.state_outputs() {
-            if output.entry.name == name {
-                found = Some((first, output));
-            }
-            first += output.entry.len;
-        }
-        let (at, output) = found?;
-        Some(OutputPlace { first: at, len: output.entry.len, all: first, jumps: output.jumps })
-    }
-
     /// The numbers of an output at a material point: the functions through the Gauss points of its element, as for stresses; means of the element of what jumps.
     ///
     /// # Errors
@@ -124,13 +95,6 @@ impl SolidBody {
             })
             .map_err(|failure| self.error(point.element, failure))?;
         Ok(values)
-    }
-
-    /// Writes all numbers of [`Self::state_outputs`] of a state.
-    pub(crate) fn write_outputs(&self, before: &[f64], state: &[f64], out: &mut [f64]) {
-        if let Some(material) = self.history() {
-            material.output(before, state, out);
-        }
     }
 
     /// Sets an entry of the accepted states to the same numbers at all points of an element: `[element][number]`, for constants of the material that differ from element to

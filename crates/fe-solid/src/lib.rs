@@ -44,6 +44,7 @@ mod point;
 mod recovery;
 mod rule;
 mod scratch;
+mod state_output;
 mod step_end;
 mod term;
 mod viscous;
@@ -51,7 +52,6 @@ mod viscous;
 pub use assembly::{TangentTarget, Workspace};
 pub use body::{InsideOut, SolidBody};
 pub use error::{SolidError, TimeLevel};
-pub use history::OutputPlace;
 pub use load::{
     FollowerPressure, add_follower_pressure, area_matrix, dead_pressure, dead_traction, external_work,
     follower_pressure, surface_area,
@@ -62,6 +62,7 @@ pub use options::{SolidOptions, Volumetric};
 pub use point::{MaterialPoint, PointState};
 pub use recovery::{GaussPointState, principal_stresses, von_mises};
 pub use rule::SolidStep;
+pub use state_output::OutputPlace;
 pub use step_end::StepEnd;
 pub use stoss_integrators::ForceRule;
 pub use viscous::ViscousRate;
