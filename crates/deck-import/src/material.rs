@@ -86,7 +86,7 @@ fn plastic(material: &Material, [young, poisson]: [f64; 2], is_incompressible: b
     if first > 0.0 && all.len() > 1 {
         all.insert(0, [0.0, all[0][1]]);
         notes.push((
-            format!("its first plastic strain is {first} and not 0: up to there the yield stress is the first one, as in CalculiX (Abaqus refuses it)"),
+            format!("its first plastic strain is {first} and not 0: up to there the yield stress is the first one"),
             "check the table: is the elastic strain in it?".to_owned(),
         ));
     }
