@@ -6,7 +6,7 @@ use super::inverse::inverse_diagonal;
 use super::modes::{MODES, smoothed, tentative};
 use super::real::Real;
 use super::refusal::Refusal;
-use super::smoother::{Smoother, largest_eigenvalue};
+use super::smoother::Smoother;
 use crate::vector::norm_inf;
 use crate::{LinearSolver, MatrixKind, MultifrontalSolver, SparsityPattern};
 use std::sync::Arc;
@@ -39,14 +39,16 @@ struct Smoothed<T, const B: usize> {
 }
 
 impl<T: Real, const B: usize> Smoothed<T, B> {
-    fn new(a: &Bsr<f64, B, B>, inverse: &[Block<f64, B, B>], unit: f64, largest: f64, degree: usize) -> Self {
+    fn new(a: &Bsr<f64, B, B>, inverse: &[Block<f64, B, B>], unit: f64, degree: usize) -> Self {
         let n = B * a.rows();
-        let smoother = Smoother::new(inverse, unit, largest, degree);
-        Self { a: a.rounded(1.0 / unit), smoother, b: vec![T::default(); n], x: vec![T::default(); n] }
+        let a = a.rounded(1.0 / unit);
+        let smoother = Smoother::new(&a, inverse, unit, degree);
+        Self { a, smoother, b: vec![T::default(); n], x: vec![T::default(); n] }
     }
 
-    fn smooth(&mut self, from_zero: bool) {
-        self.smoother.smooth(&self.a, &self.b, &mut self.x, from_zero);
+    /// See [`Smoother::smooth`].
+    fn smooth(&mut self, from_zero: bool, residual: Option<&mut [T]>) {
+        self.smoother.smooth(&self.a, &self.b, &mut self.x, from_zero, residual);
     }
 
     fn memory_bytes(&self) -> usize {
@@ -72,13 +74,12 @@ pub(crate) struct OneLevel<T> {
 impl<T: Real> OneLevel<T> {
     pub fn new(a: &Bsr<f64, 3, 3>) -> Self {
         let (inverse, unit) = (inverse_diagonal(a), unit_of(a));
-        let largest = largest_eigenvalue(a, &inverse);
-        Self { level: Smoothed::new(a, &inverse, unit, largest, DEGREE_OF_ONE_LEVEL), unit }
+        Self { level: Smoothed::new(a, &inverse, unit, DEGREE_OF_ONE_LEVEL), unit }
     }
 
     /// `z = M r`.
     pub fn apply(&mut self, r: &[f64], z: &mut [f64]) {
-        between_precisions(&mut self.level, self.unit, r, z, |level| level.smooth(true));
+        between_precisions(&mut self.level, self.unit, r, z, |level| level.smooth(true, None));
     }
 
     pub fn memory_bytes(&self) -> usize {
@@ -140,9 +141,9 @@ impl<T: Real, const B: usize> Level<T, B> {
             return None;
         }
         let inverse = inverse_diagonal(a);
-        let largest = largest_eigenvalue(a, &inverse);
+        let own = Smoothed::new(a, &inverse, unit, DEGREE);
         let (p0, modes) = tentative(modes, &of, count);
-        let p = smoothed(a, &inverse, &p0, PROLONGATOR_DAMPING / largest);
+        let p = smoothed(a, &inverse, &p0, PROLONGATOR_DAMPING / own.smoother.largest());
         drop(p0);
         let transposed = p.transposed();
         let mut coarse = product(&transposed, &product(a, &p));
@@ -152,7 +153,7 @@ impl<T: Real, const B: usize> Level<T, B> {
             coarse_labels[aggregate as usize] = label;
         }
         let level = Self {
-            own: Smoothed::new(a, &inverse, unit, largest, DEGREE),
+            own,
             prolongation: p.rounded(1.0),
             restriction: transposed.rounded(1.0),
             r: vec![T::default(); B * a.rows()],
@@ -162,15 +163,14 @@ impl<T: Real, const B: usize> Level<T, B> {
 
     /// Smooths from zero and restricts the residual.
     fn descend(&mut self, coarser: &mut [T]) {
-        self.own.smooth(true);
-        self.own.a.residual(&self.own.b, &self.own.x, &mut self.r);
+        self.own.smooth(true, Some(&mut self.r));
         self.restriction.multiply(&self.r, coarser);
     }
 
     /// Adds the correction and smooths.
     fn ascend(&mut self, coarser: &[T]) {
         self.prolongation.add_product(coarser, &mut self.own.x);
-        self.own.smooth(false);
+        self.own.smooth(false, None);
     }
 
     fn memory_bytes(&self) -> usize {

@@ -58,19 +58,23 @@ pub(crate) fn inverse_diagonal<const B: usize>(a: &Bsr<f64, B, B>) -> Vec<Block<
     (0..a.rows()).map(of_row).collect()
 }
 
-/// `z_i = keep z_i + factor D_i r_i` for each block.
-pub(crate) fn apply_blocks<T: Real, const B: usize>(
-    blocks: &[Block<T, B, B>],
-    factor: T,
-    r: &[T],
-    keep: T,
-    z: &mut [T],
-) {
+/// `D r`.
+#[inline(always)]
+pub(crate) fn times<T: Real, const B: usize>(block: &Block<T, B, B>, r: &[T; B]) -> [T; B] {
+    let mut product = [T::default(); B];
+    for i in 0..B {
+        for j in 0..B {
+            product[i] += block[i][j] * r[j];
+        }
+    }
+    product
+}
+
+/// `z_i = factor D_i r_i` for each block.
+pub(crate) fn apply_blocks<T: Real, const B: usize>(blocks: &[Block<T, B, B>], factor: T, r: &[T], z: &mut [T]) {
     let rows = r.as_chunks::<B>().0.iter().zip(z.as_chunks_mut::<B>().0);
     for (block, (r, z)) in blocks.iter().zip(rows) {
-        let mut product = [T::default(); B];
-        super::bsr::multiply_add(block, r, &mut product);
-        (0..B).for_each(|i| z[i] = keep * z[i] + factor * product[i]);
+        *z = times(block, r).map(|v| factor * v);
     }
 }
 

@@ -113,8 +113,15 @@ impl Layout {
         k
     }
 
-    /// Values of the blocks between nodes, and of what borders them. A component without equation has its node's largest diagonal entry.
-    pub fn set_values(&self, pattern: &SparsityPattern, values: &[f64], k: &mut Bsr<f64, 3, 3>, border: &mut Border) {
+    /// Values of the blocks between nodes, and of what borders them. A component without equation has its node's largest diagonal entry. `symmetric`: the columns of a node are its rows too.
+    pub fn set_values(
+        &self,
+        pattern: &SparsityPattern,
+        values: &[f64],
+        symmetric: bool,
+        k: &mut Bsr<f64, 3, 3>,
+        border: &mut Border,
+    ) {
         let nodes = self.nodes();
         k.blocks.fill([[0.0; 3]; 3]);
         border.clear(nodes);
@@ -123,19 +130,24 @@ impl Layout {
             let places = pattern.row_indices()[range.clone()].iter().map(|&row| self.place[row] as usize);
             places.zip(&values[range])
         };
-        // Columns ascend, so the next block of a row is that of the present column.
+        // Where the block of each row in the present column is. Columns ascend, so the next block of a row is that of the present column.
         let mut next: Vec<usize> = k.starts[..nodes].to_vec();
         let mut at = vec![0; nodes];
         let mut marks = vec![0; self.slots.len()];
         for (j, equations) in self.equations.iter().enumerate() {
-            for &i in &k.indices[k.starts[j]..k.starts[j + 1]] {
-                at[i as usize] = next[i as usize];
+            for (own, &i) in (k.starts[j]..).zip(&k.indices[k.starts[j]..k.starts[j + 1]]) {
+                at[i as usize] = if symmetric { own } else { next[i as usize] };
                 next[i as usize] += 1;
             }
             for (c, &equation) in equations.iter().enumerate().filter(|(_, equation)| **equation != crate::NONE) {
                 for (place, &value) in entries(equation) {
                     if place < 3 * nodes {
-                        k.blocks[at[place / 3]][place % 3][c] = value;
+                        let block = &mut k.blocks[at[place / 3]];
+                        if symmetric {
+                            block[c][place % 3] = value;
+                        } else {
+                            block[place % 3][c] = value;
+                        }
                     } else if value != 0.0 {
                         border.c_by_node.add(place - 3 * nodes, c, value, &mut marks[place - 3 * nodes]);
                     }

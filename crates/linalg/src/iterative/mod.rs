@@ -8,7 +8,7 @@
 //! | `layout` | nodes of the equations, blocks of the matrix |
 //! | `bsr` | matrices of blocks, products |
 //! | `aggregates`, `modes` | which nodes are put together, rigid modes, prolongation |
-//! | `smoother`, `hierarchy` | Chebyshev's polynomials, levels, the cycle |
+//! | `smoother`, `waves`, `hierarchy` | Chebyshev's polynomials, passes over a matrix, levels, the cycle |
 //! | `saddle` | multipliers: scales, augmentation, Schur complement |
 //! | `krylov` | the iterations |
 //! | `solver` | tolerances, what is kept, what is refused |
@@ -30,5 +30,6 @@ mod solver;
 mod sums;
 #[cfg(test)]
 mod tests;
+mod waves;
 
 pub(crate) use solver::{Curvature, IterativeSolver};

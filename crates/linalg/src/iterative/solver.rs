@@ -40,8 +40,9 @@ const MASS_DOMINATED: f64 = 1.0;
 const GROWTH: f64 = 1.5;
 const EXTRA: f64 = 3.0;
 
-/// Relative residual of the solution that looks for a direction of negative curvature: small enough that a motion with a small part of the usual stiffness shows.
-const PROBE_TOLERANCE: f64 = 1e-8;
+/// Relative residual of the solution that looks for a direction of negative curvature, as a part of what one of all directions has in a right-hand side that has the same of each: until the
+/// iteration has met a direction whose curvature is small beside the others', its part of the residual stays.
+const PROBE: f64 = 0.01;
 
 /// The true residual may be this many times that of the recurrence.
 const TRUE_RESIDUAL: f64 = 2.0;
@@ -178,7 +179,7 @@ impl IterativeSolver {
         check_length("solution", pattern.n(), solution)?;
         check_finite(Place::Matrix, values)?;
         check_finite(Place::RightHandSide, rhs)?;
-        self.layout.set_values(&pattern, values, &mut self.k, &mut self.border);
+        self.layout.set_values(&pattern, values, self.kind != MatrixKind::General, &mut self.k, &mut self.border);
         match self.run(rhs, tolerance, curvature) {
             Ok(Some(iterations)) => {
                 self.layout.scatter(&self.x, solution);
@@ -253,7 +254,7 @@ impl IterativeSolver {
     pub fn is_definite(&mut self, values: &[f64]) -> Option<bool> {
         let pattern = self.pattern.clone().filter(|pattern| !self.refused && pattern.nnz() == values.len())?;
         self.preconditioner.as_ref()?;
-        self.layout.set_values(&pattern, values, &mut self.k, &mut self.border);
+        self.layout.set_values(&pattern, values, self.kind != MatrixKind::General, &mut self.k, &mut self.border);
         if self.border.len() > 0 {
             return None;
         }
@@ -271,7 +272,8 @@ impl IterativeSolver {
         for &place in &self.layout.place {
             self.b[place as usize] = pseudo_random(place as usize);
         }
-        let report = self.iterate(PROBE_TOLERANCE, Curvature::Positive);
+        let tolerance = PROBE / (self.b.len() as f64).sqrt();
+        let report = self.iterate(tolerance, Curvature::Positive);
         self.statistics.iterations += u64::from(report.iterations);
         self.is_indefinite |= report.negative;
         self.b = rhs;

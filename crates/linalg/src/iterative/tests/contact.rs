@@ -277,7 +277,7 @@ fn two_iterations_with_exact_parts() {
         layout.set(&mut places(m).into_iter());
         let mut k = layout.block_pattern(&pattern);
         let mut border = Border::default();
-        layout.set_values(&pattern, &values, &mut k, &mut border);
+        layout.set_values(&pattern, &values, false, &mut k, &mut border);
         let mut saddle = Saddle::default();
         saddle.set(&border, &inverse_diagonal(&k), &layout.slots).unwrap();
         let augmented = saddle.augmented(&k, &border);

@@ -20,7 +20,7 @@ fn blocks(bodies: &[Body], held: impl Fn(usize, [f64; 3]) -> [bool; 3]) -> (Bsr<
     let mut layout = Layout::default();
     layout.set(&mut system.places.iter().copied());
     let mut k = layout.block_pattern(system.pattern());
-    layout.set_values(system.pattern(), &system.matrix.values, &mut k, &mut Border::default());
+    layout.set_values(system.pattern(), &system.matrix.values, false, &mut k, &mut Border::default());
     (k, layout)
 }
 
