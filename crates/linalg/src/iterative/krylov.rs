@@ -19,12 +19,50 @@ pub(crate) struct Report {
     pub residual: f64,
     /// A direction with `d . A d <= 0` or `d . M d < 0` was met, and the iteration broken off.
     pub negative: bool,
+    /// The limit was foreseen, and the iteration broken off.
+    pub slow: bool,
 }
 
 impl Report {
     /// Whether the residual is as small as that. A NaN is not.
     pub fn reached(&self, tolerance: f64) -> bool {
         self.residual <= tolerance
+    }
+}
+
+/// Least number of steps over which the pace of an iteration is taken.
+const WINDOW: usize = 20;
+
+/// How the residual has fallen.
+#[derive(Debug, Default)]
+struct Pace {
+    steps: u32,
+    /// Logarithms of the relative residual, from where it was largest on: that of conjugate gradients may rise first.
+    logs: Vec<f64>,
+}
+
+impl Pace {
+    fn begin(&mut self, residual: f64) {
+        self.steps = 0;
+        self.logs.clear();
+        self.logs.push(residual.ln());
+    }
+
+    /// Notes the residual after one more step. Whether the iteration would not end within `limit` steps at its pace in the later half of them.
+    fn is_too_slow(&mut self, residual: f64, tolerance: f64, limit: u32) -> bool {
+        self.steps += 1;
+        let last = residual.ln();
+        if last >= self.logs[0] {
+            self.logs.clear();
+        }
+        self.logs.push(last);
+        let fallen = self.logs.len() - 1;
+        if fallen < WINDOW {
+            return false;
+        }
+        let window = WINDOW.max(fallen / 2);
+        let pace = (last - self.logs[fallen - window]) / window as f64;
+        pace >= 0.0 || f64::from(self.steps) + (tolerance.ln() - last) / pace > f64::from(limit)
     }
 }
 
@@ -40,6 +78,7 @@ pub(crate) struct Krylov {
     q: Vec<f64>,
     basis: Vec<Vec<f64>>,
     directions: Vec<Vec<f64>>,
+    pace: Pace,
 }
 
 /// `r = b - A x` and its norm.
@@ -60,7 +99,7 @@ impl Krylov {
     }
 
     /// Conjugate gradients for symmetric matrices, after Polak and Ribiere: the direction is orthogonal to the change of the residual, whatever the preconditioner is. From zero, until the
-    /// residual is `tolerance` times `b`, or `limit` iterations.
+    /// residual is `tolerance` times `b`, or `limit` iterations are done or foreseen.
     pub fn conjugate_gradients(
         &mut self,
         operator: &mut impl Operator,
@@ -70,11 +109,12 @@ impl Krylov {
         limit: u32,
     ) -> Report {
         self.fit(b.len());
-        let Self { r, z, p, q, .. } = self;
+        let Self { r, z, p, q, pace, .. } = self;
         x.fill(0.0);
         r.copy_from_slice(b);
         let size = norm(b);
-        let mut report = Report { iterations: 0, residual: 1.0, negative: false };
+        let mut report = Report { iterations: 0, residual: 1.0, negative: false, slow: false };
+        pace.begin(1.0);
         operator.precondition(r, z);
         p.copy_from_slice(z);
         let mut descent = dot(r, z);
@@ -90,7 +130,9 @@ impl Krylov {
             axpy(-step, q, r);
             report.iterations += 1;
             report.residual = norm(r) / size;
-            if report.reached(tolerance) || report.residual.is_nan() {
+            let ended = report.reached(tolerance) || report.residual.is_nan();
+            report.slow = !ended && pace.is_too_slow(report.residual, tolerance, limit);
+            if ended || report.slow {
                 break;
             }
             // `r_new . z_new - r_old . z_new`, with the difference of the residuals at hand.
@@ -104,7 +146,7 @@ impl Krylov {
         report
     }
 
-    /// Flexible GMRES (Saad 1993) with modified Gram-Schmidt, from zero or on from `x`, until the true residual is `tolerance` times `b`, or `limit` iterations.
+    /// Flexible GMRES (Saad 1993) with modified Gram-Schmidt, from zero or on from `x`, until the true residual is `tolerance` times `b`, or `limit` iterations are done or foreseen.
     pub fn fgmres(
         &mut self,
         operator: &mut impl Operator,
@@ -117,15 +159,16 @@ impl Krylov {
         self.fit(b.len());
         let n = b.len();
         let size = norm(b);
-        let mut report = Report { iterations: 0, residual: 1.0, negative: false };
+        let mut report = Report { iterations: 0, residual: 1.0, negative: false, slow: false };
         if from_zero {
             x.fill(0.0);
             self.r.copy_from_slice(b);
         } else {
             report.residual = residual(operator, b, x, &mut self.r) / size;
         }
-        let Self { r, q, basis, directions, .. } = self;
-        while report.residual > tolerance && report.iterations < limit {
+        let Self { r, q, basis, directions, pace, .. } = self;
+        pace.begin(report.residual);
+        while report.residual > tolerance && report.iterations < limit && !report.slow {
             let beta = norm(r);
             // Columns of the triangular factor, rotations, the rotated right-hand side.
             let (mut triangle, mut rotations): (Vec<Vec<f64>>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
@@ -163,7 +206,9 @@ impl Krylov {
                 k += 1;
                 report.iterations += 1;
                 report.residual = projected[k].abs() / size;
-                if report.reached(tolerance) || report.residual.is_nan() || rest == 0.0 {
+                let ended = report.reached(tolerance) || report.residual.is_nan() || rest == 0.0;
+                report.slow = !ended && pace.is_too_slow(report.residual, tolerance, limit);
+                if ended || report.slow {
                     break;
                 }
             }

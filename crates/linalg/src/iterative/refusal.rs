@@ -11,6 +11,8 @@ pub(crate) enum Refusal {
     Schur(String),
     /// A solution did not end, after so many iterations.
     NotConverged { iterations: u32, residual: f64 },
+    /// A solution was broken off after so many iterations, because it would have gone beyond the limit.
+    Foreseen { iterations: u32, limit: u32 },
     /// Two solutions one after the other took many iterations, the last one so many.
     Slow { iterations: u32 },
 }
@@ -25,6 +27,9 @@ impl std::fmt::Display for Refusal {
             Self::Schur(reason) => write!(f, "the Schur complement of the multipliers: {reason}"),
             Self::NotConverged { iterations, residual } => {
                 write!(f, "the relative residual is {residual:.1e} after {iterations} iterations")
+            }
+            Self::Foreseen { iterations, limit } => {
+                write!(f, "a solution would take more than {limit} iterations, as its first {iterations} show")
             }
             Self::Slow { iterations } => write!(f, "two solutions took many iterations, the last one {iterations}"),
         }

@@ -238,8 +238,7 @@ impl IterativeSolver {
             return Ok(None);
         }
         if !report.reached(TRUE_RESIDUAL * tolerance) {
-            let Report { iterations, residual, .. } = report;
-            return Err(Refusal::NotConverged { iterations, residual });
+            return Err(refusal(report));
         }
         self.judge_age(report);
         if report.iterations > SLOW && std::mem::replace(&mut self.was_slow, true) {
@@ -311,7 +310,7 @@ impl IterativeSolver {
     fn iterate(&mut self, tolerance: f64, curvature: Curvature) -> Report {
         let Self { k, border, saddle, preconditioner, krylov, b, x, kind, .. } = self;
         let Some(preconditioner) = preconditioner else {
-            return Report { iterations: 0, residual: f64::INFINITY, negative: false };
+            return Report { iterations: 0, residual: f64::INFINITY, negative: false, slow: false };
         };
         let is_symmetric = *kind != MatrixKind::General && border.len() == 0;
         let mut limit = if matches!(preconditioner, Preconditioner::OneLevel(_)) { LIMIT_OF_ONE_LEVEL } else { LIMIT };
@@ -320,14 +319,14 @@ impl IterativeSolver {
         let mut used = 0;
         if is_symmetric && !is_indefinite {
             let report = krylov.conjugate_gradients(&mut system, b, x, tolerance, limit);
-            if report.reached(TRUE_RESIDUAL * tolerance) && !report.negative {
+            if (report.reached(TRUE_RESIDUAL * tolerance) || report.slow) && !report.negative {
                 return report;
             }
             (used, is_indefinite) = (report.iterations, report.negative);
             limit -= used.min(limit);
         }
         if is_indefinite && curvature == Curvature::Positive {
-            return Report { iterations: used, residual: f64::INFINITY, negative: true };
+            return Report { iterations: used, residual: f64::INFINITY, negative: true, slow: false };
         }
         let mut report = krylov.fgmres(&mut system, b, x, tolerance, limit, used == 0);
         report.iterations += used;
@@ -381,6 +380,12 @@ impl IterativeSolver {
             + self.krylov.memory_bytes()
             + 2 * size_of::<f64>() * self.b.capacity()
     }
+}
+
+/// Why a solution that did not end did not.
+fn refusal(report: Report) -> Refusal {
+    let Report { iterations, residual, slow, .. } = report;
+    if slow { Refusal::Foreseen { iterations, limit: LIMIT } } else { Refusal::NotConverged { iterations, residual } }
 }
 
 /// Whether the resistance to a translation of all nodes is large against that of all nodes one by one.

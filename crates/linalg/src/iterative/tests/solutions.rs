@@ -66,7 +66,7 @@ fn flat_cells_are_left_to_the_direct_solver() {
     let glued = refusal(clamped);
     assert!(glued.contains("took many iterations"), "{glued}");
     let plate = refusal(|_, x| [x[0] == 0.0; 3]);
-    assert!(plate.contains("after 150 iterations"), "{plate}");
+    assert!(plate.contains("would take more than 150"), "{plate}");
 }
 
 #[test]
