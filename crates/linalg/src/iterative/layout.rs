@@ -113,6 +113,23 @@ impl Layout {
         k
     }
 
+    /// The slave node of each other equation, by the groups of the pattern; [`crate::NONE`] if it has none.
+    pub fn slaves(&self, pattern: &SparsityPattern) -> Vec<u32> {
+        let mut out = vec![crate::NONE; self.slots.len()];
+        let Some(groups) = pattern.groups() else { return out };
+        let first = 3 * self.nodes() as u32;
+        let of_node =
+            |(group, place): (&u32, &u32)| (*group != crate::NONE && *place < first).then(|| (*group, place / 3));
+        let mut nodes: Vec<(u32, u32)> = groups.iter().zip(&self.place).filter_map(of_node).collect();
+        nodes.sort_unstable();
+        for (group, &place) in groups.iter().zip(&self.place).filter(|(_, place)| **place >= first) {
+            if let Ok(at) = nodes.binary_search_by_key(group, |(group, _)| *group) {
+                out[(place - first) as usize] = nodes[at].1;
+            }
+        }
+        out
+    }
+
     /// Values of the blocks between nodes, and of what borders them. A component without equation has its node's largest diagonal entry. `symmetric`: the columns of a node are its rows too.
     pub fn set_values(
         &self,

@@ -9,6 +9,7 @@
 //! | `bsr` | matrices of blocks, products |
 //! | `aggregates`, `modes` | which nodes are put together, rigid modes, prolongation |
 //! | `smoother`, `waves`, `hierarchy` | Chebyshev's polynomials, passes over a matrix, levels, the cycle |
+//! | `condense` | multipliers that take a motion from a slave node |
 //! | `saddle` | multipliers: scales, augmentation, Schur complement |
 //! | `krylov` | the iterations |
 //! | `solver` | tolerances, what is kept, what is refused |
@@ -17,6 +18,7 @@
 
 mod aggregates;
 mod bsr;
+mod condense;
 mod hierarchy;
 mod inverse;
 mod krylov;

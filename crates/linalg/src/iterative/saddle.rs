@@ -61,7 +61,7 @@ impl Coupling {
         self.starts.len().saturating_sub(1)
     }
 
-    fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64; 3])> {
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64; 3])> {
         let range = self.starts[i]..self.starts[i + 1];
         self.indices[range.clone()].iter().map(|&j| j as usize).zip(&self.values[range])
     }
@@ -115,7 +115,7 @@ impl Sparse {
         self.starts.push(self.indices.len());
     }
 
-    fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
         let range = self.starts[i]..self.starts[i + 1];
         self.indices[range.clone()].iter().map(|&j| j as usize).zip(self.values[range].iter().copied())
     }
@@ -128,7 +128,7 @@ pub(crate) struct Border {
     /// `B^T`: a row for each other equation.
     pub b: Coupling,
     b_by_node: Coupling,
-    c: Coupling,
+    pub c: Coupling,
     /// `C^T`: a row for each node.
     pub c_by_node: Coupling,
     /// `D^T`.
@@ -208,6 +208,8 @@ struct Slot {
 pub(crate) struct Saddle {
     /// What the rows of other equations are multiplied by: they are forces then, as those of nodes.
     pub scale: Vec<f64>,
+    /// `C E^-1 B` of each other equation, in size.
+    pub sizes: Vec<f64>,
     slots: Vec<Slot>,
     /// Slot of each other equation in that list.
     slot_of: Vec<Option<u32>>,
@@ -226,7 +228,11 @@ struct Through<'a> {
     image: Vec<[f64; 3]>,
 }
 
-impl Through<'_> {
+impl<'a> Through<'a> {
+    fn new(inverse: &'a [Block<f64, 3, 3>]) -> Self {
+        Self { inverse, image: vec![[0.0; 3]; inverse.len()] }
+    }
+
     /// `E^-1 b` for a row of `B^T`.
     fn set<'b>(&mut self, b: impl Iterator<Item = (usize, &'b [f64; 3])>) {
         b.for_each(|(node, b)| {
@@ -248,21 +254,32 @@ fn length<'a>(row: impl Iterator<Item = (usize, &'a [f64; 3])>) -> f64 {
     row.flat_map(|(_, v)| v).map(|v| v * v).sum::<f64>().sqrt()
 }
 
-impl Saddle {
-    /// Scales, `W` and the factors of the Schur complement, from the border, the inverse diagonal blocks of `K`, and the slot of each other equation.
-    ///
-    /// # Errors
-    /// [`Refusal::Schur`].
-    pub fn set(&mut self, border: &Border, inverse: &[Block<f64, 3, 3>], slots: &[Option<u32>]) -> Result<(), Refusal> {
-        let mut through = Through { inverse, image: vec![[0.0; 3]; inverse.len()] };
-        self.set_weights(border, &mut through, slots);
-        self.factorise(border, &mut through, slots).map_err(|error| Refusal::Schur(error.to_string()))
-    }
+/// `K + B W C`, with the first column and the entries of row `r` of `W` by `weights(r)`.
+pub(crate) fn with_products<'a>(
+    k: &Bsr<f64, 3, 3>,
+    border: &Border,
+    weights: impl Fn(usize) -> Option<(usize, &'a [f64])> + Sync,
+) -> Bsr<f64, 3, 3> {
+    sum_with(k, |node, add| {
+        for (r, b) in border.b_by_node.row(node) {
+            let Some((first, weights)) = weights(r) else { continue };
+            for (q, &weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+                for (column, c) in border.c.row(first + q) {
+                    add(column as u32, &b.map(|b| c.map(|c| weight * b * c)));
+                }
+            }
+        }
+    })
+}
 
-    fn set_weights(&mut self, border: &Border, through: &mut Through<'_>, slots: &[Option<u32>]) {
+impl Saddle {
+    /// Scales and `W`, from the border, the inverse diagonal blocks `E^-1` of `K`, and the slot of each other equation.
+    pub fn set_weights(&mut self, border: &Border, inverse: &[Block<f64, 3, 3>], slots: &[Option<u32>]) {
+        let through = &mut Through::new(inverse);
         let m = border.len();
         self.scale.clear();
         self.scale.resize(m, 1.0);
+        self.sizes.clear();
         self.slots.clear();
         self.slot_of.clear();
         self.slot_of.resize(m, None);
@@ -296,6 +313,7 @@ impl Saddle {
                     self.scale[r] = factor;
                 }
                 let size = signed.abs().max(LEAST_COSINE * (cc * bb).sqrt());
+                self.sizes.push(size);
                 couples |= size > 0.0;
                 // With the sign that leaves it regular: rows of friction have another one than those of gaps.
                 e[(r - first) * (width + 1)] += size.copysign(signed) / WEIGHT;
@@ -315,8 +333,21 @@ impl Saddle {
         self.r1.resize(3 * border.nodes, 0.0);
     }
 
-    /// `S = C E^-1 B - D` and its factors. The analysis is kept while the pattern is the same.
-    fn factorise(
+    /// `S = C E^-1 B - D` and its factors, after [`Saddle::set_weights`] with the same. The analysis is kept while the pattern is the same.
+    ///
+    /// # Errors
+    /// [`Refusal::Schur`].
+    pub fn factorise(
+        &mut self,
+        border: &Border,
+        inverse: &[Block<f64, 3, 3>],
+        slots: &[Option<u32>],
+    ) -> Result<(), Refusal> {
+        self.factorise_through(border, &mut Through::new(inverse), slots)
+            .map_err(|error| Refusal::Schur(error.to_string()))
+    }
+
+    fn factorise_through(
         &mut self,
         border: &Border,
         through: &mut Through<'_>,
@@ -370,16 +401,9 @@ impl Saddle {
 
     /// `K + B W C`.
     pub fn augmented(&self, k: &Bsr<f64, 3, 3>, border: &Border) -> Bsr<f64, 3, 3> {
-        sum_with(k, |node, add| {
-            for (r, b) in border.b_by_node.row(node) {
-                let Some(slot) = self.slot_of[r].map(|slot| &self.slots[slot as usize]) else { continue };
-                let weights = &slot.w[(r - slot.first) * slot.width..][..slot.width];
-                for (q, &weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-                    for (column, c) in border.c.row(slot.first + q) {
-                        add(column as u32, &b.map(|b| c.map(|c| weight * b * c)));
-                    }
-                }
-            }
+        with_products(k, border, |r| {
+            let slot = &self.slots[self.slot_of[r]? as usize];
+            Some((slot.first, &slot.w[(r - slot.first) * slot.width..][..slot.width]))
         })
     }
 

@@ -123,7 +123,7 @@ impl<T: Real, const B: usize> Smoother<T, B> {
         let passes = steps.len() + usize::from(residual.is_some());
         // The vectors of a pass: the second step reads what the first one has written.
         let mut with = |k: usize, run: &mut dyn FnMut(Option<&Step<T>>, &[T], &mut [T], &mut [T])| {
-            let (from, to) = if k % 2 == 0 { (&*x, &mut *other) } else { (&*other, &mut *x) };
+            let (from, to) = if k.is_multiple_of(2) { (&*x, &mut *other) } else { (&*other, &mut *x) };
             match (steps.get(k), &mut residual) {
                 (None, Some(residual)) => run(None, from, z, residual),
                 (step, _) => run(step, from, z, to),

@@ -1,6 +1,7 @@
 //! The solver: one system after the other, with what of the last one still serves.
 
 use super::bsr::Bsr;
+use super::condense::Condensation;
 use super::hierarchy::{Hierarchy, OneLevel};
 use super::inverse::inverse_diagonal;
 use super::krylov::{Krylov, Operator, Report};
@@ -71,6 +72,7 @@ struct Preconditioned<'a> {
     k: &'a Bsr<f64, 3, 3>,
     border: &'a Border,
     saddle: &'a mut Saddle,
+    condensation: &'a mut Option<Condensation>,
     preconditioner: &'a mut Preconditioner,
 }
 
@@ -84,10 +86,12 @@ impl Operator for Preconditioned<'_> {
     }
 
     fn precondition(&mut self, r: &[f64], z: &mut [f64]) {
-        if self.border.len() == 0 {
-            self.preconditioner.apply(r, z);
-        } else {
-            self.saddle.apply(self.border, |r, z| self.preconditioner.apply(r, z), r, z);
+        let Self { k, border, saddle, condensation, preconditioner } = self;
+        let cycle = |r: &[f64], z: &mut [f64]| preconditioner.apply(r, z);
+        match condensation {
+            _ if border.len() == 0 => preconditioner.apply(r, z),
+            Some(condensation) => condensation.apply(k, &saddle.scale, cycle, r, z),
+            None => saddle.apply(border, cycle, r, z),
         }
     }
 }
@@ -109,7 +113,10 @@ pub(crate) struct IterativeSolver {
     kind: MatrixKind,
     k: Bsr<f64, 3, 3>,
     border: Border,
+    /// Slave nodes of other equations.
+    slaves: Vec<u32>,
     saddle: Saddle,
+    condensation: Option<Condensation>,
     preconditioner: Option<Preconditioner>,
     /// Iterations and residual of the first solution with this preconditioner.
     first: Option<(u32, f64)>,
@@ -157,6 +164,7 @@ impl IterativeSolver {
         self.statistics.analyses += 1;
         self.preconditioner = None;
         self.k = self.layout.block_pattern(pattern);
+        self.slaves = self.layout.slaves(pattern);
         self.kind = kind;
         self.pattern = Some(Arc::clone(pattern));
     }
@@ -199,7 +207,7 @@ impl IterativeSolver {
 
     fn run(&mut self, rhs: &[f64], tolerance: f64, curvature: Curvature) -> Result<Option<u32>, Refusal> {
         if self.border.len() > 0 {
-            self.saddle.set(&self.border, &inverse_diagonal(&self.k), &self.layout.slots)?;
+            self.set_multipliers()?;
         }
         self.layout.gather(rhs, &mut self.b);
         if self.border.len() > 0 {
@@ -249,6 +257,21 @@ impl IterativeSolver {
         Ok(Some(total))
     }
 
+    /// What is done with the multipliers. A hierarchy of other motions is too old.
+    fn set_multipliers(&mut self) -> Result<(), Refusal> {
+        let Self { k, border, saddle, slaves, .. } = self;
+        let (inverse, slots) = (inverse_diagonal(k), &self.layout.slots);
+        saddle.set_weights(border, &inverse, slots);
+        let before =
+            std::mem::replace(&mut self.condensation, Condensation::new(k, border, slots, slaves, &saddle.sizes));
+        let takes = |of: &Option<Condensation>| of.as_ref().map(|of| of.takes().collect::<Vec<_>>());
+        self.is_stale |= takes(&before) != takes(&self.condensation);
+        if self.condensation.is_none() {
+            saddle.factorise(border, &inverse, slots)?;
+        }
+        Ok(())
+    }
+
     /// Whether the symmetric matrix with these values has no direction of negative curvature, as far as an iteration can tell; `None` if it has no preconditioner.
     pub fn is_definite(&mut self, values: &[f64]) -> Option<bool> {
         let pattern = self.pattern.clone().filter(|pattern| !self.refused && pattern.nnz() == values.len())?;
@@ -296,11 +319,15 @@ impl IterativeSolver {
         self.preconditioner = Some(if may_be_one_level && self.border.len() == 0 && is_mass_dominated(k) {
             Preconditioner::OneLevel(Box::new(OneLevel::new(k)))
         } else {
-            let modes = rigid_modes(positions, free);
-            let hierarchy = if self.border.len() == 0 {
-                Hierarchy::new(k, &modes, labels, self.kind)
-            } else {
-                Hierarchy::new(&self.saddle.augmented(k, &self.border), &modes, labels, MatrixKind::General)
+            let mut modes = rigid_modes(positions, free);
+            let general = MatrixKind::General;
+            let hierarchy = match &self.condensation {
+                _ if self.border.len() == 0 => Hierarchy::new(k, &modes, labels, self.kind),
+                Some(condensation) => {
+                    condensation.restrict(&mut modes);
+                    Hierarchy::new(&condensation.matrix(k, &self.border), &modes, labels, general)
+                }
+                None => Hierarchy::new(&self.saddle.augmented(k, &self.border), &modes, labels, general),
             };
             Preconditioner::Hierarchy(Box::new(hierarchy?))
         });
@@ -308,14 +335,14 @@ impl IterativeSolver {
     }
 
     fn iterate(&mut self, tolerance: f64, curvature: Curvature) -> Report {
-        let Self { k, border, saddle, preconditioner, krylov, b, x, kind, .. } = self;
+        let Self { k, border, saddle, condensation, preconditioner, krylov, b, x, kind, .. } = self;
         let Some(preconditioner) = preconditioner else {
             return Report { iterations: 0, residual: f64::INFINITY, negative: false, slow: false };
         };
         let is_symmetric = *kind != MatrixKind::General && border.len() == 0;
         let mut limit = if matches!(preconditioner, Preconditioner::OneLevel(_)) { LIMIT_OF_ONE_LEVEL } else { LIMIT };
         let mut is_indefinite = preconditioner.is_indefinite();
-        let mut system = Preconditioned { k, border, saddle, preconditioner };
+        let mut system = Preconditioned { k, border, saddle, condensation, preconditioner };
         let mut used = 0;
         if is_symmetric && !is_indefinite {
             let report = krylov.conjugate_gradients(&mut system, b, x, tolerance, limit);
@@ -347,7 +374,7 @@ impl IterativeSolver {
 
     /// Drops what was made from earlier values.
     pub fn forget(&mut self) {
-        self.preconditioner = None;
+        (self.preconditioner, self.condensation) = (None, None);
         (self.first, self.last_rhs) = (None, None);
         (self.is_stale, self.is_indefinite, self.was_slow, self.refused) = (false, false, false, false);
     }
@@ -377,6 +404,7 @@ impl IterativeSolver {
             + self.k.memory_bytes()
             + self.border.memory_bytes()
             + self.saddle.memory_bytes()
+            + self.condensation.as_ref().map_or(0, Condensation::memory_bytes)
             + self.krylov.memory_bytes()
             + 2 * size_of::<f64>() * self.b.capacity()
     }

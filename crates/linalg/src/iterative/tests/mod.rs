@@ -1,10 +1,12 @@
 //! Elastic blocks of trilinear cells, held, free, or in contact by made-up multipliers.
 
+mod condensation;
 mod contact;
 mod levels;
 mod solutions;
 
-use crate::{EquationPlace, NONE, ScatterMap, SparseMatrix, SparsityPattern};
+use crate::iterative::IterativeSolver;
+use crate::{EquationPlace, MatrixKind, NONE, ScatterMap, SparseMatrix, SparsityPattern};
 use std::sync::Arc;
 
 /// A box of cells.
@@ -172,7 +174,7 @@ pub fn system(bodies: &[Body], held: impl Fn(usize, [f64; 3]) -> [bool; 3], mult
     // A slave node and its multipliers together, as the multifrontal solver wants them.
     let mut groups: Vec<u32> =
         places.iter().map(|place| if let EquationPlace::Node { node, .. } = place { *node } else { NONE }).collect();
-    multipliers.iter().enumerate().for_each(|(k, m)| groups[free + k] = m.c.first().map_or(NONE, |c| c.0 as u32));
+    multipliers.iter().enumerate().for_each(|(k, m)| groups[free + k] = m.b.first().map_or(NONE, |b| b.0 as u32));
     let lists = || stencils.iter().map(Vec::as_slice);
     let pattern = SparsityPattern::from_stencils(n, lists()).unwrap();
     let pattern = if groups.contains(&NONE) { pattern } else { pattern.with_groups(groups).unwrap() };
@@ -223,4 +225,12 @@ pub fn relative_residual(system: &System, x: &[f64]) -> f64 {
     system.matrix.multiply(x, &mut r);
     r.iter_mut().zip(&system.rhs).for_each(|(r, b)| *r -= b);
     crate::vector::norm2(&r) / crate::vector::norm2(&system.rhs)
+}
+
+/// A solver with the places and the pattern.
+pub fn prepared(system: &System, kind: MatrixKind) -> IterativeSolver {
+    let mut solver = IterativeSolver::default();
+    solver.place(&mut system.places.iter().copied());
+    solver.analyse(system.pattern(), kind);
+    solver
 }

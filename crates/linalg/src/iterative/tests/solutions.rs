@@ -1,6 +1,6 @@
 //! Solutions without multipliers.
 
-use super::{Body, CUBE, System, clamped, cube, relative_residual, system};
+use super::{Body, CUBE, System, clamped, cube, prepared, relative_residual, system};
 use crate::iterative::{Curvature, IterativeSolver};
 use crate::{AutoSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, SolverOptions};
 
@@ -11,13 +11,6 @@ fn solve(system: &System, kind: MatrixKind) -> (u32, Vec<f64>) {
     // The first solution after `forget` has the largest forcing term; the second one is asked for eight digits.
     let iterations = precise(&mut solver, system, &mut x);
     (iterations, x)
-}
-
-fn prepared(system: &System, kind: MatrixKind) -> IterativeSolver {
-    let mut solver = IterativeSolver::default();
-    solver.place(&mut system.places.iter().copied());
-    solver.analyse(system.pattern(), kind);
-    solver
 }
 
 /// A solution to 1e-8: right-hand sides before it make the forcing term that small.
