@@ -14,8 +14,9 @@ use super::inverse::invert;
 use super::modes::MODES;
 use super::saddle::{Border, Coupling, with_products};
 
-/// A row whose own entry of `D` is larger than this part of `C E^-1 B` is eliminated.
-const PIVOT: f64 = 1e-3;
+/// A row whose own entry of `D` is larger than this part of `C E^-1 B` is eliminated; in others `D` is left out. (What is eliminated is a spring of `C E^-1 B / D` times the stiffness of the node. A
+/// sandwich with dual multipliers and friction: 204 iterations in 14 solutions with 0.001, 139 with 0.3.)
+const PIVOT: f64 = 0.3;
 
 /// What a slot has at slave nodes of others counts at its own (the derivative of its normal, for instance), up to this part of what it has there.
 const LUMPED: f64 = 0.25;

@@ -6,7 +6,7 @@ use super::inverse::inverse_diagonal;
 use super::modes::{MODES, smoothed, tentative};
 use super::real::Real;
 use super::refusal::Refusal;
-use super::smoother::Smoother;
+use super::smoother::{Smoother, largest_eigenvalue};
 use crate::vector::norm_inf;
 use crate::{LinearSolver, MatrixKind, MultifrontalSolver, SparsityPattern};
 use std::sync::Arc;
@@ -39,10 +39,9 @@ struct Smoothed<T, const B: usize> {
 }
 
 impl<T: Real, const B: usize> Smoothed<T, B> {
-    fn new(a: &Bsr<f64, B, B>, inverse: &[Block<f64, B, B>], unit: f64, degree: usize) -> Self {
+    fn new(a: Bsr<T, B, B>, inverse: Vec<Block<T, B, B>>, largest: f64, degree: usize) -> Self {
         let n = B * a.rows();
-        let a = a.rounded(1.0 / unit);
-        let smoother = Smoother::new(&a, inverse, unit, degree);
+        let smoother = Smoother::new(&a, inverse, largest, degree);
         Self { a, smoother, b: vec![T::default(); n], x: vec![T::default(); n] }
     }
 
@@ -64,6 +63,11 @@ fn unit_of<const B: usize>(a: &Bsr<f64, B, B>) -> f64 {
     if largest > 0.0 && largest.is_finite() { largest.log2().round().exp2() } else { 1.0 }
 }
 
+/// Inverse blocks of a matrix, of this matrix divided by `unit`.
+fn rounded<T: Real, const B: usize>(inverse: &[Block<f64, B, B>], unit: f64) -> Vec<Block<T, B, B>> {
+    inverse.iter().map(|block| block.map(|row| row.map(|v| T::rounded(unit * v)))).collect()
+}
+
 /// The preconditioner of a level alone; for matrices that mass dominates.
 #[derive(Debug)]
 pub(crate) struct OneLevel<T> {
@@ -73,8 +77,10 @@ pub(crate) struct OneLevel<T> {
 
 impl<T: Real> OneLevel<T> {
     pub fn new(a: &Bsr<f64, 3, 3>) -> Self {
-        let (inverse, unit) = (inverse_diagonal(a), unit_of(a));
-        Self { level: Smoothed::new(a, &inverse, unit, DEGREE_OF_ONE_LEVEL), unit }
+        let unit = unit_of(a);
+        let (a, inverse) = (a.rounded(1.0 / unit), rounded(&inverse_diagonal(a), unit));
+        let largest = largest_eigenvalue(&a, &inverse);
+        Self { level: Smoothed::new(a, inverse, largest, DEGREE_OF_ONE_LEVEL), unit }
     }
 
     /// `z = M r`.
@@ -141,9 +147,11 @@ impl<T: Real, const B: usize> Level<T, B> {
             return None;
         }
         let inverse = inverse_diagonal(a);
-        let own = Smoothed::new(a, &inverse, unit, DEGREE);
+        let own_inverse = rounded(&inverse, unit);
+        // The rounded matrix is made again: the products below need much memory.
+        let largest = largest_eigenvalue(&a.rounded(1.0 / unit), &own_inverse);
         let (p0, modes) = tentative(modes, &of, count);
-        let p = smoothed(a, &inverse, &p0, PROLONGATOR_DAMPING / own.smoother.largest());
+        let p = smoothed(a, &inverse, &p0, PROLONGATOR_DAMPING / largest);
         drop(p0);
         let transposed = p.transposed();
         let mut coarse = product(&transposed, &product(a, &p));
@@ -153,7 +161,7 @@ impl<T: Real, const B: usize> Level<T, B> {
             coarse_labels[aggregate as usize] = label;
         }
         let level = Self {
-            own,
+            own: Smoothed::new(a.rounded(1.0 / unit), own_inverse, largest, DEGREE),
             prolongation: p.rounded(1.0),
             restriction: transposed.rounded(1.0),
             r: vec![T::default(); B * a.rows()],

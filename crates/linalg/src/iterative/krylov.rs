@@ -239,3 +239,26 @@ impl Krylov {
 fn triangle_rest(triangle: &[Vec<f64>]) -> f64 {
     triangle.last().and_then(|column| column.last()).copied().unwrap_or(1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steps until an iteration to `1e-8` with these residuals is broken off.
+    fn steps(residual: impl Fn(i32) -> f64) -> Option<i32> {
+        let mut pace = Pace::default();
+        pace.begin(1.0);
+        (1..150).find(|&k| pace.is_too_slow(residual(k), 1e-8, 150))
+    }
+
+    #[test]
+    fn what_ends_within_the_limit_is_not_broken_off() {
+        assert_eq!(steps(|k| 0.87_f64.powi(k)), None);
+        // Residuals of conjugate gradients rise first.
+        assert_eq!(steps(|k| if k < 30 { 1.2_f64.powi(k) } else { 1.2_f64.powi(30) * 0.75_f64.powi(k - 30) }), None);
+        assert_eq!(steps(|k| 0.95_f64.powi(k)), Some(20));
+        // Fast at first, then not at all.
+        assert!(steps(|k| 0.7_f64.powi(k.min(15))).is_some_and(|k| k <= 40));
+        assert_eq!(steps(|_| 0.5), Some(20));
+    }
+}

@@ -49,8 +49,6 @@ struct Step<T> {
 #[derive(Debug)]
 pub(crate) struct Smoother<T, const B: usize> {
     inverse: Vec<Block<T, B, B>>,
-    /// Of `D^-1 A`.
-    largest: f64,
     /// The first one without `keep`.
     steps: [Step<T>; MAX_DEGREE],
     degree: usize,
@@ -61,11 +59,9 @@ pub(crate) struct Smoother<T, const B: usize> {
 }
 
 impl<T: Real, const B: usize> Smoother<T, B> {
-    /// For a matrix that was divided by `unit`, from the inverse diagonal blocks it had before; `degree` products, of which the first is spared if the iterate is zero.
-    pub fn new(a: &Bsr<T, B, B>, inverse: &[Block<f64, B, B>], unit: f64, degree: usize) -> Self {
+    /// For a matrix with its inverse diagonal blocks and [`largest_eigenvalue`]; `degree` products, of which the first is spared if the iterate is zero.
+    pub fn new(a: &Bsr<T, B, B>, inverse: Vec<Block<T, B, B>>, largest: f64, degree: usize) -> Self {
         let n = B * inverse.len();
-        let inverse: Vec<_> = inverse.iter().map(|block| block.map(|row| row.map(|v| T::rounded(unit * v)))).collect();
-        let largest = largest_eigenvalue(a, &inverse);
         let upper = UPPER_MARGIN * largest;
         let lower = upper / RANGE;
         let (middle, half) = (0.5 * (upper + lower), 0.5 * (upper - lower));
@@ -79,12 +75,7 @@ impl<T: Real, const B: usize> Smoother<T, B> {
             rho = next;
         }
         let waves = Waves::new(a);
-        Self { inverse, largest, steps, degree, waves, z: vec![T::default(); n], other: vec![T::default(); n] }
-    }
-
-    /// The largest eigenvalue of `D^-1 A`, see [`largest_eigenvalue`].
-    pub fn largest(&self) -> f64 {
-        self.largest
+        Self { inverse, steps, degree, waves, z: vec![T::default(); n], other: vec![T::default(); n] }
     }
 
     /// Improves `x`; with `from_zero` it counts as zero, whatever is in it. `residual` gets `b - A x`.
@@ -96,7 +87,7 @@ impl<T: Real, const B: usize> Smoother<T, B> {
         from_zero: bool,
         mut residual: Option<&mut [T]>,
     ) {
-        let Self { inverse, steps, degree, waves, z, other, .. } = self;
+        let Self { inverse, steps, degree, waves, z, other } = self;
         let mut steps = &steps[..*degree];
         if from_zero {
             apply_blocks(inverse, steps[0].factor, b, z);

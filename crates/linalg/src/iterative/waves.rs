@@ -52,3 +52,39 @@ impl Waves {
         size_of::<u32>() * self.reach.capacity()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows that are coupled at random, one-sidedly, over a band of some chunks.
+    #[test]
+    fn neighbours_are_one_pass_ahead_and_no_more() {
+        let rows = 11 * ROWS + 17;
+        let mut a = Bsr::<f32, 3, 3>::empty(rows);
+        for i in 0..rows {
+            let offset = |seed: usize| (i * 7919 + seed * 104_729) % (3 * ROWS);
+            let mut near = vec![i.saturating_sub(offset(1)), i, (i + offset(2)).min(rows - 1)];
+            near.dedup();
+            near.iter().for_each(|&j| a.indices.push(j as u32));
+            a.blocks.resize(a.indices.len(), [[0.0; 3]; 3]);
+            a.starts.push(a.indices.len());
+        }
+        for passes in 1..=5 {
+            let mut done = vec![0; rows];
+            Waves::new(&a).run::<5>(passes, |pass, part| {
+                for i in part {
+                    assert_eq!(done[i], pass);
+                    done[i] += 1;
+                }
+                // A row that is computed reads the results of the pass before, and those of the pass before that are written over.
+                for i in 0..rows {
+                    for (j, _) in a.row(i) {
+                        assert!(done[i] <= done[j] + 1 && done[j] <= done[i] + 1, "{i} {j}");
+                    }
+                }
+            });
+            assert!(done.iter().all(|&done| done == passes));
+        }
+    }
+}
