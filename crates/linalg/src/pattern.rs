@@ -26,55 +26,26 @@ impl SparsityPattern {
         if n >= NONE as usize {
             return Err(LinalgError::TooLarge { what: "number of equations", count: n });
         }
-        // Which stencils touch an equation: offsets by counting, then the list.
-        let mut offsets = vec![0usize; n + 1];
-        let mut count = 0usize;
-        for (k, stencil) in stencils.clone().enumerate() {
-            count = k + 1;
-            for (entry, &equation) in stencil.iter().enumerate() {
-                if equation == NONE {
-                    continue;
-                }
-                if equation as usize >= n {
-                    return Err(LinalgError::EquationOutOfRange { stencil: k, entry, equation, n });
-                }
-                offsets[equation as usize + 1] += 1;
-            }
+        let blocks = Blocks::new(n, stencils.clone())?;
+        // Which blocks are coupled: the pattern of a matrix of blocks.
+        let coupled = blocks.coupled(stencils);
+        let size = |block: usize| (blocks.starts[block + 1] - blocks.starts[block]) as usize;
+        let rows = |block: usize| coupled.rows(block).iter().map(|&row| size(row as usize)).sum::<usize>();
+        let count = (0..blocks.count()).map(|block| size(block) * rows(block)).sum();
+        if count >= NONE as usize {
+            return Err(LinalgError::TooLarge { what: "number of entries", count });
         }
-        for j in 0..n {
-            offsets[j + 1] += offsets[j];
-        }
-        let mut list: Vec<&[u32]> = vec![&[]; offsets[n]];
-        let mut next = offsets.clone();
-        for stencil in stencils.take(count) {
-            for &equation in stencil.iter().filter(|&&e| e != NONE) {
-                list[next[equation as usize]] = stencil;
-                next[equation as usize] += 1;
-            }
-        }
-        let mut column_pointers = Vec::with_capacity(n + 1);
-        let mut row_indices = Vec::new();
-        let mut mark = vec![NONE; n];
+        let (mut column_pointers, mut row_indices) = (Vec::with_capacity(n + 1), Vec::with_capacity(count));
         column_pointers.push(0);
-        for j in 0..n {
-            let start = row_indices.len();
-            mark[j] = j as u32;
-            row_indices.push(j);
-            for stencil in &list[offsets[j]..offsets[j + 1]] {
-                for &i in stencil.iter().filter(|&&i| i != NONE) {
-                    if mark[i as usize] != j as u32 {
-                        mark[i as usize] = j as u32;
-                        row_indices.push(i as usize);
-                    }
+        for block in 0..blocks.count() {
+            for _ in 0..size(block) {
+                for &row in coupled.rows(block) {
+                    let first = blocks.starts[row as usize] as usize;
+                    row_indices.extend(first..first + size(row as usize));
                 }
+                column_pointers.push(row_indices.len());
             }
-            row_indices[start..].sort_unstable();
-            column_pointers.push(row_indices.len());
         }
-        if row_indices.len() >= NONE as usize {
-            return Err(LinalgError::TooLarge { what: "number of entries", count: row_indices.len() });
-        }
-        row_indices.shrink_to_fit();
         Ok(Self { n, column_pointers, row_indices, groups: None, first_multiplier: n })
     }
 
@@ -182,5 +153,114 @@ impl SparsityPattern {
     pub fn memory_bytes(&self) -> usize {
         size_of::<usize>() * (self.column_pointers.capacity() + self.row_indices.capacity())
             + size_of::<u32>() * self.groups.as_ref().map_or(0, Vec::capacity)
+    }
+}
+
+/// Ranges of equations that all stencils name one after the other or not at all, such as the components of a node: they have the same rows and columns.
+struct Blocks {
+    /// First equation of each, and the number of all.
+    starts: Vec<u32>,
+    /// Block that begins with an equation; [`NONE`] for the others.
+    beginning: Vec<u32>,
+}
+
+/// The blocks that are coupled with each block, ascending, with itself.
+struct Coupled {
+    pointers: Vec<usize>,
+    rows: Vec<u32>,
+}
+
+impl Coupled {
+    fn rows(&self, block: usize) -> &[u32] {
+        &self.rows[self.pointers[block]..self.pointers[block + 1]]
+    }
+}
+
+impl Blocks {
+    fn new<'a>(n: usize, stencils: impl Iterator<Item = &'a [u32]>) -> Result<Self, LinalgError> {
+        let mut is_named = vec![false; n];
+        // Whether a block begins with each equation.
+        let mut begins = vec![false; n + 1];
+        for (k, stencil) in stencils.enumerate() {
+            let mut before = NONE;
+            for (entry, &equation) in stencil.iter().enumerate() {
+                if equation != NONE && equation as usize >= n {
+                    return Err(LinalgError::EquationOutOfRange { stencil: k, entry, equation, n });
+                }
+                if before == NONE || equation != before + 1 {
+                    if before != NONE {
+                        begins[before as usize + 1] = true;
+                    }
+                    if equation != NONE {
+                        begins[equation as usize] = true;
+                    }
+                }
+                if equation != NONE {
+                    is_named[equation as usize] = true;
+                }
+                before = equation;
+            }
+            if before != NONE {
+                begins[before as usize + 1] = true;
+            }
+        }
+        let (mut starts, mut beginning) = (Vec::new(), vec![NONE; n]);
+        for equation in 0..n {
+            if begins[equation] || !is_named[equation] || equation == 0 {
+                beginning[equation] = starts.len() as u32;
+                starts.push(equation as u32);
+            }
+        }
+        starts.push(n as u32);
+        Ok(Self { starts, beginning })
+    }
+
+    fn count(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The blocks that a stencil names; all of their equations are in it.
+    fn of<'a>(&'a self, stencil: &'a [u32]) -> impl Iterator<Item = u32> + 'a {
+        let beginning = |&equation: &u32| if equation == NONE { NONE } else { self.beginning[equation as usize] };
+        stencil.iter().map(beginning).filter(|&block| block != NONE)
+    }
+
+    fn coupled<'a>(&self, stencils: impl Iterator<Item = &'a [u32]> + Clone) -> Coupled {
+        let count = self.count();
+        // Which stencils touch a block: offsets by counting, then the list.
+        let mut offsets = vec![0usize; count + 1];
+        for stencil in stencils.clone() {
+            self.of(stencil).for_each(|block| offsets[block as usize + 1] += 1);
+        }
+        for block in 0..count {
+            offsets[block + 1] += offsets[block];
+        }
+        let mut list: Vec<&[u32]> = vec![&[]; offsets[count]];
+        let mut next = offsets.clone();
+        for stencil in stencils {
+            for block in self.of(stencil) {
+                list[next[block as usize]] = stencil;
+                next[block as usize] += 1;
+            }
+        }
+        let (mut pointers, mut rows) = (Vec::with_capacity(count + 1), Vec::new());
+        let mut mark = vec![NONE; count];
+        pointers.push(0);
+        for block in 0..count as u32 {
+            let start = rows.len();
+            mark[block as usize] = block;
+            rows.push(block);
+            for stencil in &list[offsets[block as usize]..offsets[block as usize + 1]] {
+                for other in self.of(stencil) {
+                    if mark[other as usize] != block {
+                        mark[other as usize] = block;
+                        rows.push(other);
+                    }
+                }
+            }
+            rows[start..].sort_unstable();
+            pointers.push(rows.len());
+        }
+        Coupled { pointers, rows }
     }
 }

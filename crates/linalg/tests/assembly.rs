@@ -104,7 +104,7 @@ fn wrong_stencils_are_named() {
     let p = pattern(5, &[vec![0, 1], vec![2, 3]]);
     let foreign = [vec![0, 1], vec![1, 2]];
     let error = ScatterMap::new(&p, foreign.iter().map(Vec::as_slice)).unwrap_err();
-    let expected = LinalgError::EntryNotInPattern { stencil: 1, row: 1, column: 2 };
+    let expected = LinalgError::EntryNotInPattern { stencil: 1, row: 2, column: 1 };
     assert_eq!(error, expected);
     assert_eq!(p.position(7, 0), None);
     assert_eq!(p.position(0, 7), None);

@@ -35,7 +35,7 @@ impl StencilList {
 }
 
 /// Nodes and slots of contact contributions.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Contributions {
     /// Pair, number of nodes and number of slots.
     heads: Vec<[u32; 3]>,

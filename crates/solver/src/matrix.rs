@@ -134,6 +134,8 @@ pub(crate) struct Matrix {
     pub slots: Slots,
     /// What the pattern was made from.
     contributions: Contributions,
+    /// What the map was made from, if it is one of this pattern.
+    mapped: Option<Contributions>,
 }
 
 impl Matrix {
@@ -149,6 +151,7 @@ impl Matrix {
             values: Vec::new(),
             slots: Slots::new(model),
             contributions: Contributions::default(),
+            mapped: None,
             numbering,
             groups,
             fixed,
@@ -221,20 +224,20 @@ impl Matrix {
         if all != self.contributions || self.from_fixed.is_empty() {
             self.set_pattern(model, all)?;
         }
-        self.set_map(model, &present, active)
+        self.set_map(model, present, active)
     }
 
     /// Maps for the present active set and pairings. The pattern grows if it has no room for them, else it stays as it is.
     pub fn renew_pattern(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
         let present = Contributions::active(model, active);
-        match self.set_map(model, &present, active) {
+        match self.set_map(model, present.clone(), active) {
             Err(StepError::Linear(LinalgError::EntryNotInPattern { .. })) => {}
             result => return result,
         }
         let mut all = std::mem::take(&mut self.contributions);
         all.append(&present);
         self.set_pattern(model, all)?;
-        self.set_map(model, &present, active)
+        self.set_map(model, present, active)
     }
 
     /// The pattern of solids and contributions, with an equation for each slot.
@@ -289,19 +292,24 @@ impl Matrix {
         self.values.resize(pattern.nnz(), 0.0);
         self.pattern = pattern;
         self.contributions = contributions;
+        self.mapped = None;
         Ok(())
     }
 
     /// Where the entries of the active contributions go; [`LinalgError::EntryNotInPattern`] if the pattern has no room for them.
-    fn set_map(&mut self, model: &Model, present: &Contributions, active: &[Vec<bool>]) -> Result<(), StepError> {
-        let Slots { equation, width, .. } = &self.slots;
-        for (stencil, (pair, _, slots)) in present.iter().enumerate() {
-            if slots.iter().any(|&slot| equation[pair][slot as usize] == NONE) {
-                return Err(LinalgError::EntryNotInPattern { stencil, row: NONE, column: NONE }.into());
+    fn set_map(&mut self, model: &Model, present: Contributions, active: &[Vec<bool>]) -> Result<(), StepError> {
+        if self.mapped.as_ref() != Some(&present) {
+            self.mapped = None;
+            let Slots { equation, width, .. } = &self.slots;
+            for (stencil, (pair, _, slots)) in present.iter().enumerate() {
+                if slots.iter().any(|&slot| equation[pair][slot as usize] == NONE) {
+                    return Err(LinalgError::EntryNotInPattern { stencil, row: NONE, column: NONE }.into());
+                }
             }
+            let stencils = present.stencils(&self.numbering, equation, width);
+            self.map = ScatterMap::new(&self.pattern, stencils.iter())?;
+            self.mapped = Some(present);
         }
-        let stencils = present.stencils(&self.numbering, equation, width);
-        self.map = ScatterMap::new(&self.pattern, stencils.iter())?;
         self.slots.inactive.clear();
         self.set_closed_diagonal(model, active)?;
         let Slots { equation, inactive, .. } = &mut self.slots;
