@@ -218,6 +218,22 @@ fn tangents_are_derivatives() {
     }
 }
 
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let mut scene = two([5, 7], 0.05, [0.13, 0.21], 0.1, 0.1, 0.3);
+    let q = noise(&mut Rng::with_seed(8), &scene.reference, 0.01);
+    scene.enter(GradientRule::DiscreteGradient, &q);
+    let contact = &mut scene.contact;
+    begin(contact, GradientRule::DiscreteGradient, &q, &scene.reference);
+    let mut on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| assemble(contact, GradientRule::DiscreteGradient, &q, &scene.reference))
+    };
+    let alone = on(1);
+    assert!(alone.0.iter().any(|r| *r != 0.0));
+    assert!(alone == on(2) && alone == on(3));
+}
+
 /// Along a motion, friction with the normal forces of its start is the gradient of an energy: at the start energy and friction change together by the work of the forces, and friction is convex.
 #[test]
 fn friction_along_a_motion_has_an_energy() {

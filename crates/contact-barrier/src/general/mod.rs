@@ -24,7 +24,9 @@ use history::History;
 use joint::Joint;
 use nalgebra::Vector3;
 use pieces::PieceList;
+use rayon::prelude::*;
 use scatter::Scatter;
+use std::ops::Range;
 use stoss_contact::ContactError;
 use stoss_term::{
     At, BodyPair, Fault, GradientRule, Local, Potential, Rule, Step, SurfaceForce, SurfaceNode, Term, Work,
@@ -35,6 +37,17 @@ const MAX_SHORTENED: u32 = 3;
 
 /// Part of a motion that is free, below which what stops it begins to act.
 const BLOCKED: f64 = 0.5;
+
+/// Groups that are computed before they are handed out, for each thread.
+const AT_ONCE: usize = 16;
+
+/// Room for the contribution of a group.
+#[derive(Debug, Default)]
+struct Room {
+    local: Local,
+    joint: Joint,
+    scatter: Scatter,
+}
 
 /// Settings of [`GeneralContact`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,6 +153,25 @@ impl GeneralContact {
         facets.iter().for_each(|&f| nodes.extend_from_slice(self.skin.nodes_of(f)));
         nodes.sort_unstable();
         nodes.dedup();
+    }
+
+    /// What acts on the facets of a group.
+    fn contribution<'a>(
+        &self,
+        (facets, acts): (&[u32], Range<usize>),
+        want_tangent: bool,
+        room: &'a mut Room,
+    ) -> &'a Local {
+        let Room { local, joint, scatter } = room;
+        self.nodes_of(facets, &mut local.nodes);
+        local.reset(want_tangent);
+        scatter.begin(&self.skin, facets, want_tangent);
+        for act in acts.filter_map(|k| self.acts.get(k)) {
+            self.force(act, joint, want_tangent);
+            scatter.add(&self.skin, joint);
+        }
+        scatter.finish(&self.skin, local);
+        local
     }
 
     /// What decides which contacts begin.
@@ -257,19 +289,30 @@ impl Term for GeneralContact {
         if at.rule.constraint().is_none() {
             return Ok(());
         }
-        let (mut local, mut joint, mut scatter) = (Local::default(), Joint::default(), Scatter::default());
+        // Groups and what acts have one order: that of the facets.
         let mut next = 0;
-        for facets in &self.groups {
-            self.nodes_of(facets, &mut local.nodes);
-            local.reset(want_tangent);
-            scatter.begin(&self.skin, facets, want_tangent);
-            while let Some(act) = self.acts.get(next).filter(|act| self.acts.facets(act) == &**facets) {
+        let of_groups = self.groups.iter().map(|facets| {
+            let first = next;
+            while self.acts.get(next).is_some_and(|act| self.acts.facets(act) == &**facets) {
                 next += 1;
-                self.force(act, &mut joint, want_tangent);
-                scatter.add(&self.skin, &joint);
             }
-            scatter.finish(&self.skin, &mut local);
-            visit(&local);
+            (&**facets, first..next)
+        });
+        let threads = rayon::current_num_threads();
+        if threads == 1 {
+            let mut room = Room::default();
+            of_groups.for_each(|group| visit(self.contribution(group, want_tangent, &mut room)));
+            return Ok(());
+        }
+        let of_groups: Vec<_> = of_groups.collect();
+        let mut rooms: Vec<Room> = Vec::new();
+        rooms.resize_with((AT_ONCE * threads).min(of_groups.len()), Room::default);
+        for some in of_groups.chunks(rooms.len().max(1)) {
+            let rooms = &mut rooms[..some.len()];
+            rooms.par_iter_mut().zip(some).for_each(|(room, group)| {
+                self.contribution(group.clone(), want_tangent, room);
+            });
+            rooms.iter().for_each(|room| visit(&room.local));
         }
         Ok(())
     }
