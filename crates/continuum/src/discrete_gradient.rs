@@ -24,9 +24,13 @@ use crate::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2, Tensor4};
 /// shows as a drift of the energy in small vibrations, a smaller one as noise in the stress on which Newton's iteration stalls.
 pub const SMALLEST_STRAIN_INCREMENT: f64 = 1.0e-6;
 
-/// Mean strain, increment and its square.
+#[inline]
+fn mean(c_n: &SymmetricTensor2, c_np1: &SymmetricTensor2) -> SymmetricTensor2 {
+    (*c_n + *c_np1) * 0.5
+}
+
+/// Strain increment and its square.
 struct Increment {
-    mean: SymmetricTensor2,
     delta: SymmetricTensor2,
     square: f64,
 }
@@ -34,7 +38,7 @@ struct Increment {
 impl Increment {
     fn new(c_n: &SymmetricTensor2, c_np1: &SymmetricTensor2) -> Self {
         let delta = *c_np1 - *c_n;
-        Self { mean: (*c_n + *c_np1) * 0.5, delta, square: delta.double_contract(&delta) }
+        Self { delta, square: delta.double_contract(&delta) }
     }
 
     fn has_quotient(&self, law: &(impl HyperelasticLaw + ?Sized)) -> bool {
@@ -61,13 +65,13 @@ pub fn energy_momentum_stress(
     c_np1: &SymmetricTensor2,
 ) -> Result<SymmetricTensor2, ConstitutiveError> {
     let increment = Increment::new(c_n, c_np1);
-    let mean_stress = law.stress(&increment.mean)?;
+    let mean_stress = law.stress(&mean(c_n, c_np1))?;
+    // Also where there is no quotient an inadmissible end state has to be found.
     let energy_np1 = law.energy(c_np1)?;
     if !increment.has_quotient(law) {
         return Ok(mean_stress);
     }
-    let k = increment.quotient(energy_n, energy_np1, &mean_stress);
-    Ok(mean_stress + increment.delta * k)
+    Ok(mean_stress + increment.delta * increment.quotient(energy_n, energy_np1, &mean_stress))
 }
 
 /// `S_alg` and `A` of theory/integrators#eq-ems-tangent: `d S_alg = A : dE_np1`, that is `dS_v = A dE_v` with `E_v = C_v/2` (shears doubled). `A` has no
@@ -81,22 +85,99 @@ pub fn energy_momentum_stress_and_tangent(
     energy_n: f64,
     c_np1: &SymmetricTensor2,
 ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-    let increment = Increment::new(c_n, c_np1);
-    let (mean_stress, elasticity) = law.stress_and_elasticity(&increment.mean)?;
-    let mut tangent = elasticity * 0.5;
-    if !increment.has_quotient(law) {
-        // Also here an inadmissible end state has to be found.
-        law.energy(c_np1)?;
-        return Ok((mean_stress, tangent));
+    let (mut stress, mut tangent) = law.stress_and_elasticity(&mean(c_n, c_np1))?;
+    let end = law.energy_and_stress(c_np1)?;
+    complete(law, &Increment::new(c_n, c_np1), energy_n, &end, &mut stress, &mut tangent);
+    Ok((stress, tangent))
+}
+
+/// Points that are evaluated together.
+const TOGETHER: usize = 4;
+
+/// [`energy_momentum_stress`] at several points of one law, with the same bits. All lists have one entry a point.
+///
+/// # Errors
+/// The number of a point at which the law has no value at `C_np1` or at the mean, and why.
+pub fn energy_momentum_stresses(
+    law: &(impl HyperelasticLaw + ?Sized),
+    c_n: &[SymmetricTensor2],
+    energy_n: &[f64],
+    c_np1: &[SymmetricTensor2],
+    out: &mut [SymmetricTensor2],
+) -> Result<(), (usize, ConstitutiveError)> {
+    for first in (0..out.len()).step_by(TOGETHER) {
+        let points = first..(first + TOGETHER).min(out.len());
+        let (count, out) = (points.len(), &mut out[points.clone()]);
+        let (c_n, energy_n, c_np1) = (&c_n[points.clone()], &energy_n[points.clone()], &c_np1[points]);
+        let numbered = |(k, error)| (first + k, error);
+        let mut means = [SymmetricTensor2::ZERO; TOGETHER];
+        means.iter_mut().zip(c_n.iter().zip(c_np1)).for_each(|(out, (a, b))| *out = mean(a, b));
+        law.stresses(&means[..count], out).map_err(numbered)?;
+        // Also where there is no quotient an inadmissible end state has to be found.
+        let mut energies = [0.0; TOGETHER];
+        law.energies(c_np1, &mut energies[..count]).map_err(numbered)?;
+        for (l, stress) in out.iter_mut().enumerate() {
+            let increment = Increment::new(&c_n[l], &c_np1[l]);
+            if increment.has_quotient(law) {
+                let k = increment.quotient(energy_n[l], energies[l], stress);
+                *stress += increment.delta * k;
+            }
+        }
     }
-    let (energy_np1, stress_np1) = law.energy_and_stress(c_np1)?;
-    let k = increment.quotient(energy_n, energy_np1, &mean_stress);
+    Ok(())
+}
+
+/// [`energy_momentum_stress_and_tangent`] at several points of one law, with the same bits. All lists have one entry a point.
+///
+/// # Errors
+/// As of [`energy_momentum_stresses`].
+pub fn energy_momentum_stresses_and_tangents(
+    law: &(impl HyperelasticLaw + ?Sized),
+    c_n: &[SymmetricTensor2],
+    energy_n: &[f64],
+    c_np1: &[SymmetricTensor2],
+    out: &mut [(SymmetricTensor2, Tensor4)],
+) -> Result<(), (usize, ConstitutiveError)> {
+    for first in (0..out.len()).step_by(TOGETHER) {
+        let points = first..(first + TOGETHER).min(out.len());
+        let (count, out) = (points.len(), &mut out[points.clone()]);
+        let (c_n, energy_n, c_np1) = (&c_n[points.clone()], &energy_n[points.clone()], &c_np1[points]);
+        let numbered = |(k, error)| (first + k, error);
+        let mut means = [SymmetricTensor2::ZERO; TOGETHER];
+        means.iter_mut().zip(c_n.iter().zip(c_np1)).for_each(|(out, (a, b))| *out = mean(a, b));
+        law.stresses_and_elasticities(&means[..count], out).map_err(numbered)?;
+        let mut ends = [(0.0, SymmetricTensor2::ZERO); TOGETHER];
+        law.energies_and_stresses(c_np1, &mut ends[..count]).map_err(numbered)?;
+        for (l, (stress, tangent)) in out.iter_mut().enumerate() {
+            let increment = Increment::new(&c_n[l], &c_np1[l]);
+            complete(law, &increment, energy_n[l], &ends[l], stress, tangent);
+        }
+    }
+    Ok(())
+}
+
+/// From stress and elasticity at the mean strain to those of the step.
+#[inline]
+fn complete(
+    law: &(impl HyperelasticLaw + ?Sized),
+    increment: &Increment,
+    energy_n: f64,
+    (energy_np1, stress_np1): &(f64, SymmetricTensor2),
+    stress: &mut SymmetricTensor2,
+    tangent: &mut Tensor4,
+) {
+    let (mean_stress, elasticity) = (*stress, *tangent);
+    *tangent = elasticity * 0.5;
+    if !increment.has_quotient(law) {
+        return;
+    }
+    let k = increment.quotient(energy_n, *energy_np1, &mean_stress);
     let delta = increment.delta;
-    let slope = (stress_np1 - mean_stress - elasticity.double_contract_left(&delta) * 0.25 - delta * (2.0 * k))
+    let slope = (*stress_np1 - mean_stress - elasticity.double_contract_left(&delta) * 0.25 - delta * (2.0 * k))
         * (1.0 / increment.square);
     tangent.add_scaled(2.0 * k, &Tensor4::symmetric_identity());
     tangent.add_dyad(2.0, &delta, &slope);
-    Ok((mean_stress + delta * k, tangent))
+    *stress += delta * k;
 }
 
 #[cfg(test)]

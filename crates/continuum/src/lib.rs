@@ -17,7 +17,10 @@ mod measures;
 mod moduli;
 pub mod volume;
 
-pub use discrete_gradient::{energy_momentum_stress, energy_momentum_stress_and_tangent};
+pub use discrete_gradient::{
+    energy_momentum_stress, energy_momentum_stress_and_tangent, energy_momentum_stresses,
+    energy_momentum_stresses_and_tangents,
+};
 pub use material::{
     Loss, Material, Mechanisms, PointStep, Response, SMALLEST_STRAIN_INCREMENT_WITH_STATE, StateEntry, StateOutput,
     StepLaw, StepStress, Want,
@@ -42,6 +45,18 @@ pub enum ConstitutiveError {
     NonFinite,
 }
 
+#[inline]
+fn at_each<T>(
+    strains: &[SymmetricTensor2],
+    out: &mut [T],
+    of: impl Fn(&SymmetricTensor2) -> Result<T, ConstitutiveError>,
+) -> Result<(), (usize, ConstitutiveError)> {
+    for (k, (c, out)) in strains.iter().zip(out).enumerate() {
+        *out = of(c).map_err(|error| (k, error))?;
+    }
+    Ok(())
+}
+
 /// A hyperelastic law `W(C)`, `S = 2 dW/dC`, `CC = 2 dS/dC` (theory/kinematics#eq-stress).
 ///
 /// `C = F^T F` is symmetric and positive definite; energy and stress vanish at `C = 1`. Stresses and moduli have one unit, which is that of
@@ -55,7 +70,7 @@ pub enum ConstitutiveError {
 /// # How to implement
 /// Always: [`name`](Self::name), [`energy`](Self::energy), [`stress`](Self::stress),
 /// [`stress_and_elasticity`](Self::stress_and_elasticity), [`small_strain_moduli`](Self::small_strain_moduli). If it pays:
-/// [`energy_and_stress`](Self::energy_and_stress). Only if true: [`is_quadratic`](Self::is_quadratic). For nearly incompressible solids:
+/// [`energy_and_stress`](Self::energy_and_stress), [`energies`](Self::energies) and the three that follow it. Only if true: [`is_quadratic`](Self::is_quadratic). For nearly incompressible solids:
 /// [`volumetric`](Self::volumetric).
 ///
 /// # Errors
@@ -92,6 +107,51 @@ pub trait HyperelasticLaw: std::fmt::Debug + Send + Sync {
         &self,
         right_cauchy_green: &SymmetricTensor2,
     ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError>;
+    /// [`Self::energy`] at several strains with the same bits, as the three below: worth formulas of their own where an evaluation waits for quotients and roots.
+    /// `out` is as long as the list of strains.
+    ///
+    /// # Errors
+    /// The number of a strain that is inadmissible, and why it is.
+    fn energies(
+        &self,
+        right_cauchy_green: &[SymmetricTensor2],
+        out: &mut [f64],
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        at_each(right_cauchy_green, out, |c| self.energy(c))
+    }
+    /// [`Self::stress`] at several strains.
+    ///
+    /// # Errors
+    /// As of [`Self::energies`].
+    fn stresses(
+        &self,
+        right_cauchy_green: &[SymmetricTensor2],
+        out: &mut [SymmetricTensor2],
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        at_each(right_cauchy_green, out, |c| self.stress(c))
+    }
+    /// [`Self::energy_and_stress`] at several strains.
+    ///
+    /// # Errors
+    /// As of [`Self::energies`].
+    fn energies_and_stresses(
+        &self,
+        right_cauchy_green: &[SymmetricTensor2],
+        out: &mut [(f64, SymmetricTensor2)],
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        at_each(right_cauchy_green, out, |c| self.energy_and_stress(c))
+    }
+    /// [`Self::stress_and_elasticity`] at several strains.
+    ///
+    /// # Errors
+    /// As of [`Self::energies`].
+    fn stresses_and_elasticities(
+        &self,
+        right_cauchy_green: &[SymmetricTensor2],
+        out: &mut [(SymmetricTensor2, Tensor4)],
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        at_each(right_cauchy_green, out, |c| self.stress_and_elasticity(c))
+    }
     /// Moduli at `C = 1`.
     fn small_strain_moduli(&self) -> SmallStrainModuli;
     /// True if `W` is at most quadratic in `C` (the quotient of the discrete gradient is then zero and is skipped).

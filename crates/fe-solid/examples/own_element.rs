@@ -7,7 +7,7 @@
 
 use std::error::Error;
 use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2, energy_momentum_stress_and_tangent};
-use stoss_fe_solid::kernel::{self, ElementIntegration, LocalTangent, NodalVectors, TangentFactors};
+use stoss_fe_solid::kernel::{self, ElementIntegration, LocalTangent, NodalVectors, TangentFactors, TangentPoint};
 use stoss_materials::NeoHooke;
 use stoss_reference_element::quadrature::TET_14;
 use stoss_reference_element::{CellKind, CellTable, Face, FaceKind, Family, Integration, Shape, ShapeGradient};
@@ -83,7 +83,9 @@ fn element(
         let (s, a) = energy_momentum_stress_and_tangent(law, &c_n, law.energy(&c_n)?, &c_np1)?;
         kernel::add_force(&mid, &s.0, gradients, weight, &mut force);
         // The middle moves by half of what the end does.
-        kernel::tangent_factors(&mid, &f_np1, &a.0, &s.0, 0.5, gradients, weight, g, false, &mut factors);
+        let (left, right, moduli, stress) = (&mid, &f_np1, &a.0, &s.0);
+        let point = TangentPoint { left, right, moduli, stress, geometric: 0.5, weight };
+        kernel::tangent_factors(&[point], &at.gradients, g, false, &mut factors);
         change += weight * (law.energy(&c_np1)? - law.energy(&c_n)?);
     }
     let mut tangent = [[[[0.0; 3]; NODES]; 3]; NODES];

@@ -339,12 +339,21 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         rule: Option<ForceRule>,
         total: &mut f64,
     ) -> Result<(), ElementFailure> {
-        for (element, nodes) in elements::<N>(nodes).iter().enumerate() {
-            let q = gather(nodes, q);
+        let nodes = elements::<N>(nodes);
+        let of_element = |element: usize| {
             let laws = self.laws(material, element, rule);
-            *total += self.energy(material, element, laws, &q).map_err(|failure| (element, failure))?;
+            self.energy(material, element, laws, &gather(&nodes[element], q)).map_err(|failure| (element, failure))
+        };
+        let add = |energy| -> Result<(), ElementFailure> {
+            *total += energy?;
+            Ok(())
+        };
+        if rayon::current_num_threads() == 1 {
+            (0..nodes.len()).map(of_element).try_for_each(add)
+        } else {
+            let all: Vec<_> = (0..nodes.len()).into_par_iter().with_min_len(CHUNK).map(of_element).collect();
+            all.into_iter().try_for_each(add)
         }
-        Ok(())
     }
 
     fn visit_points(

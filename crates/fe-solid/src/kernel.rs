@@ -13,6 +13,10 @@
 //! term). Then `K_iI,jJ = sum_gp w G_AI P_iAjB G_BJ` with `G_AI = dN_I/dX_A`, which is a product of an `N x 3G` and a
 //! `3G x N` matrix for each pair `(i, j)`: the sum over Gauss points and `A` is the inner dimension. That takes about half
 //! of the multiplications of the `B` form. If `F^l = F^r` and `A` is symmetric, three of the nine pairs are mirrored.
+//!
+//! # Vectors
+//! What is long runs with the widest vectors that the processor has, found at run time (`pulp`), over nodes or over Gauss points side by side. No sum is reordered for it and nothing
+//! is contracted to a fused multiply-add, so that the bits are the same on every processor.
 
 /// A 3x3 matrix, `[row][column]`.
 pub type Matrix3 = [[f64; 3]; 3];
@@ -42,6 +46,7 @@ pub fn flat<const N: usize>(tangent: &LocalTangent<N>) -> &[f64] {
 }
 
 /// `det` of a 3x3 matrix.
+#[inline(always)]
 pub fn determinant(m: &Matrix3) -> f64 {
     m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
         + m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2])
@@ -105,7 +110,7 @@ pub(crate) fn inverse(m: &Matrix3, det: f64) -> Matrix3 {
 }
 
 /// `F_iA = sum_I q_iI dN_I/dX_A`.
-#[inline]
+#[inline(always)]
 pub fn deformation_gradient<const N: usize>(positions: &NodalVectors<N>, gradients: &Gradients<N>) -> Matrix3 {
     let mut f = [[0.0; 3]; 3];
     for i in 0..3 {
@@ -128,14 +133,14 @@ pub fn deformation_gradient<const N: usize>(positions: &NodalVectors<N>, gradien
 }
 
 /// `C = F^T F` in the order 11, 22, 33, 12, 23, 13 (plain, not doubled).
-#[inline]
+#[inline(always)]
 pub fn right_cauchy_green(f: &Matrix3) -> [f64; 6] {
     let dot = |a: usize, b: usize| f[0][a] * f[0][b] + f[1][a] * f[1][b] + f[2][a] * f[2][b];
     [dot(0, 0), dot(1, 1), dot(2, 2), dot(0, 1), dot(1, 2), dot(0, 2)]
 }
 
 /// Adds `w F S grad N_I` to the nodal forces: `F_iI += w F_iA S_AB G_BI`.
-#[inline]
+#[inline(always)]
 pub fn add_force<const N: usize>(
     f: &Matrix3,
     stress: &[f64; 6],
@@ -160,50 +165,177 @@ pub fn add_force<const N: usize>(
 /// `w P_iAjB G_BJ` for all Gauss points, `[3 i + j][g][A][J]`: the right factors of the tangent's products.
 pub type TangentFactors<const N: usize = 8, const G: usize = 8> = [[[[f64; N]; 3]; G]; 9];
 
-/// One Gauss point's part of [`TangentFactors`] (module documentation). `moduli` are `A_v` (6x6, for strains with doubled
-/// shears), `geometric` the factor of the geometric term. With `symmetric` only the pairs `i <= j` are written.
-#[inline]
-pub fn tangent_factors<const N: usize, const G: usize>(
-    left: &Matrix3,
-    right: &Matrix3,
-    moduli: &[[f64; 6]; 6],
-    stress: &[f64; 6],
-    geometric: f64,
-    gradients: &Gradients<N>,
-    weight: f64,
-    gauss_point: usize,
+/// What a Gauss point adds to the tangent: the two-point moduli are made of it (module documentation).
+#[derive(Clone, Copy, Debug)]
+pub struct TangentPoint<'a> {
+    /// `F^l`.
+    pub left: &'a Matrix3,
+    /// `F^r`.
+    pub right: &'a Matrix3,
+    /// `A_v`: 6x6, for strains with doubled shears.
+    pub moduli: &'a [[f64; 6]; 6],
+    /// `S`.
+    pub stress: &'a [f64; 6],
+    /// Factor of the geometric term.
+    pub geometric: f64,
+    /// Volume of the point.
+    pub weight: f64,
+}
+
+/// The parts of the Gauss points from `first` on in [`TangentFactors`], side by side. With `symmetric` only the pairs `i <= j` are written.
+pub fn tangent_factors<const N: usize, const G: usize, const L: usize>(
+    points: &[TangentPoint<'_>; L],
+    gradients: &[Gradients<N>; G],
+    first: usize,
     symmetric: bool,
     factors: &mut TangentFactors<N, G>,
 ) {
+    pulp::Arch::new().dispatch(WriteFactors { points, gradients, first, symmetric, factors });
+}
+
+/// The arguments of [`tangent_factors`].
+struct WriteFactors<'a, const N: usize, const G: usize, const L: usize> {
+    points: &'a [TangentPoint<'a>; L],
+    gradients: &'a [Gradients<N>; G],
+    first: usize,
+    symmetric: bool,
+    factors: &'a mut TangentFactors<N, G>,
+}
+
+impl<const N: usize, const G: usize, const L: usize> pulp::WithSimd for WriteFactors<'_, N, G, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { points, gradients, first, symmetric, factors } = self;
+        write_factors(points, gradients, first, symmetric, factors);
+    }
+}
+
+/// `w P_iAjB` of several points, `[3 i + j][A][B][point]`; with `symmetric` zero where `j < i`.
+type TwoPointModuli<const L: usize> = [[[[f64; L]; 3]; 3]; 9];
+
+/// [`tangent_factors`] for those who run with wide vectors already.
+#[inline(always)]
+pub(crate) fn write_factors<const N: usize, const G: usize, const L: usize>(
+    points: &[TangentPoint<'_>; L],
+    gradients: &[Gradients<N>; G],
+    first: usize,
+    symmetric: bool,
+    factors: &mut TangentFactors<N, G>,
+) {
+    let moduli = two_point_moduli(&SideBySide::new(points), symmetric);
+    for lane in 0..L {
+        write_rows(&moduli, lane, &gradients[first + lane], first + lane, symmetric, factors);
+    }
+}
+
+/// Points side by side, `[component][point]`.
+struct SideBySide<const L: usize> {
+    left: [[[f64; L]; 3]; 3],
+    right: [[[f64; L]; 3]; 3],
+    moduli: [[[f64; L]; 6]; 6],
+    stress: [[f64; L]; 6],
+    weight: [f64; L],
+    /// Of the geometric term.
+    scale: [f64; L],
+}
+
+impl<const L: usize> SideBySide<L> {
+    /// Not inlined: what follows then finds the points of a component beside each other in memory, where the compiler sees that they fit into vectors.
+    #[inline(never)]
+    fn new(points: &[TangentPoint<'_>; L]) -> Self {
+        let mut all = Self {
+            left: [[[0.0; L]; 3]; 3],
+            right: [[[0.0; L]; 3]; 3],
+            moduli: [[[0.0; L]; 6]; 6],
+            stress: [[0.0; L]; 6],
+            weight: [0.0; L],
+            scale: [0.0; L],
+        };
+        for (l, point) in points.iter().enumerate() {
+            for i in 0..3 {
+                for a in 0..3 {
+                    all.left[i][a][l] = point.left[i][a];
+                    all.right[i][a][l] = point.right[i][a];
+                }
+            }
+            for v in 0..6 {
+                all.stress[v][l] = point.stress[v];
+                for w in 0..6 {
+                    all.moduli[v][w][l] = point.moduli[v][w];
+                }
+            }
+            all.weight[l] = point.weight;
+            all.scale[l] = point.geometric * point.weight;
+        }
+        all
+    }
+}
+
+/// All points take the same operations in the same order.
+#[inline(always)]
+fn two_point_moduli<const L: usize>(of: &SideBySide<L>, symmetric: bool) -> TwoPointModuli<L> {
     // h[KA][j][B] = w A_KALB F^r_jL
-    let mut h = [[[0.0; 3]; 3]; 6];
+    let mut h = [[[[0.0; L]; 3]; 3]; 6];
     for ka in 0..6 {
-        let m = &moduli[ka];
         for j in 0..3 {
             for b in 0..3 {
-                h[ka][j][b] = weight
-                    * (m[COMPONENT_OF[0][b]] * right[j][0]
-                        + m[COMPONENT_OF[1][b]] * right[j][1]
-                        + m[COMPONENT_OF[2][b]] * right[j][2]);
+                let m = &of.moduli[ka];
+                let (first, second, third) = (&m[COMPONENT_OF[0][b]], &m[COMPONENT_OF[1][b]], &m[COMPONENT_OF[2][b]]);
+                let right = &of.right[j];
+                for l in 0..L {
+                    h[ka][j][b][l] =
+                        of.weight[l] * (first[l] * right[0][l] + second[l] * right[1][l] + third[l] * right[2][l]);
+                }
             }
         }
     }
-    let scale = geometric * weight;
+    let mut p = [[[[0.0; L]; 3]; 3]; 9];
     for i in 0..3 {
         for j in 0..3 {
             if symmetric && j < i {
                 continue;
             }
             for a in 0..3 {
-                let mut p = [0.0; 3];
                 for b in 0..3 {
-                    p[b] = left[i][0] * h[COMPONENT_OF[0][a]][j][b]
-                        + left[i][1] * h[COMPONENT_OF[1][a]][j][b]
-                        + left[i][2] * h[COMPONENT_OF[2][a]][j][b];
+                    let (first, second) = (&h[COMPONENT_OF[0][a]][j][b], &h[COMPONENT_OF[1][a]][j][b]);
+                    let third = &h[COMPONENT_OF[2][a]][j][b];
+                    let (left, p) = (&of.left[i], &mut p[3 * i + j][a][b]);
+                    for l in 0..L {
+                        p[l] = left[0][l] * first[l] + left[1][l] * second[l] + left[2][l] * third[l];
+                    }
                     if i == j {
-                        p[b] += scale * stress[COMPONENT_OF[a][b]];
+                        let stress = &of.stress[COMPONENT_OF[a][b]];
+                        for l in 0..L {
+                            p[l] += of.scale[l] * stress[l];
+                        }
                     }
                 }
+            }
+        }
+    }
+    p
+}
+
+/// The rows `w P_iAjB G_BJ` of a point.
+#[inline(always)]
+fn write_rows<const N: usize, const G: usize, const L: usize>(
+    moduli: &TwoPointModuli<L>,
+    lane: usize,
+    gradients: &Gradients<N>,
+    gauss_point: usize,
+    symmetric: bool,
+    factors: &mut TangentFactors<N, G>,
+) {
+    for i in 0..3 {
+        for j in 0..3 {
+            if symmetric && j < i {
+                continue;
+            }
+            for a in 0..3 {
+                let p = &moduli[3 * i + j][a];
+                let p = [p[0][lane], p[1][lane], p[2][lane]];
                 let row = &mut factors[3 * i + j][gauss_point][a];
                 for node in 0..N {
                     row[node] = p[0] * gradients[0][node] + p[1] * gradients[1][node] + p[2] * gradients[2][node];
@@ -221,16 +353,56 @@ pub fn tangent_from_factors<const N: usize, const G: usize>(
     factor: f64,
     tangent: &mut LocalTangent<N>,
 ) {
+    pulp::Arch::new().dispatch(FormTangent { gradients, factors, symmetric, factor, tangent });
+}
+
+/// The arguments of [`tangent_from_factors`].
+struct FormTangent<'a, const N: usize, const G: usize> {
+    gradients: &'a [Gradients<N>; G],
+    factors: &'a TangentFactors<N, G>,
+    symmetric: bool,
+    factor: f64,
+    tangent: &'a mut LocalTangent<N>,
+}
+
+impl<const N: usize, const G: usize> pulp::WithSimd for FormTangent<'_, N, G> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { gradients, factors, symmetric, factor, tangent } = self;
+        form_tangent(gradients, factors, symmetric, factor, tangent);
+    }
+}
+
+/// [`tangent_from_factors`] for those who run with wide vectors already.
+#[inline(always)]
+pub(crate) fn form_tangent<const N: usize, const G: usize>(
+    gradients: &[Gradients<N>; G],
+    factors: &TangentFactors<N, G>,
+    symmetric: bool,
+    factor: f64,
+    tangent: &mut LocalTangent<N>,
+) {
     for i in 0..3 {
         for j in 0..3 {
             if symmetric && j < i {
                 continue;
             }
             let mut products = Products { gradients, factors, pair: (i, j), symmetric, factor, tangent };
-            // Tiles of 4x4 nodes: the sums stay in registers. Then what is left on the rim.
+            // Tiles of 4 x 8 and 4 x 4 nodes: the sums stay in registers. Then what is left on the rim.
             let (tiles, whole) = (N / 4, N - N % 4);
-            for tile in 0..tiles * tiles {
-                products.tile::<4, 4>(4 * (tile / tiles), 4 * (tile % tiles));
+            for along in 0..tiles {
+                let row = 4 * along;
+                // What is below the diagonal is mirrored.
+                let mut column = if symmetric && i == j { row } else { 0 };
+                while column + 8 <= whole {
+                    products.tile::<4, 8>(row, column);
+                    column += 8;
+                }
+                if column < whole {
+                    products.tile::<4, 4>(row, column);
+                }
             }
             for along in 0..tiles {
                 match N % 4 {
@@ -261,16 +433,17 @@ struct Products<'a, const N: usize, const G: usize> {
 }
 
 impl<const N: usize, const G: usize> Products<'_, N, G> {
-    #[inline]
+    #[inline(always)]
     fn rim<const R: usize>(&mut self, along: usize, whole: usize) {
         self.tile::<4, R>(along, whole);
         self.tile::<R, 4>(whole, along);
     }
 
     /// `R x C` nodes from `row` and `column`.
-    #[inline]
+    #[inline(always)]
     fn tile<const R: usize, const C: usize>(&mut self, row: usize, column: usize) {
         let Self { gradients, factors, pair: (i, j), symmetric, factor, ref mut tangent } = *self;
+        // Below the diagonal: mirrored.
         if symmetric && i == j && column < row {
             return;
         }
@@ -286,8 +459,10 @@ impl<const N: usize, const G: usize> Products<'_, N, G> {
                 tangent[row + r][i][column + c][j] = sum[r][c];
             }
         }
-        if symmetric && (i != j || row != column) {
-            for c in 0..C {
+        if symmetric {
+            // Around the diagonal of a diagonal block both are there already.
+            let from = if i == j && row == column { R.min(C) } else { 0 };
+            for c in from..C {
                 for r in 0..R {
                     tangent[column + c][j][row + r][i] = sum[r][c];
                 }
@@ -297,7 +472,7 @@ impl<const N: usize, const G: usize> Products<'_, N, G> {
 }
 
 /// `sum_k a[k][row + r] b[k][column + c]`.
-#[inline]
+#[inline(always)]
 fn product_tile<const N: usize, const R: usize, const C: usize>(
     a: &[[f64; N]],
     b: &[[f64; N]],

@@ -7,7 +7,7 @@
 use crate::{
     ForceRule, TimeLevel,
     element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
-    kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors, TangentPoint},
     laws::Laws,
 };
 use stoss_continuum::{
@@ -263,7 +263,9 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             };
             let stress = (rest + of_pressure).to_components();
             let moduli = moduli + of_pressure_moduli;
-            kernel::tangent_factors(f, f, &moduli.0, &stress, 1.0, gradients, weight, g, true, factors);
+            let (moduli, stress) = (&moduli.0, &stress);
+            let point = TangentPoint { left: f, right: f, moduli, stress, geometric: 1.0, weight };
+            kernel::tangent_factors(&[point], &self.integration.gradients, g, true, factors);
             self.add_change_of_volume(g, f, c, j, &mut changes);
         }
         if let Some((tangent, factors)) = tangent {
@@ -318,7 +320,9 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
             kernel::add_force(&f_mid, &(rest + of_pressure).to_components(), gradients, weight, force);
             let stress = (rest + k * (2.0 * continued[g])).to_components();
             moduli.add_scaled(2.0 * continued[g], &discrete_jacobian_gradient_tangent(c_n, jacobians[g], c, j, &k));
-            kernel::tangent_factors(&f_mid, f, &moduli.0, &stress, 0.5, gradients, weight, g, false, factors);
+            let (moduli, stress) = (&moduli.0, &stress);
+            let point = TangentPoint { left: &f_mid, right: f, moduli, stress, geometric: 0.5, weight };
+            kernel::tangent_factors(&[point], &self.integration.gradients, g, false, factors);
             for (psi, work) in self.basis.iter().zip(&mut works) {
                 kernel::add_force(&f_mid, &k.to_components(), gradients, 2.0 * weight * psi[g], work);
             }

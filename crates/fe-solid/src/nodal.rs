@@ -9,7 +9,7 @@ use crate::{
     block::Block,
     element::{self, Failure, FailureKind, gather},
     element_block::{ElementBlock, ElementFailure, Material, PointStrain},
-    kernel::{self, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    kernel::{self, LocalTangent, Matrix3, NodalVectors, TangentFactors, TangentPoint},
     scratch::Scratch,
     viscous::Viscosity,
 };
@@ -337,7 +337,9 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
         let stress = stress.to_components();
         kernel::add_force(&left, &stress, gradients, weight, force);
         let (geometric, symmetric) = if self.conserving { (0.5, false) } else { (1.0, true) };
-        kernel::tangent_factors(&left, &f, &moduli.0, &stress, geometric, gradients, weight, 0, symmetric, factors);
+        let (left, moduli, stress) = (&left, &moduli.0, &stress);
+        let point = TangentPoint { left, right: &f, moduli, stress, geometric, weight };
+        kernel::tangent_factors(&[point], &integration.gradients, 0, symmetric, factors);
         kernel::tangent_from_factors(&integration.gradients, factors, symmetric, self.factor, tangent);
         Ok(())
     }

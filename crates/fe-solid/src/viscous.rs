@@ -8,7 +8,9 @@
 use crate::{
     assembly::ElementEvaluator,
     element::{Failure, gather},
-    kernel::{self, COMPONENT_OF, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors},
+    kernel::{
+        self, COMPONENT_OF, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors, TangentPoint,
+    },
 };
 
 /// Where and how fast the viscous stress acts. Vectors of the model, node-major, `3 * nodes` entries.
@@ -65,7 +67,9 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for ViscousElements<
                 let [dq, dv] = rate.slopes;
                 let right: Matrix3 = std::array::from_fn(|i| std::array::from_fn(|a| dv * f[i][a] + dq * l[i][a]));
                 let moduli = isotropic(lambda, shear);
-                kernel::tangent_factors(&f, &right, &moduli, &stress, dq, gradients, weight, g, false, factors);
+                let (right, moduli, stress) = (&right, &moduli, &stress);
+                let point = TangentPoint { left: &f, right, moduli, stress, geometric: dq, weight };
+                kernel::tangent_factors(&[point], &integration.gradients, g, false, factors);
             }
         }
         if let Some((tangent, factors)) = tangent {

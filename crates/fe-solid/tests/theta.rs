@@ -45,7 +45,9 @@ proptest! {
             let (stress, moduli) = law.stress_and_elasticity(&c).unwrap();
             let stress = stress.to_components();
             add_force(&f, &stress, gradients, weight, &mut expected_force);
-            tangent_factors(&f, &f, &moduli.0, &stress, 1.0, gradients, weight, g, true, &mut factors);
+            let (left, right, moduli, stress) = (&f, &f, &moduli.0, &stress);
+            let point = TangentPoint { left, right, moduli, stress, geometric: 1.0, weight };
+            tangent_factors(&[point], &element.gradients, g, true, &mut factors);
         }
         let mut expected: LocalTangent = [[[[0.0; 3]; NODES]; 3]; NODES];
         tangent_from_factors(&element.gradients, &factors, true, 1.0, &mut expected);

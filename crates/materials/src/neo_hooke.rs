@@ -1,7 +1,7 @@
 //! Neo-Hooke (theory/kinematics#eq-neo-hooke; thesis (3.130)-(3.133)).
 
 use crate::error::{MaterialError, finite, stable, young_poisson};
-use crate::state::{Invariants, finite_energy, finite_pair, finite_stress};
+use crate::state::{Invariants, finite_energy, finite_stress};
 use crate::volume::Logarithmic;
 use std::sync::Arc;
 use stoss_continuum::{
@@ -50,6 +50,21 @@ impl NeoHooke {
     fn stress_with(&self, log_j: f64, inverse: &SymmetricTensor2) -> SymmetricTensor2 {
         SymmetricTensor2::IDENTITY * self.mu + *inverse * (self.lambda * log_j - self.mu)
     }
+
+    /// In its place: moduli are long enough for copies to be seen in the time.
+    #[inline]
+    fn write_stress_and_elasticity(
+        &self,
+        right_cauchy_green: &SymmetricTensor2,
+        (stress, elasticity): &mut (SymmetricTensor2, Tensor4),
+    ) -> Result<(), ConstitutiveError> {
+        let i = Invariants::new(right_cauchy_green)?;
+        let inverse = right_cauchy_green.inverse_with_det(i.det_c);
+        *stress = self.stress_with(i.log_j, &inverse);
+        *elasticity = Tensor4::inverse_derivative(&inverse) * (2.0 * (self.lambda * i.log_j - self.mu));
+        elasticity.add_dyad(self.lambda, &inverse, &inverse);
+        if stress.is_finite() && elasticity.is_finite() { Ok(()) } else { Err(ConstitutiveError::NonFinite) }
+    }
 }
 
 impl HyperelasticLaw for NeoHooke {
@@ -74,16 +89,21 @@ impl HyperelasticLaw for NeoHooke {
         let stress = self.stress_with(i.log_j, &right_cauchy_green.inverse_with_det(i.det_c));
         Ok((finite_energy(self.energy_with(&i))?, finite_stress(stress)?))
     }
-    #[inline]
     fn stress_and_elasticity(
         &self,
         right_cauchy_green: &SymmetricTensor2,
     ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-        let i = Invariants::new(right_cauchy_green)?;
-        let inverse = right_cauchy_green.inverse_with_det(i.det_c);
-        let mut elasticity = Tensor4::inverse_derivative(&inverse) * (2.0 * (self.lambda * i.log_j - self.mu));
-        elasticity.add_dyad(self.lambda, &inverse, &inverse);
-        finite_pair(self.stress_with(i.log_j, &inverse), elasticity)
+        let mut out = (SymmetricTensor2::ZERO, Tensor4::ZERO);
+        self.write_stress_and_elasticity(right_cauchy_green, &mut out)?;
+        Ok(out)
+    }
+    fn stresses_and_elasticities(
+        &self,
+        right_cauchy_green: &[SymmetricTensor2],
+        out: &mut [(SymmetricTensor2, Tensor4)],
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        let mut all = right_cauchy_green.iter().zip(out).enumerate();
+        all.try_for_each(|(k, (c, out))| self.write_stress_and_elasticity(c, out).map_err(|error| (k, error)))
     }
     fn volumetric(&self) -> Option<VolumetricSplit> {
         Some(VolumetricSplit {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use stoss_continuum::{
     ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, VolumetricSplit,
 };
-use stoss_tensor::spectral_decomposition;
+use stoss_tensor::{SpectralDecomposition, spectral_decomposition, spectral_decompositions};
 
 const NAME: &str = "ogden";
 
@@ -26,6 +26,9 @@ pub struct Ogden {
     beta: f64,
 }
 
+/// Strains that are decomposed side by side.
+const TOGETHER: usize = 4;
+
 /// What all three evaluations need: `J` and, for each term, the powers of the isochoric stretches.
 struct State {
     squares: [f64; 3],
@@ -37,10 +40,30 @@ struct State {
 
 impl State {
     fn new(c: &SymmetricTensor2) -> Result<Self, ConstitutiveError> {
+        Self::of(c, spectral_decomposition(c))
+    }
+
+    /// Hands the states at several strains to `then`, with their numbers. Strains are decomposed side by side.
+    fn for_each(
+        strains: &[SymmetricTensor2],
+        mut then: impl FnMut(usize, &Self) -> Result<(), ConstitutiveError>,
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        let mut one =
+            |k: usize, c, form| Self::of(c, form).and_then(|state| then(k, &state)).map_err(|error| (k, error));
+        let (several, rest) = strains.as_chunks::<TOGETHER>();
+        for (k, several) in several.iter().enumerate() {
+            for (l, (c, form)) in several.iter().zip(spectral_decompositions(several)).enumerate() {
+                one(TOGETHER * k + l, c, form)?;
+            }
+        }
+        let first = strains.len() - rest.len();
+        rest.iter().enumerate().try_for_each(|(k, c)| one(first + k, c, spectral_decomposition(c)))
+    }
+
+    fn of(c: &SymmetricTensor2, form: SpectralDecomposition) -> Result<Self, ConstitutiveError> {
         if !c.is_finite() {
             return Err(ConstitutiveError::NonFinite);
         }
-        let form = spectral_decomposition(c);
         // The eigenvalues' product is the determinant without the cancellation of the expanded formula.
         if form.values[0] <= 0.0 {
             return Err(ConstitutiveError::NonPositiveJacobian { det_c: form.values.iter().product() });
@@ -124,57 +147,17 @@ impl Ogden {
         }
         stress
     }
-}
 
-fn outer(n: &stoss_tensor::Vector3) -> SymmetricTensor2 {
-    SymmetricTensor2(stoss_tensor::INDEX_PAIRS.map(|(i, j)| n[i] * n[j]))
-}
-
-/// Symmetrised `a (x) b`.
-fn mixed(a: &stoss_tensor::Vector3, b: &stoss_tensor::Vector3) -> SymmetricTensor2 {
-    SymmetricTensor2(stoss_tensor::INDEX_PAIRS.map(|(i, j)| 0.5 * (a[i] * b[j] + a[j] * b[i])))
-}
-
-/// The pair of principal directions `a`, `b` of nearly equal stretches: `(lbar_B^alpha / lbar_A^alpha - 1) / (x_B - x_A)` with the
-/// squared stretches `x`.
-///
-/// `ln(lbar_B / lbar_A) = ln(1 + (x_B - x_A)/x_A)/2`, so that `exp_m1` and `ln_1p` give the divided difference to
-/// round-off down to the limit `alpha / (2 x_A)`. Equation: theory/kinematics#eq-ogden-equal.
-fn nearby_slope(alpha: f64, x_a: f64, x_b: f64) -> f64 {
-    let gap = x_b - x_a;
-    if gap == 0.0 { 0.5 * alpha / x_a } else { (0.5 * alpha * (gap / x_a).ln_1p()).exp_m1() / gap }
-}
-
-impl HyperelasticLaw for Ogden {
-    fn name(&self) -> &str {
-        NAME
-    }
-
-    fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        finite_energy(self.stored(&State::new(right_cauchy_green)?))
-    }
-
-    fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
-        let state = State::new(right_cauchy_green)?;
+    fn stress_at(&self, state: &State) -> Result<SymmetricTensor2, ConstitutiveError> {
         let (pressure, _) = self.volumetric(state.log_j);
-        finite_stress(Self::assemble(&state, &self.principal(&state), pressure))
+        finite_stress(Self::assemble(state, &self.principal(state), pressure))
     }
 
-    fn energy_and_stress(
-        &self,
-        right_cauchy_green: &SymmetricTensor2,
-    ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
-        let state = State::new(right_cauchy_green)?;
-        let (pressure, _) = self.volumetric(state.log_j);
-        let stress = Self::assemble(&state, &self.principal(&state), pressure);
-        Ok((finite_energy(self.stored(&state))?, finite_stress(stress)?))
+    fn energy_and_stress_at(&self, state: &State) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
+        Ok((finite_energy(self.stored(state))?, self.stress_at(state)?))
     }
 
-    fn stress_and_elasticity(
-        &self,
-        right_cauchy_green: &SymmetricTensor2,
-    ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-        let state = State::new(right_cauchy_green)?;
+    fn stress_and_elasticity_at(&self, state: &State) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
         let (pressure, power) = self.volumetric(state.log_j);
         let x = state.squares;
         let pairs = [(0, 1), (1, 2), (0, 2)];
@@ -229,7 +212,86 @@ impl HyperelasticLaw for Ogden {
         }
         elasticity.add_scaled(2.0 * pressure, &Tensor4::inverse_derivative(&inverse));
         elasticity.add_dyad(self.kappa * power, &inverse, &inverse);
-        finite_pair(Self::assemble(&state, &t, pressure), elasticity)
+        finite_pair(Self::assemble(state, &t, pressure), elasticity)
+    }
+}
+
+fn outer(n: &stoss_tensor::Vector3) -> SymmetricTensor2 {
+    SymmetricTensor2(stoss_tensor::INDEX_PAIRS.map(|(i, j)| n[i] * n[j]))
+}
+
+/// Symmetrised `a (x) b`.
+fn mixed(a: &stoss_tensor::Vector3, b: &stoss_tensor::Vector3) -> SymmetricTensor2 {
+    SymmetricTensor2(stoss_tensor::INDEX_PAIRS.map(|(i, j)| 0.5 * (a[i] * b[j] + a[j] * b[i])))
+}
+
+/// The pair of principal directions `a`, `b` of nearly equal stretches: `(lbar_B^alpha / lbar_A^alpha - 1) / (x_B - x_A)` with the
+/// squared stretches `x`.
+///
+/// `ln(lbar_B / lbar_A) = ln(1 + (x_B - x_A)/x_A)/2`, so that `exp_m1` and `ln_1p` give the divided difference to
+/// round-off down to the limit `alpha / (2 x_A)`. Equation: theory/kinematics#eq-ogden-equal.
+fn nearby_slope(alpha: f64, x_a: f64, x_b: f64) -> f64 {
+    let gap = x_b - x_a;
+    if gap == 0.0 { 0.5 * alpha / x_a } else { (0.5 * alpha * (gap / x_a).ln_1p()).exp_m1() / gap }
+}
+
+impl HyperelasticLaw for Ogden {
+    fn name(&self) -> &str {
+        NAME
+    }
+
+    fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
+        finite_energy(self.stored(&State::new(right_cauchy_green)?))
+    }
+
+    fn energies(
+        &self,
+        right_cauchy_green: &[SymmetricTensor2],
+        out: &mut [f64],
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        State::for_each(right_cauchy_green, |k, state| finite_energy(self.stored(state)).map(|energy| out[k] = energy))
+    }
+
+    fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
+        self.stress_at(&State::new(right_cauchy_green)?)
+    }
+
+    fn stresses(
+        &self,
+        right_cauchy_green: &[SymmetricTensor2],
+        out: &mut [SymmetricTensor2],
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        State::for_each(right_cauchy_green, |k, state| self.stress_at(state).map(|stress| out[k] = stress))
+    }
+
+    fn energy_and_stress(
+        &self,
+        right_cauchy_green: &SymmetricTensor2,
+    ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
+        self.energy_and_stress_at(&State::new(right_cauchy_green)?)
+    }
+
+    fn energies_and_stresses(
+        &self,
+        right_cauchy_green: &[SymmetricTensor2],
+        out: &mut [(f64, SymmetricTensor2)],
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        State::for_each(right_cauchy_green, |k, state| self.energy_and_stress_at(state).map(|both| out[k] = both))
+    }
+
+    fn stress_and_elasticity(
+        &self,
+        right_cauchy_green: &SymmetricTensor2,
+    ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
+        self.stress_and_elasticity_at(&State::new(right_cauchy_green)?)
+    }
+
+    fn stresses_and_elasticities(
+        &self,
+        right_cauchy_green: &[SymmetricTensor2],
+        out: &mut [(SymmetricTensor2, Tensor4)],
+    ) -> Result<(), (usize, ConstitutiveError)> {
+        State::for_each(right_cauchy_green, |k, state| self.stress_and_elasticity_at(state).map(|both| out[k] = both))
     }
 
     fn volumetric(&self) -> Option<VolumetricSplit> {

@@ -5,7 +5,7 @@
 //!
 //! * [`SymmetricTensor2`]: six components, invariants, inverse, products;
 //! * [`Tensor4`]: six by six components with both minor symmetries;
-//! * [`SpectralDecomposition`], [`spectral_decomposition()`]: eigenvalues and eigenvectors of a symmetric tensor;
+//! * [`SpectralDecomposition`], [`spectral_decomposition()`], [`spectral_decompositions`]: eigenvalues and eigenvectors of a symmetric tensor;
 //! * [`Tensor2`], [`Vector3`]: nalgebra's.
 //!
 #![doc = include_str!("../README.md")]
@@ -16,7 +16,7 @@ mod symmetric;
 
 pub use fourth_order::Tensor4;
 pub use nalgebra;
-pub use spectral::{SpectralDecomposition, spectral_decomposition};
+pub use spectral::{SpectralDecomposition, spectral_decomposition, spectral_decompositions};
 pub use symmetric::SymmetricTensor2;
 
 /// A vector of three components.

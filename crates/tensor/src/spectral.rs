@@ -65,6 +65,98 @@ pub fn spectral_decomposition(a: &SymmetricTensor2) -> SpectralDecomposition {
     }
 }
 
+/// [`spectral_decomposition`] of several tensors side by side, with the same bits: each waits for its quotients and roots, and they wait together.
+pub fn spectral_decompositions<const L: usize>(tensors: &[SymmetricTensor2; L]) -> [SpectralDecomposition; L] {
+    // Entries, and rows of vectors, of all tensors: `[row][column][tensor]`.
+    let (mut m, mut v) = ([[[0.0; L]; 3]; 3], [[[0.0; L]; 3]; 3]);
+    for i in 0..3 {
+        v[i][i] = [1.0; L];
+        for j in 0..3 {
+            for l in 0..L {
+                m[i][j][l] = tensors[l].0[ROWS[i][j]];
+            }
+        }
+    }
+    // Convergence is quadratic; five to six sweeps reach round-off, the bound only stops NaN.
+    for _ in 0..30 {
+        let (mut is_live, mut is_any_live) = ([false; L], false);
+        for l in 0..L {
+            let off = m[0][1][l].abs() + m[0][2][l].abs() + m[1][2][l].abs();
+            is_live[l] = off != 0.0 && off.is_finite();
+            is_any_live |= is_live[l];
+        }
+        if !is_any_live {
+            break;
+        }
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            rotate(&mut m, &mut v, (p, q), &is_live);
+        }
+    }
+    std::array::from_fn(|l| {
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| m[i][i][l].total_cmp(&m[j][j][l]));
+        SpectralDecomposition {
+            values: order.map(|i| m[i][i][l]),
+            vectors: order.map(|i| Vector3::new(v[0][i][l], v[1][i][l], v[2][i][l])),
+        }
+    })
+}
+
+/// Place of `[row][column]` among the six components.
+const ROWS: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+
+/// The rotation that takes the entry `(p, q)` away; where that is negligible it is set to zero.
+#[inline(always)]
+fn rotate<const L: usize>(
+    m: &mut [[[f64; L]; 3]; 3],
+    v: &mut [[[f64; L]; 3]; 3],
+    (p, q): (usize, usize),
+    is_live: &[bool; L],
+) {
+    let r = 3 - p - q;
+    let (mut rotates, mut any_rotates) = ([false; L], false);
+    for l in 0..L {
+        let small = f64::EPSILON * 1.0e-3 * (m[p][p][l].abs().min(m[q][q][l].abs()));
+        rotates[l] = is_live[l] & (m[p][q][l].abs() > small);
+        let left = if is_live[l] & !rotates[l] { 0.0 } else { m[p][q][l] };
+        (m[p][q][l], m[q][p][l]) = (left, left);
+        any_rotates |= rotates[l];
+    }
+    if !any_rotates {
+        return;
+    }
+    let (mut s, mut t, mut tau) = ([0.0; L], [0.0; L], [0.0; L]);
+    for l in 0..L {
+        let (app, aqq, apq) = (m[p][p][l], m[q][q][l], m[p][q][l]);
+        let theta = (aqq - app) / (2.0 * apq);
+        // An overflowing theta gives t = 0: the entry is then negligible anyway.
+        t[l] = theta.signum() / (theta.abs() + (1.0 + theta * theta).sqrt());
+        let c = 1.0 / (1.0 + t[l] * t[l]).sqrt();
+        s[l] = t[l] * c;
+        // Rutishauser's form: adds small changes instead of multiplying by c, whose rounding would accumulate (three times the
+        // error when all eigenvalues are nearly equal).
+        tau[l] = s[l] / (1.0 + c);
+    }
+    for l in 0..L {
+        let apq = m[p][q][l];
+        let (arp, arq) = (m[r][p][l], m[r][q][l]);
+        let choose = |turned: f64, old: f64| if rotates[l] { turned } else { old };
+        m[p][p][l] = choose(m[p][p][l] - t[l] * apq, m[p][p][l]);
+        m[q][q][l] = choose(m[q][q][l] + t[l] * apq, m[q][q][l]);
+        m[r][p][l] = choose(arp - s[l] * (arq + tau[l] * arp), arp);
+        m[r][q][l] = choose(arq + s[l] * (arp - tau[l] * arq), arq);
+        m[p][r][l] = m[r][p][l];
+        m[q][r][l] = m[r][q][l];
+        let left = choose(0.0, apq);
+        (m[p][q][l], m[q][p][l]) = (left, left);
+        for row in &mut *v {
+            let (vp, vq) = (row[p][l], row[q][l]);
+            row[p][l] = choose(vp - s[l] * (vq + tau[l] * vp), vp);
+            row[q][l] = choose(vq + s[l] * (vp - tau[l] * vq), vq);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,6 +199,25 @@ mod tests {
             values[which] += 10.0_f64.powi(-power);
             check(values, angles)?;
         }
+    }
+
+    proptest! {
+        #[test]
+        fn side_by_side_or_alone(many in proptest::array::uniform4(proptest::array::uniform6(-2.0..2.0_f64)), which in 0..4_usize) {
+            // One of them is done at once.
+            let mut many = many.map(SymmetricTensor2);
+            many[which] = SymmetricTensor2([1.0, 2.0, 0.5, 0.0, 0.0, 0.0]);
+            let alone = many.map(|a| spectral_decomposition(&a));
+            prop_assert_eq!(spectral_decompositions(&many), alone);
+        }
+    }
+
+    #[test]
+    fn a_nan_among_others() {
+        let good = SymmetricTensor2([1.0, 2.0, 0.5, 0.3, 0.2, -0.1]);
+        let [first, second] = spectral_decompositions(&[SymmetricTensor2([f64::NAN; 6]), good]);
+        assert!(first.values[0].is_nan());
+        assert_eq!(second, spectral_decomposition(&good));
     }
 
     #[test]
