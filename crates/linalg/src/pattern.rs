@@ -136,11 +136,14 @@ impl SparsityPattern {
         let mut rows = vec![0.0; self.n];
         self.row_max(values, &mut rows);
         let mut largest = 0.0f64;
+        // Rows are sorted and the pattern is symmetric: entry `(j, i)` is the next one of column `i` whenever `(i, j)` below the diagonal comes up.
+        let mut next: Vec<usize> = (0..self.n).map(|j| self.column_range(j).start).collect();
         for j in 0..self.n {
-            for k in self.column_range(j) {
+            for k in self.column_range(j).filter(|&k| self.row_indices[k] > j) {
                 let i = self.row_indices[k];
-                let mirrored = self.position(j as u32, i as u32).map_or(0.0, |k| values[k]);
-                let difference = (values[k] - mirrored).abs();
+                debug_assert_eq!(self.row_indices[next[i]], j);
+                let difference = (values[k] - values[next[i]]).abs();
+                next[i] += 1;
                 if difference > 0.0 {
                     largest = largest.max(difference / rows[i].min(rows[j]));
                 }
