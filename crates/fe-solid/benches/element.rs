@@ -127,7 +127,7 @@ fn on_one_thread(criterion: &mut Criterion<CpuTime>) {
 }
 
 /// A mixed hex8 for each material with a state in the middle of its flow, beside neo-Hooke's law: force and tangent, force, and the end of the step (what it lost, and its states).
-fn states(criterion: &mut Criterion) {
+fn states(criterion: &mut Criterion<CpuTime>) {
     const GOOD: &str = "good parameters";
     let neo_hooke: Arc<dyn HyperelasticLaw> = Arc::new(NeoHooke::new(1298.0769, 865.3846).expect(GOOD));
     let metal = |kinematic| {
