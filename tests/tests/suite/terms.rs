@@ -92,7 +92,12 @@ impl Case<'_> {
         }
         for seed in 0..3 {
             let direction = check::direction(&*self.term, q_n.len() / 3, seed, *length, traction);
-            let Derivative { deviation, kink } = check::derivative(&mut *self.term, &at, &direction, 1e-6).unwrap();
+            let mut over = |h: f64| check::derivative(&mut *self.term, &at, &direction, h).unwrap();
+            let Derivative { mut deviation, mut kink } = over(1e-6);
+            // Round-off of a difference falls with its distance, an error of the tangent does not.
+            if deviation >= 2e-6 + kink {
+                Derivative { deviation, kink } = over(1e-5);
+            }
             count.made += 1;
             // Where it is bent a difference tells nothing.
             if kink > 1e-4 {
