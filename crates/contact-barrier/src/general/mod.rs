@@ -266,22 +266,14 @@ impl Term for GeneralContact {
     }
 
     fn candidates(&self, _active: &[bool], visit: &mut dyn FnMut(&[u32], &[u32])) {
-        // What acts on a facet joins it with several others, and these with each other.
-        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        let mut nodes = Vec::new();
+        let mut last = None;
         for candidate in &self.proximity.candidates {
-            let [f, g] = candidate.facets;
-            if pairs.last() != Some(&[g, f]) && self.proximity.expects(candidate) {
-                pairs.extend([[f, g], [g, f]]);
+            if last != Some(candidate.facets) && self.proximity.expects(candidate) {
+                last = Some(candidate.facets);
+                self.nodes_of(&candidate.facets, &mut nodes);
+                visit(&nodes, &[]);
             }
-        }
-        pairs.sort_unstable();
-        let (mut facets, mut nodes) = (Vec::new(), Vec::new());
-        for around in pairs.chunk_by(|a, b| a[0] == b[0]) {
-            facets.clear();
-            facets.push(around[0][0]);
-            facets.extend(around.iter().map(|pair| pair[1]));
-            self.nodes_of(&facets, &mut nodes);
-            visit(&nodes, &[]);
         }
     }
 
