@@ -239,7 +239,7 @@ pub(crate) fn bodies(
     let mut taken = BTreeSet::new();
     for (&m, elements) in &of_material {
         let material = &deck.materials[m];
-        let yields = !material.plastic.is_empty();
+        let yields = !material.plastic.is_empty() && material.hyperelastic.is_none();
         let variants = variants(solids, elements, yields);
         let is_mixed = |law: &Law| variants.is_hybrid || law.is_incompressible && material.hyperelastic.is_some();
         let law = match material::law(material, variants.is_hybrid) {
@@ -261,7 +261,7 @@ pub(crate) fn bodies(
         notes.for_each(|(note, remedy)| {
             list.add(Severity::Changed, material.place, format!("material {}", material.name), note, remedy);
         });
-        if law.is_incompressible && !is_mixed(&law) {
+        if law.is_incompressible && !is_mixed(&law) && !yields {
             list.add(
                 Severity::Changed,
                 material.place,

@@ -251,7 +251,7 @@ const TABLE: &[Row] = &[
         &["PLASTIC"],
         CHANGED,
         "of *PLASTIC only isotropic hardening and kinematic hardening of two points are imported, both without rates: the body has the elastic part only, and stresses above the yield stress are wrong",
-        "give the material a `plasticity` (see `kinematic_modulus` and `rate` there)",
+        "give the material `law = \"hencky\"` and a `plasticity` (see `kinematic_modulus` and `rate` there)",
     ),
     (
         &[
@@ -267,7 +267,7 @@ const TABLE: &[Row] = &[
         ],
         CHANGED,
         "there is no plasticity of this kind: the body has the elastic part only, and stresses above the yield stress are wrong",
-        "use the scene only where the deck stays elastic, or give the material a `plasticity`",
+        "use the scene only where the deck stays elastic, or give the material `law = \"hencky\"` and a `plasticity`",
     ),
     (
         &["RATEDEPENDENT"],
@@ -291,7 +291,7 @@ const TABLE: &[Row] = &[
         &["VISCOELASTIC"],
         CHANGED,
         "it is not imported: the material does not relax",
-        "give the material `prony`, pairs of a share of the shear modulus and a relaxation time, and `moduli`",
+        "give the material `prony`, pairs of a share of the shear modulus and a relaxation time, and `moduli = \"long-term\"` unless the deck says MODULI=INSTANTANEOUS; in place of saint-venant-kirchhoff, which cannot have it, take neo-hooke",
     ),
     (
         &["SWELLING"],

@@ -25,11 +25,18 @@ pub(crate) struct Law {
 /// The law of a material, or what it lacks. `mixed`: the elements have an independent pressure.
 pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
     if let Some(hyperelastic) = &material.hyperelastic {
-        return match (hyperelastic.law.replace(' ', "").as_str(), hyperelastic.terms) {
+        let mut law = match (hyperelastic.law.replace(' ', "").as_str(), hyperelastic.terms) {
             ("YEOH", _) | ("REDUCEDPOLYNOMIAL", 3) => of_first_invariant(hyperelastic, "yeoh", &["c1", "c2", "c3"]),
             ("ARRUDA-BOYCE", _) => of_first_invariant(hyperelastic, "arruda-boyce", &["mu", "lock"]),
             _ => ogden(hyperelastic),
-        };
+        }?;
+        if !material.plastic.is_empty() {
+            law.notes.push((
+                "*PLASTIC beside *HYPERELASTIC is left out: the body does not yield".to_owned(),
+                "for a metal give *ELASTIC in place of *HYPERELASTIC".to_owned(),
+            ));
+        }
+        return Ok(law);
     }
     let Some(elastic) = material.elastic else {
         return Err(format!("material {} has no isotropic *ELASTIC and no *HYPERELASTIC", material.name));

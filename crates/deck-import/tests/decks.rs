@@ -328,6 +328,14 @@ fn variants_of_elements_have_their_rules() {
 #[test]
 fn elements_that_yield_average_the_change_of_volume() {
     let yields = |deck: &str| imported(&deck.replacen("*ELASTIC", "*PLASTIC\n250.0, 0.0\n300.0, 0.1\n*ELASTIC", 1));
+    // A law of rubber does not yield, and says so.
+    let rubber =
+        yields(&CUBE.replace("*ELASTIC\n100.0, 0.3", "*ELASTIC\n100.0, 0.3\n*HYPERELASTIC, NEO HOOKE\n3.0, 0.01"));
+    assert!(!rubber.scene.contains("plasticity = "), "{}", rubber.scene);
+    assert!(rubber.left_out.iter().any(|e| e.consequence.contains("does not yield")), "{:#?}", rubber.left_out);
+    // One that is nearly incompressible is mixed already.
+    let stiff = yields(&CUBE.replace("100.0, 0.3", "100.0, 0.499"));
+    assert!(stiff.left_out.iter().all(|e| !e.remedy.contains("neo-hooke")), "{:#?}", stiff.left_out);
     let linear = yields(CUBE);
     assert!(linear.scene.contains("plasticity") && !linear.scene.contains("volumetric"), "{}", linear.scene);
     let averages =

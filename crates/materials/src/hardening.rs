@@ -102,6 +102,10 @@ impl Hardening {
                 if *s0 <= 0.0 {
                     return refuse("yield_stress", *s0, "positive");
                 }
+                // A yield stress that falls for ever is negative at some strain: softening is a table, whose last point holds on.
+                if *h < 0.0 {
+                    return refuse("hardening_modulus", *h, "not negative (softening is given by a table)");
+                }
                 if *saturation <= 0.0 {
                     return refuse("saturation_stress", *saturation, "positive");
                 }

@@ -415,7 +415,7 @@ impl Inelastic {
 
 /// The parts of a law that is to get a history.
 fn split(law: &Arc<dyn HyperelasticLaw>) -> Result<VolumetricSplit, MaterialError> {
-    let refused = || MaterialError::NoSplit { law: "this law", part: "prony and mullins" };
+    let refused = || MaterialError::NoSplit { law: "this law", part: "prony, mullins or fibres" };
     if law.history().is_some() {
         return Err(refused());
     }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use stoss_integrators::State;
 
 #[cfg(feature = "checkpoints")]
-const MAGIC: &[u8; 8] = b"STOSSCP\x0b";
+const MAGIC: &[u8; 8] = b"STOSSCP\x0c";
 
 /// Why a checkpoint cannot be written or read.
 #[derive(Debug, thiserror::Error)]

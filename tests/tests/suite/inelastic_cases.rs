@@ -95,7 +95,6 @@ fn the_hardness_of_brinell_is_three_yield_stresses() {
         }
     }
     let mean = means.iter().sum::<f64>() / means.len() as f64;
-    println!("{mean} {means:?}");
     assert!(means.len() > 5 && mean > 2.75 && mean < 3.0, "{mean} {means:?}");
     assert!(means.iter().all(|p| *p < 3.1), "{means:?}");
 }

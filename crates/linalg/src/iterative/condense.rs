@@ -27,6 +27,10 @@ const OWN: f64 = 0.1;
 /// A slave node may be so many times as stiff as the master's nodes: beyond that the motion should be taken from the master.
 const STIFFER: f64 = 10.0;
 
+/// Rows of a slot whose parts at the slave node are as dependent as this (square of the sine of the angle between one and the others) fix no motions of their own there, as those of a node that is
+/// held in part.
+const DEPENDENT: f64 = 1e-4;
+
 /// Equations of a slot at most.
 const WIDTH: usize = 3;
 
@@ -108,13 +112,26 @@ impl Slot {
         (lumped <= LUMPED * length(&out[0].1) && (0..3).all(is_fixed)).then_some(out)
     }
 
-    /// `A^T (A A^T)^-1` of the rows at the slave node.
-    fn right_inverse(&self, left: &[At]) -> Small {
+    /// `A^T (A A^T)^-1` of the rows at the slave node; `None` where these are dependent.
+    fn right_inverse(&self, left: &[At]) -> Option<Small> {
         let own = &left[0].1;
         let mut gram = multiply(own, &transposed(own));
         (0..3).filter(|&k| !self.keeps[k]).for_each(|k| gram[k][k] = 1.0);
+        // Elimination leaves of each row the square of its distance from those before.
+        let mut rest = gram;
+        for k in 0..3 {
+            if rest[k][k].is_nan() || rest[k][k] <= DEPENDENT * gram[k][k] {
+                return None;
+            }
+            for i in k + 1..3 {
+                let part = rest[i][k] / rest[k][k];
+                for j in k..3 {
+                    rest[i][j] -= part * rest[k][j];
+                }
+            }
+        }
         invert(gram.as_flattened_mut(), 3);
-        multiply(&transposed(own), &gram)
+        Some(multiply(&transposed(own), &gram))
     }
 
     /// `C x` of all rows.
@@ -216,7 +233,7 @@ impl Condensation {
             if slot.c_left.len() > 1 && stiffness(slot.node) > STIFFER * masters {
                 return None;
             }
-            (slot.r, slot.r_b) = (slot.right_inverse(&slot.c_left), slot.right_inverse(&slot.b_left));
+            (slot.r, slot.r_b) = (slot.right_inverse(&slot.c_left)?, slot.right_inverse(&slot.b_left)?);
             k.row(slot.node).for_each(|(j, _)| is_near[j] = true);
         }
         let near = (0..nodes as u32).filter(|&i| is_near[i as usize]).collect();

@@ -33,10 +33,15 @@ impl Report {
 /// Least number of steps over which the pace of an iteration is taken.
 const WINDOW: usize = 20;
 
+/// An iteration is not broken off before so many steps: one of few soft motions is slow until it has found them, and fast then.
+const PATIENCE: u32 = 60;
+
 /// How the residual has fallen.
 #[derive(Debug, Default)]
 struct Pace {
     steps: u32,
+    /// Whether nothing is broken off.
+    is_off: bool,
     /// Logarithms of the relative residual, from where it was largest on: that of conjugate gradients may rise first.
     logs: Vec<f64>,
 }
@@ -48,7 +53,7 @@ impl Pace {
         self.logs.push(residual.ln());
     }
 
-    /// Notes the residual after one more step. Whether the iteration would not end within `limit` steps at its pace in the later half of them.
+    /// Notes the residual after one more step. Whether the iteration would not end within `limit` steps at its pace.
     fn is_too_slow(&mut self, residual: f64, tolerance: f64, limit: u32) -> bool {
         self.steps += 1;
         let last = residual.ln();
@@ -57,11 +62,12 @@ impl Pace {
         }
         self.logs.push(last);
         let fallen = self.logs.len() - 1;
-        if fallen < WINDOW {
+        if self.is_off || self.steps < PATIENCE || fallen < WINDOW {
             return false;
         }
-        let window = WINDOW.max(fallen / 2);
-        let pace = (last - self.logs[fallen - window]) / window as f64;
+        // The faster of two: that of the later half of the steps, and of the last ones.
+        let over = |window: usize| (last - self.logs[fallen - window]) / window as f64;
+        let pace = over(WINDOW).min(over(WINDOW.max(fallen / 2)));
         pace >= 0.0 || f64::from(self.steps) + (tolerance.ln() - last) / pace > f64::from(limit)
     }
 }
@@ -96,6 +102,11 @@ impl Krylov {
         for v in self.basis.iter_mut().chain(&mut self.directions) {
             v.resize(n, 0.0);
         }
+    }
+
+    /// Whether iterations go on to their limit however slow they are, from here on.
+    pub fn set_patient(&mut self, is_patient: bool) {
+        self.pace.is_off = is_patient;
     }
 
     /// Conjugate gradients for symmetric matrices, after Polak and Ribiere: the direction is orthogonal to the change of the residual, whatever the preconditioner is. From zero, until the
@@ -256,9 +267,11 @@ mod tests {
         assert_eq!(steps(|k| 0.87_f64.powi(k)), None);
         // Residuals of conjugate gradients rise first.
         assert_eq!(steps(|k| if k < 30 { 1.2_f64.powi(k) } else { 1.2_f64.powi(30) * 0.75_f64.powi(k - 30) }), None);
-        assert_eq!(steps(|k| 0.95_f64.powi(k)), Some(20));
+        // Slow until few soft motions are found, then fast.
+        assert_eq!(steps(|k| if k < 50 { 0.98_f64.powi(k) } else { 0.98_f64.powi(50) * 0.7_f64.powi(k - 50) }), None);
+        assert_eq!(steps(|k| 0.95_f64.powi(k)), Some(60));
         // Fast at first, then not at all.
-        assert!(steps(|k| 0.7_f64.powi(k.min(15))).is_some_and(|k| k <= 40));
-        assert_eq!(steps(|_| 0.5), Some(20));
+        assert_eq!(steps(|k| 0.7_f64.powi(k.min(15))), Some(60));
+        assert_eq!(steps(|_| 0.5), Some(60));
     }
 }

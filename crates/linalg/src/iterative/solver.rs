@@ -295,7 +295,10 @@ impl IterativeSolver {
             self.b[place as usize] = pseudo_random(place as usize);
         }
         let tolerance = PROBE / (self.b.len() as f64).sqrt();
+        // Where a structure is about to buckle the soft motions come first, and the direction that is looked for last.
+        self.krylov.set_patient(true);
         let report = self.iterate(tolerance, Curvature::Positive);
+        self.krylov.set_patient(false);
         self.statistics.iterations += u64::from(report.iterations);
         self.is_indefinite |= report.negative;
         self.b = rhs;

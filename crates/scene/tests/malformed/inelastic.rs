@@ -36,4 +36,6 @@ pub const CASES: &[Case] = &[
     metal!("hardening = [[0.1, 1]]", ""),
     metal!("hardening = [[0, 1], [0, 2]]", ""),
     metal!("yield_stress = 1, hardening_modulus = -1e9", ""),
+    // A yield stress that falls below zero at some strain.
+    metal!("yield_stress = 100, hardening_modulus = -1", ""),
 ];
