@@ -404,3 +404,38 @@ impl Condensation {
             + 3 * size_of::<[f64; 3]>() * self.x.capacity()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A node that a plane of symmetry holds across two tangents has one motion for both of their rows.
+    #[test]
+    fn dependent_rows_have_no_right_inverse() {
+        let zero = [[0.0; 3]; 3];
+        let slot = Slot {
+            first: 0,
+            width: 3,
+            keeps: [true; WIDTH],
+            node: 0,
+            m: zero,
+            dm: zero,
+            md: zero,
+            c: Vec::new(),
+            b: Vec::new(),
+            c_left: Vec::new(),
+            b_left: Vec::new(),
+            r: zero,
+            r_b: zero,
+        };
+        let free = [[0.0, 0.0, 2.0], [0.7, 0.7, 0.0], [0.7, -0.7, 0.0]];
+        let inverse = slot.right_inverse(&[(0, free)]).unwrap();
+        let product = multiply(&free, &inverse);
+        assert!((0..3).all(|i| (0..3).all(|j| (product[i][j] - f64::from(u8::from(i == j))).abs() < 1e-14)));
+        let held = free.map(|row| [row[0], 0.0, row[2]]);
+        assert!(slot.right_inverse(&[(0, held)]).is_none());
+        // Lengths of rows do not matter, angles do.
+        let short = [free[0], free[1].map(|v| 1e-9 * v), free[2]];
+        assert!(slot.right_inverse(&[(0, short)]).is_some());
+    }
+}
