@@ -290,8 +290,8 @@ const TABLE: &[Row] = &[
     (
         &["VISCOELASTIC"],
         CHANGED,
-        "it is not imported: the material does not relax",
-        "give the material `prony`, pairs of a share of the shear modulus and a relaxation time, and `moduli = \"long-term\"` unless the deck says MODULI=INSTANTANEOUS; in place of saint-venant-kirchhoff, which cannot have it, take neo-hooke",
+        "only TIME=PRONY is imported: the material does not relax",
+        "give the material `prony`, pairs of a share of the shear modulus and a relaxation time; saint-venant-kirchhoff cannot have it, take neo-hooke",
     ),
     (
         &["SWELLING"],
@@ -302,8 +302,8 @@ const TABLE: &[Row] = &[
     (
         &["MULLINSEFFECT"],
         CHANGED,
-        "it is not imported: the material does not soften",
-        "give the material `mullins` with the same r, m and beta",
+        "only the numbers r, m and beta without temperatures or test data are imported: the material does not soften",
+        "give the material `mullins` with r, m and beta",
     ),
     (
         &["DAMAGEINITIATION", "DAMAGEEVOLUTION", "DAMAGESTABILIZATION", "FAILSTRESS", "FAILSTRAIN"],

@@ -24,6 +24,72 @@ pub(crate) struct Law {
 
 /// The law of a material, or what it lacks. `mixed`: the elements have an independent pressure.
 pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
+    let mut law = elastic_or_plastic(material, mixed)?;
+    with_history(material, &mut law)?;
+    Ok(law)
+}
+
+/// Adds relaxation and softening.
+fn with_history(material: &Material, law: &mut Law) -> Result<(), String> {
+    let wrong = |what: String| Err(format!("material {} has {what}", material.name));
+    let mut keys = String::new();
+    let shares: f64 = material.prony.iter().map(|[share, ..]| share).sum();
+    let relaxes = material.prony.iter().any(|[share, ..]| *share != 0.0);
+    if let Some([share, _, time]) = material.prony.iter().find(|[share, _, time]| !(*share >= 0.0 && *time > 0.0)) {
+        return wrong(format!(
+            "*VISCOELASTIC with the share {share} and the time {time}: shares are not negative, times are positive"
+        ));
+    }
+    if shares >= 1.0 {
+        return wrong(format!(
+            "*VISCOELASTIC whose shares of the shear modulus add up to {shares}, which must be below 1"
+        ));
+    }
+    let yields = law.text.contains("plasticity");
+    for (is_there, name) in [(relaxes, "*VISCOELASTIC"), (material.mullins.is_some(), "*MULLINS EFFECT")] {
+        if is_there && yields {
+            let text = format!("{name} beside *PLASTIC is left out: a law that yields neither relaxes nor softens");
+            law.notes.push((text, "for rubber leave *PLASTIC out".to_owned()));
+        }
+    }
+    if yields {
+        return Ok(());
+    }
+    if relaxes {
+        let pairs =
+            material.prony.iter().filter(|[share, ..]| *share != 0.0).map(|[share, _, time]| list(&[*share, *time]));
+        let moduli = if material.is_instantaneous { "instantaneous" } else { "long-term" };
+        keys += &format!(", prony = [{}], moduli = \"{moduli}\"", pairs.collect::<Vec<_>>().join(", "));
+        law.summary += ", *VISCOELASTIC is `prony`";
+        law.notes.push((
+            "its branches are linear in the logarithmic strain: in the deck the stress of the law relaxes; the same at small strains, another model above some 50 %".to_owned(),
+            String::new(),
+        ));
+    }
+    if material.prony.iter().any(|[_, of_bulk, _]| *of_bulk != 0.0) {
+        law.notes.push(("the bulk modulus does not relax".to_owned(), String::new()));
+    }
+    if let Some([r, m, beta]) = material.mullins {
+        if !(r > 1.0 && m > 0.0 && beta >= 0.0) {
+            return wrong(format!(
+                "*MULLINS EFFECT with r = {r}, m = {m}, beta = {beta}: r must be above 1, m positive, beta not negative"
+            ));
+        }
+        keys += &format!(", mullins = {{ r = {}, m = {}, beta = {} }}", number(r), number(m), number(beta));
+        law.summary += ", *MULLINS EFFECT is `mullins`";
+    }
+    if keys.is_empty() {
+        return Ok(());
+    }
+    // The law of steel in this program has no part without change of volume.
+    law.text = law.text.replace("saint-venant-kirchhoff", "neo-hooke");
+    law.summary = law.summary.replace("saint-venant-kirchhoff", "neo-hooke");
+    law.text.truncate(law.text.len() - " }".len());
+    law.text += &format!("{keys} }}");
+    Ok(())
+}
+
+fn elastic_or_plastic(material: &Material, mixed: bool) -> Result<Law, String> {
     if let Some(hyperelastic) = &material.hyperelastic {
         let mut law = match (hyperelastic.law.replace(' ', "").as_str(), hyperelastic.terms) {
             ("YEOH", _) | ("REDUCEDPOLYNOMIAL", 3) => of_first_invariant(hyperelastic, "yeoh", &["c1", "c2", "c3"]),
@@ -233,6 +299,9 @@ mod tests {
             }),
             plastic: Vec::new(),
             is_kinematic: false,
+            prony: Vec::new(),
+            is_instantaneous: false,
+            mullins: None,
             damping: None,
             place: DeckPlace { file: 0, line: 1 },
         }
@@ -251,6 +320,34 @@ mod tests {
             assert!(law(&material(Some(bad), None), false).is_err(), "{bad:?}");
         }
         assert!(law(&material(None, None), false).unwrap_err().contains("no isotropic"));
+    }
+
+    #[test]
+    fn relaxation_and_softening_are_keys_of_the_law() {
+        let mut rubber = material(None, Some(("NEO HOOKE", 1, &[1.0, 0.01])));
+        rubber.prony = vec![[0.3, 0.0, 0.1], [0.2, 0.1, 10.0]];
+        rubber.mullins = Some([1.5, 0.3, 0.1]);
+        let soft = law(&rubber, true).unwrap();
+        let keys =
+            "prony = [[0.3, 0.1], [0.2, 10.0]], moduli = \"long-term\", mullins = { r = 1.5, m = 0.3, beta = 0.1 } }";
+        assert!(soft.text.starts_with("{ law = \"ogden\"") && soft.text.ends_with(keys), "{}", soft.text);
+        assert!(soft.notes.iter().any(|(note, _)| note.contains("bulk modulus does not relax")), "{:?}", soft.notes);
+        rubber.is_instantaneous = true;
+        assert!(law(&rubber, true).unwrap().text.contains("moduli = \"instantaneous\""));
+        let mut steel = material(Some((2.1e5, 0.3)), None);
+        steel.prony = vec![[0.3, 0.0, 0.1]];
+        let relaxing =
+            "{ law = \"neo-hooke\", young = 210000.0, poisson = 0.3, prony = [[0.3, 0.1]], moduli = \"long-term\" }";
+        assert_eq!(law(&steel, false).unwrap().text, relaxing);
+        steel.plastic = vec![[0.0, 250.0]];
+        let yields = law(&steel, false).unwrap();
+        assert!(
+            !yields.text.contains("prony") && yields.notes.iter().any(|(note, _)| note.contains("neither relaxes"))
+        );
+        for wrong in [vec![[0.6, 0.0, 1.0], [0.4, 0.0, 2.0]], vec![[-0.1, 0.0, 1.0]], vec![[0.1, 0.0, 0.0]]] {
+            rubber.prony = wrong;
+            assert!(law(&rubber, true).unwrap_err().contains("*VISCOELASTIC"));
+        }
     }
 
     #[test]

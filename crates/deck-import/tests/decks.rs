@@ -360,6 +360,18 @@ fn elements_that_yield_average_the_change_of_volume() {
     assert!(!yields(&quadratic.replace("C3D20R", "C3D20")).scene.contains("volumetric"));
 }
 
+/// Relaxation and softening of a material, and what of them is not read.
+#[test]
+fn materials_relax_and_soften() {
+    let of = |lines: &str| imported(&CUBE.replace("100.0, 0.3\n", &format!("100.0, 0.3\n{lines}")));
+    let import = of("*VISCOELASTIC, TIME=PRONY\n0.3, 0.0, 0.1\n0.2, 0.0, 10.0\n*MULLINS EFFECT\n1.5, 0.3, 0.1\n");
+    let keys = "prony = [[0.3, 0.1], [0.2, 10.0]], moduli = \"long-term\", mullins = { r = 1.5, m = 0.3, beta = 0.1 }";
+    assert!(import.scene.contains("law = \"neo-hooke\"") && import.scene.contains(keys), "{}", import.scene);
+    let import = of("*VISCOELASTIC, FREQUENCY=PRONY\n0.3, 0.0, 0.1\n");
+    assert!(!import.scene.contains("prony = "), "{}", import.scene);
+    assert!(entry(&import, "*VISCOELASTIC").consequence.contains("only TIME=PRONY"));
+}
+
 /// Sections of a part belong to its instances; a set of the same name in another part is another one.
 #[test]
 fn parts_and_instances() {

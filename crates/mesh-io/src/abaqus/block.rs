@@ -17,7 +17,7 @@ impl Block {
 
     /// True if data lines may be in a file of their own, `INPUT=`; with other keywords that parameter means something else.
     pub fn takes_input(&self) -> bool {
-        const NAMES: [&str; 14] = [
+        const NAMES: [&str; 16] = [
             "AMPLITUDE",
             "BOUNDARY",
             "CLOAD",
@@ -29,9 +29,11 @@ impl Block {
             "FRICTION",
             "HYPERELASTIC",
             "INITIALCONDITIONS",
+            "MULLINSEFFECT",
             "PLASTIC",
             "SURFACEBEHAVIOR",
             "TIE",
+            "VISCOELASTIC",
         ];
         NAMES.contains(&self.name().as_str())
     }

@@ -90,7 +90,10 @@ impl Filler<'_> {
     fn block(&mut self, block: &Block) -> Result<(), MeshIoError> {
         let name = block.name();
         match (name.as_str(), &self.owner) {
-            ("DENSITY" | "ELASTIC" | "HYPERELASTIC" | "PLASTIC" | "DAMPING", Owner::Material) => {
+            (
+                "DENSITY" | "ELASTIC" | "HYPERELASTIC" | "PLASTIC" | "VISCOELASTIC" | "MULLINSEFFECT" | "DAMPING",
+                Owner::Material,
+            ) => {
                 return self.of_material(block, &name);
             }
             ("FRICTION" | "SURFACEBEHAVIOR", Owner::Interaction) => return self.of_interaction(block, &name),
@@ -102,10 +105,19 @@ impl Filler<'_> {
             "MATERIAL" => {
                 let (name, place) = (block.require(self.contents, "NAME")?, block.place());
                 self.other_parameters(block, &["NAME"]);
-                let (density, elastic, hyperelastic, plastic, damping) = (None, None, None, Vec::new(), None);
-                let material =
-                    Material { name, density, elastic, hyperelastic, plastic, is_kinematic: false, damping, place };
-                self.deck.materials.push(material);
+                self.deck.materials.push(Material {
+                    name,
+                    density: None,
+                    elastic: None,
+                    hyperelastic: None,
+                    plastic: Vec::new(),
+                    is_kinematic: false,
+                    prony: Vec::new(),
+                    is_instantaneous: false,
+                    mullins: None,
+                    damping: None,
+                    place,
+                });
                 self.owner = Owner::Material;
             }
             "SURFACEINTERACTION" => {
@@ -223,8 +235,14 @@ impl Filler<'_> {
             self.material(|material| material.damping = Some(damping));
             return Ok(());
         }
-        if name == "PLASTIC" {
-            return self.plastic(block);
+        match name {
+            "PLASTIC" => return self.plastic(block),
+            "VISCOELASTIC" => return self.viscoelastic(block),
+            "MULLINSEFFECT" => return self.mullins(block),
+            _ => {}
+        }
+        if block.keyword.value("MODULI").is_some_and(|moduli| moduli.eq_ignore_ascii_case("INSTANTANEOUS")) {
+            self.material(|material| material.is_instantaneous = true);
         }
         let first = block.first(contents, "numbers of the material")?;
         match name {
@@ -238,7 +256,7 @@ impl Filler<'_> {
                     modulus: first.real(0, "Young's modulus")?,
                     ratio: first.optional(1, "Poisson's ratio")?.unwrap_or(0.0),
                 };
-                self.other_parameters(block, &["TYPE"]);
+                self.other_parameters(block, &["TYPE", "MODULI"]);
                 self.material(|material| material.elastic = Some(elastic));
             }
             _ => {
@@ -287,6 +305,43 @@ impl Filler<'_> {
             return Ok(());
         }
         self.material(|material| (material.plastic, material.is_kinematic) = (points, is_kinematic));
+        Ok(())
+    }
+
+    /// Shares of the shear and of the bulk modulus, and a time, line by line.
+    fn viscoelastic(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        let time = block.keyword.value("TIME").map(str::to_uppercase);
+        if time.as_deref() != Some("PRONY") {
+            let kind = time.map_or("*VISCOELASTIC".to_owned(), |time| format!("*VISCOELASTIC, TIME={time}"));
+            self.leave(block.place(), kind);
+            return Ok(());
+        }
+        if self.is_other(block, &["TIME"]) {
+            return Ok(());
+        }
+        let mut branches = Vec::new();
+        for row in block.rows(self.contents) {
+            let share = row.optional(0, "a share of the shear modulus")?.unwrap_or(0.0);
+            let of_bulk = row.optional(1, "a share of the bulk modulus")?.unwrap_or(0.0);
+            branches.push([share, of_bulk, row.real(2, "a relaxation time")?]);
+        }
+        self.material(|material| material.prony = branches);
+        Ok(())
+    }
+
+    /// `r`, `m`, `beta`.
+    fn mullins(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        if block.rows(self.contents).next().is_none() || self.is_other(block, &[]) {
+            self.leave(block.place(), "*MULLINS EFFECT".to_owned());
+            return Ok(());
+        }
+        let first = block.first(self.contents, "the numbers r, m and beta")?;
+        let softening = [
+            first.real(0, "the number r")?,
+            first.optional(1, "the number m")?.unwrap_or(0.0),
+            first.optional(2, "the number beta")?.unwrap_or(0.0),
+        ];
+        self.material(|material| material.mullins = Some(softening));
         Ok(())
     }
 

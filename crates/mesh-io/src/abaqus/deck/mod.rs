@@ -6,7 +6,7 @@
 //! | keyword | in the deck |
 //! |---|---|
 //! | `*HEADING` | [`Deck::title`] |
-//! | `*MATERIAL` with `*DENSITY`, `*ELASTIC` (isotropic), `*HYPERELASTIC`, `*PLASTIC` (isotropic hardening, kinematic hardening of two points), `*DAMPING` (`ALPHA`, `BETA`) | [`Material`] |
+//! | `*MATERIAL` with `*DENSITY`, `*ELASTIC` (isotropic), `*HYPERELASTIC`, `*PLASTIC` (isotropic hardening, kinematic hardening of two points), `*VISCOELASTIC, TIME=PRONY`, `*MULLINS EFFECT`, `*DAMPING` (`ALPHA`, `BETA`) | [`Material`] |
 //! | `*SOLID SECTION` | [`SolidSection`] |
 //! | `*TRANSFORM` (rectangular and cylindrical) | [`LocalAxes`] |
 //! | `*AMPLITUDE` (tabular) | [`Amplitude`] |
@@ -72,6 +72,12 @@ pub struct Material {
     pub plastic: Vec<[f64; 2]>,
     /// Whether its hardening is kinematic, with two lines at most; else it is isotropic.
     pub is_kinematic: bool,
+    /// Of `*VISCOELASTIC, TIME=PRONY`: share of the shear modulus, share of the bulk modulus and relaxation time of each line; nothing without it.
+    pub prony: Vec<[f64; 3]>,
+    /// Whether the moduli of its elastic law are those of fast strains (`MODULI=INSTANTANEOUS`); else they are those of the relaxed material.
+    pub is_instantaneous: bool,
+    /// Of `*MULLINS EFFECT`: r, m (energy per volume) and beta.
+    pub mullins: Option<[f64; 3]>,
     /// Of `*DAMPING`.
     pub damping: Option<Damping>,
     /// Its place.
