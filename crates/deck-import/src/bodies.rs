@@ -239,7 +239,7 @@ pub(crate) fn bodies(
     let mut taken = BTreeSet::new();
     for (&m, elements) in &of_material {
         let material = &deck.materials[m];
-        let yields = !material.plastic.is_empty() && material.hyperelastic.is_none();
+        let yields = material::yields(material);
         let variants = variants(solids, elements, yields);
         let is_mixed = |law: &Law| variants.is_hybrid || law.is_incompressible && material.hyperelastic.is_some();
         let law = match material::law(material, variants.is_hybrid) {

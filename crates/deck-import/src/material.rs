@@ -29,6 +29,16 @@ pub(crate) fn law(material: &Material, mixed: bool) -> Result<Law, String> {
     Ok(law)
 }
 
+/// Whether bodies of a material yield: a law of rubber does not.
+pub(crate) fn yields(material: &Material) -> bool {
+    !material.plastic.is_empty() && material.hyperelastic.is_none()
+}
+
+/// Whether a material relaxes or softens, unless it yields.
+fn has_history(material: &Material) -> bool {
+    material.prony.iter().any(|[share, ..]| *share != 0.0) || material.mullins.is_some()
+}
+
 /// Adds relaxation and softening.
 fn with_history(material: &Material, law: &mut Law) -> Result<(), String> {
     let wrong = |what: String| Err(format!("material {} has {what}", material.name));
@@ -45,7 +55,7 @@ fn with_history(material: &Material, law: &mut Law) -> Result<(), String> {
             "*VISCOELASTIC whose shares of the shear modulus add up to {shares}, which must be below 1"
         ));
     }
-    let yields = law.text.contains("plasticity");
+    let yields = yields(material);
     for (is_there, name) in [(relaxes, "*VISCOELASTIC"), (material.mullins.is_some(), "*MULLINS EFFECT")] {
         if is_there && yields {
             let text = format!("{name} beside *PLASTIC is left out: a law that yields neither relaxes nor softens");
@@ -81,9 +91,6 @@ fn with_history(material: &Material, law: &mut Law) -> Result<(), String> {
     if keys.is_empty() {
         return Ok(());
     }
-    // The law of steel in this program has no part without change of volume.
-    law.text = law.text.replace("saint-venant-kirchhoff", "neo-hooke");
-    law.summary = law.summary.replace("saint-venant-kirchhoff", "neo-hooke");
     law.text.truncate(law.text.len() - " }".len());
     law.text += &format!("{keys} }}");
     Ok(())
@@ -124,10 +131,11 @@ fn elastic_or_plastic(material: &Material, mixed: bool) -> Result<Law, String> {
     if !material.plastic.is_empty() {
         return plastic(material, [young, poisson], is_incompressible);
     }
-    let (name, notes) = if mixed {
+    let (name, notes) = if mixed || has_history(material) {
+        let lacks = if mixed { "has no mixed form" } else { "neither relaxes nor softens" };
         let note =
-            "the law is neo-hooke, with the same moduli at small strains: saint-venant-kirchhoff has no mixed form";
-        ("neo-hooke", vec![(note.to_owned(), String::new())])
+            format!("the law is neo-hooke, with the same moduli at small strains: saint-venant-kirchhoff {lacks}");
+        ("neo-hooke", vec![(note, String::new())])
     } else {
         ("saint-venant-kirchhoff", Vec::new())
     };

@@ -331,8 +331,7 @@ impl Filler<'_> {
 
     /// `r`, `m`, `beta`.
     fn mullins(&mut self, block: &Block) -> Result<(), MeshIoError> {
-        if block.rows(self.contents).next().is_none() || self.is_other(block, &[]) {
-            self.leave(block.place(), "*MULLINS EFFECT".to_owned());
+        if self.is_other(block, &[]) {
             return Ok(());
         }
         let first = block.first(self.contents, "the numbers r, m and beta")?;
