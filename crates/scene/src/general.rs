@@ -288,7 +288,7 @@ pub struct Solver {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
     /// `true`: one more Newton iteration follows after convergence if it can still reduce the residual, because momenta and energy are conserved only to the accuracy of
-    /// the residual. `true` if left out.
+    /// the residual. If left out, `true` in dynamics and `false` in statics, where nothing adds up from step to step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub polish: Option<bool>,
     /// Direct solver for linear systems: `auto` if left out.

@@ -105,6 +105,30 @@ impl<T: Real, const R: usize, const C: usize> Bsr<T, R, C> {
         })
     }
 
+    /// `task(i, range, columns, blocks)` for each row of blocks, `range` of the list of all.
+    pub fn for_rows_of_blocks(
+        &mut self,
+        task: impl Fn(usize, std::ops::Range<usize>, &[u32], &mut [Block<T, R, C>]) + Sync,
+    ) {
+        let Self { starts, indices, blocks, .. } = self;
+        let rows = starts.len() - 1;
+        let (mut parts, mut rest) = (Vec::with_capacity(rows.div_ceil(TASK_ROWS)), &mut blocks[..]);
+        for first in (0..rows).step_by(TASK_ROWS) {
+            let last = rows.min(first + TASK_ROWS);
+            let (part, behind) = rest.split_at_mut(starts[last] - starts[first]);
+            parts.push((first..last, part));
+            rest = behind;
+        }
+        parts.into_par_iter().for_each(|(rows, mut part)| {
+            for i in rows {
+                let range = starts[i]..starts[i + 1];
+                let (row, behind) = std::mem::take(&mut part).split_at_mut(range.len());
+                task(i, range.clone(), &indices[range], row);
+                part = behind;
+            }
+        });
+    }
+
     /// `y = A x`.
     pub fn multiply(&self, x: &[T], y: &mut [T]) {
         let x = x.as_chunks().0;

@@ -1,7 +1,6 @@
 //! Which equation is which component of which node, and the blocks of the matrix in this numbering.
 
 use super::bsr::Bsr;
-use super::saddle::Border;
 use crate::{EquationPlace, SparsityPattern};
 
 /// Equations of nodes come first, three each, with or without an equation in the system; those of multipliers and all others follow.
@@ -17,7 +16,7 @@ pub(crate) struct Layout {
     /// Of each other equation: the slot it belongs to, by numbers from zero; `None` of one that is no multiplier.
     pub slots: Vec<Option<u32>>,
     /// Equation of each component, [`crate::NONE`] if it has none.
-    equations: Vec<[u32; 3]>,
+    pub equations: Vec<[u32; 3]>,
 }
 
 impl Layout {
@@ -128,69 +127,5 @@ impl Layout {
             }
         }
         out
-    }
-
-    /// Values of the blocks between nodes, and of what borders them. A component without equation has its node's largest diagonal entry. `symmetric`: the columns of a node are its rows too.
-    pub fn set_values(
-        &self,
-        pattern: &SparsityPattern,
-        values: &[f64],
-        symmetric: bool,
-        k: &mut Bsr<f64, 3, 3>,
-        border: &mut Border,
-    ) {
-        let nodes = self.nodes();
-        k.blocks.fill([[0.0; 3]; 3]);
-        border.clear(nodes);
-        let entries = |equation: u32| {
-            let range = pattern.column_range(equation as usize);
-            let places = pattern.row_indices()[range.clone()].iter().map(|&row| self.place[row] as usize);
-            places.zip(&values[range])
-        };
-        // Where the block of each row in the present column is. Columns ascend, so the next block of a row is that of the present column.
-        let mut next: Vec<usize> = k.starts[..nodes].to_vec();
-        let mut at = vec![0; nodes];
-        let mut marks = vec![0; self.slots.len()];
-        for (j, equations) in self.equations.iter().enumerate() {
-            for (own, &i) in (k.starts[j]..).zip(&k.indices[k.starts[j]..k.starts[j + 1]]) {
-                at[i as usize] = if symmetric { own } else { next[i as usize] };
-                next[i as usize] += 1;
-            }
-            for (c, &equation) in equations.iter().enumerate().filter(|(_, equation)| **equation != crate::NONE) {
-                for (place, &value) in entries(equation) {
-                    if place < 3 * nodes {
-                        let block = &mut k.blocks[at[place / 3]];
-                        if symmetric {
-                            block[c][place % 3] = value;
-                        } else {
-                            block[place % 3][c] = value;
-                        }
-                    } else if value != 0.0 {
-                        border.c_by_node.add(place - 3 * nodes, c, value, &mut marks[place - 3 * nodes]);
-                    }
-                }
-            }
-            border.c_by_node.finish_row();
-        }
-        for equation in self.place.iter().enumerate().filter(|(_, place)| **place as usize >= 3 * nodes).map(|(e, _)| e)
-        {
-            for (place, &value) in entries(equation as u32).filter(|(_, value)| **value != 0.0) {
-                match place.checked_sub(3 * nodes) {
-                    None => border.b.add_next(place / 3, place % 3, value),
-                    Some(row) => border.d_by_column.add(row, value),
-                }
-            }
-            border.b.finish_row();
-            border.d_by_column.finish_row();
-        }
-        border.transpose();
-        for (i, free) in self.free.iter().enumerate().filter(|(_, free)| !free.iter().all(|f| *f)) {
-            let Some(at) = k.position(i, i) else { continue };
-            let block = &mut k.blocks[at];
-            let largest = (0..3).map(|d| block[d][d].abs()).fold(0.0, f64::max);
-            for d in (0..3).filter(|&d| !free[d]) {
-                block[d][d] = if largest > 0.0 { largest } else { 1.0 };
-            }
-        }
     }
 }

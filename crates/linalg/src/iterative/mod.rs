@@ -5,7 +5,7 @@
 //!
 //! | file | what |
 //! |---|---|
-//! | `layout` | nodes of the equations, blocks of the matrix |
+//! | `layout`, `entries` | nodes of the equations, blocks of the matrix, where their values are |
 //! | `bsr` | matrices of blocks, products |
 //! | `aggregates`, `modes` | which nodes are put together, rigid modes, prolongation |
 //! | `smoother`, `waves`, `hierarchy` | Chebyshev's polynomials, passes over a matrix, levels, the cycle |
@@ -19,6 +19,7 @@
 mod aggregates;
 mod bsr;
 mod condense;
+mod entries;
 mod hierarchy;
 mod inverse;
 mod krylov;

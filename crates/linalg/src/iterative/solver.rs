@@ -2,6 +2,7 @@
 
 use super::bsr::Bsr;
 use super::condense::Condensation;
+use super::entries::Entries;
 use super::hierarchy::{Hierarchy, OneLevel};
 use super::inverse::inverse_diagonal;
 use super::krylov::{Krylov, Operator, Report};
@@ -112,6 +113,7 @@ pub(crate) struct IterativeSolver {
     pattern: Option<Arc<SparsityPattern>>,
     kind: MatrixKind,
     k: Bsr<f64, 3, 3>,
+    entries: Entries,
     border: Border,
     /// Slave nodes of other equations.
     slaves: Vec<u32>,
@@ -164,6 +166,7 @@ impl IterativeSolver {
         self.statistics.analyses += 1;
         self.preconditioner = None;
         self.k = self.layout.block_pattern(pattern);
+        self.entries = Entries::new(&self.layout, pattern, &self.k, kind != MatrixKind::General);
         self.slaves = self.layout.slaves(pattern);
         self.kind = kind;
         self.pattern = Some(Arc::clone(pattern));
@@ -187,7 +190,7 @@ impl IterativeSolver {
         check_length("solution", pattern.n(), solution)?;
         check_finite(Place::Matrix, values)?;
         check_finite(Place::RightHandSide, rhs)?;
-        self.layout.set_values(&pattern, values, self.kind != MatrixKind::General, &mut self.k, &mut self.border);
+        self.entries.set(&self.layout, &pattern, values, &mut self.k, &mut self.border);
         match self.run(rhs, tolerance, curvature) {
             Ok(Some(iterations)) => {
                 self.layout.scatter(&self.x, solution);
@@ -276,7 +279,7 @@ impl IterativeSolver {
     pub fn is_definite(&mut self, values: &[f64]) -> Option<bool> {
         let pattern = self.pattern.clone().filter(|pattern| !self.refused && pattern.nnz() == values.len())?;
         self.preconditioner.as_ref()?;
-        self.layout.set_values(&pattern, values, self.kind != MatrixKind::General, &mut self.k, &mut self.border);
+        self.entries.set(&self.layout, &pattern, values, &mut self.k, &mut self.border);
         if self.border.len() > 0 {
             return None;
         }
@@ -405,6 +408,7 @@ impl IterativeSolver {
         };
         preconditioner
             + self.k.memory_bytes()
+            + self.entries.memory_bytes()
             + self.border.memory_bytes()
             + self.saddle.memory_bytes()
             + self.condensation.as_ref().map_or(0, Condensation::memory_bytes)

@@ -367,16 +367,13 @@ fn newton(scene: &Scene, kind: Kind) -> NewtonOptions {
     let tolerance = solver.relative_tolerance.unwrap_or(DEFAULT_TOLERANCE);
     NewtonOptions {
         relative_tolerance: tolerance,
-        round_off_level: match kind {
-            Kind::QuasiStatic => default.round_off_level.max(FAR_BELOW * tolerance),
-            Kind::Dynamic => default.round_off_level,
-        },
         absolute_tolerance: solver.absolute_tolerance.unwrap_or(default.absolute_tolerance),
         max_iterations: solver.max_iterations.unwrap_or(match general_contact(scene) {
             Some(_) => GENERAL_ITERATIONS,
             None => default.max_iterations,
         }),
-        polish: if solver.polish == Some(false) { 0 } else { default.polish },
+        // Statics has no balances that add up step after step.
+        polish: if solver.polish.unwrap_or(kind == Kind::Dynamic) { default.polish } else { 0 },
         line_search: match (kind, LineSearch::backtracking()) {
             (Kind::Dynamic, LineSearch::Backtracking { max_growth, reduction, max_reductions, .. }) => {
                 LineSearch::Backtracking { max_growth, small: SMALL_RESIDUAL, reduction, max_reductions }
@@ -407,12 +404,10 @@ fn linear_solver(choice: LinearChoice, factors: Factors) -> Box<dyn LinearSolver
     }
 }
 
-/// Relative residual at which Newton stops. One more iteration follows if it still pays (`NewtonOptions::polish`), which
+/// Relative residual at which Newton stops. In dynamics one more iteration follows if it still pays (`NewtonOptions::polish`), which
 /// brings the residual to round-off: balances are exact only as far as the residual is.
 pub const DEFAULT_TOLERANCE: f64 = 1.0e-9;
 
-/// Statics has no balances that add up step after step: a residual that came out this far below the tolerance is not polished.
-const FAR_BELOW: f64 = 1.0e-3;
 /// Residual of a dynamic step, in multiples of the scale, from which the line search lets any other grow tenfold.
 const SMALL_RESIDUAL: f64 = 0.1;
 

@@ -5,6 +5,7 @@ use super::{System, prepared};
 use crate::iterative::bsr::Bsr;
 use crate::iterative::bsr::tests::dense;
 use crate::iterative::condense::Condensation;
+use crate::iterative::entries::Entries;
 use crate::iterative::inverse::{inverse_diagonal, invert};
 use crate::iterative::krylov::{Krylov, Operator};
 use crate::iterative::layout::Layout;
@@ -25,7 +26,8 @@ fn parts(system: &System) -> Parts {
     layout.set(&mut system.places.iter().copied());
     let (mut k, mut border, mut saddle) =
         (layout.block_pattern(system.pattern()), Border::default(), Saddle::default());
-    layout.set_values(system.pattern(), &system.matrix.values, false, &mut k, &mut border);
+    let entries = Entries::new(&layout, system.pattern(), &k, false);
+    entries.set(&layout, system.pattern(), &system.matrix.values, &mut k, &mut border);
     saddle.set_weights(&border, &inverse_diagonal(&k), &layout.slots);
     let slaves = layout.slaves(system.pattern());
     let condensation = Condensation::new(&k, &border, &layout.slots, &slaves, &saddle.sizes);

@@ -2,6 +2,7 @@
 
 use super::{Body, Multiplier, System, cube, offsets, relative_residual, system};
 use crate::iterative::bsr::Bsr;
+use crate::iterative::entries::Entries;
 use crate::iterative::inverse::{inverse_diagonal, invert};
 use crate::iterative::krylov::{Krylov, Operator};
 use crate::iterative::layout::Layout;
@@ -279,7 +280,7 @@ fn two_iterations_with_exact_parts() {
         layout.set(&mut places(m).into_iter());
         let mut k = layout.block_pattern(&pattern);
         let mut border = Border::default();
-        layout.set_values(&pattern, &values, false, &mut k, &mut border);
+        Entries::new(&layout, &pattern, &k, false).set(&layout, &pattern, &values, &mut k, &mut border);
         let mut saddle = Saddle::default();
         saddle.set_weights(&border, &inverse_diagonal(&k), &layout.slots);
         saddle.factorise(&border, &inverse_diagonal(&k), &layout.slots).unwrap();

@@ -5,6 +5,7 @@ use crate::MatrixKind;
 use crate::iterative::aggregates::{Graph, NONE, aggregate};
 use crate::iterative::bsr::tests::{dense, dense_product, difference};
 use crate::iterative::bsr::{Block, Bsr, product};
+use crate::iterative::entries::Entries;
 use crate::iterative::hierarchy::Hierarchy;
 use crate::iterative::inverse::inverse_diagonal;
 use crate::iterative::layout::Layout;
@@ -20,7 +21,8 @@ fn blocks(bodies: &[Body], held: impl Fn(usize, [f64; 3]) -> [bool; 3]) -> (Bsr<
     let mut layout = Layout::default();
     layout.set(&mut system.places.iter().copied());
     let mut k = layout.block_pattern(system.pattern());
-    layout.set_values(system.pattern(), &system.matrix.values, false, &mut k, &mut Border::default());
+    let entries = Entries::new(&layout, system.pattern(), &k, false);
+    entries.set(&layout, system.pattern(), &system.matrix.values, &mut k, &mut Border::default());
     (k, layout)
 }
 

@@ -2,6 +2,7 @@
 
 mod condensation;
 mod contact;
+mod entries;
 mod levels;
 mod solutions;
 

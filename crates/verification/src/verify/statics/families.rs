@@ -95,7 +95,7 @@ fn ironing(all: &mut Vec<Scene>) {
             let path = [[0.0; 4], [7.0, 0.0, 0.0, -0.7], [21.25, 2.85, 0.0, -0.7]];
             all.push(
                 Scene::with_steps(format!("iron-mu{mu}-{slave}"), 21.25, 1.0)
-                    .also("\n[solver]\nrelative_tolerance = 1e-8\npolish = false\n")
+                    .also("\n[solver]\nrelative_tolerance = 1e-8\n")
                     .block("slab", [0.0; 3], [9.0, 4.0, 3.0], [20, 5, 3], (1.0, 0.3))
                     .block("indenter", [1.5, 1.5, 3.0], [2.5, 2.5, 4.0], [4, 4, 4], (1000.0, 0.3))
                     .contact("mortar", slave_side, master, mu)
