@@ -88,6 +88,7 @@ fn force_weight_and_tangent_factor_scale_what_is_added() {
     for i in 0..q.len() {
         assert!((out[i] - (2.0 + 0.25 * force[i])).abs() < 1e-12 * max_abs(&force));
         for &j in pattern.column(i) {
+            let j = j as usize;
             assert!((rows[j][i] - (1.0 - 3.0 * tangent[j][i])).abs() < 1e-12 * max_abs(&tangent[j]));
         }
     }

@@ -43,7 +43,7 @@ impl SparseMatrix {
     pub fn norm_inf(&self) -> f64 {
         let mut sums = vec![0.0; self.n()];
         for (&i, v) in self.pattern.row_indices().iter().zip(&self.values) {
-            sums[i] += v.abs();
+            sums[i as usize] += v.abs();
         }
         crate::vector::norm_inf(&sums)
     }
@@ -61,7 +61,7 @@ pub(crate) fn multiply(pattern: &SparsityPattern, values: &[f64], x: &[f64], y: 
         let xj = x[j];
         let range = pattern.column_range(j);
         for (&i, &v) in pattern.row_indices()[range.clone()].iter().zip(&values[range]) {
-            y[i] += v * xj;
+            y[i as usize] += v * xj;
         }
     }
 }

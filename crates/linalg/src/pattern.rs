@@ -11,7 +11,7 @@ pub const NONE: u32 = u32::MAX;
 pub struct SparsityPattern {
     n: usize,
     column_pointers: Vec<usize>,
-    row_indices: Vec<usize>,
+    row_indices: Vec<u32>,
     groups: Option<Vec<u32>>,
     first_multiplier: usize,
 }
@@ -40,8 +40,7 @@ impl SparsityPattern {
         for block in 0..blocks.count() {
             for _ in 0..size(block) {
                 for &row in coupled.rows(block) {
-                    let first = blocks.starts[row as usize] as usize;
-                    row_indices.extend(first..first + size(row as usize));
+                    row_indices.extend(blocks.starts[row as usize]..blocks.starts[row as usize + 1]);
                 }
                 column_pointers.push(row_indices.len());
             }
@@ -98,12 +97,12 @@ impl SparsityPattern {
     }
 
     /// Row of each stored entry.
-    pub fn row_indices(&self) -> &[usize] {
+    pub fn row_indices(&self) -> &[u32] {
         &self.row_indices
     }
 
     /// The rows of a column, in increasing order.
-    pub fn column(&self, j: usize) -> &[usize] {
+    pub fn column(&self, j: usize) -> &[u32] {
         &self.row_indices[self.column_range(j)]
     }
 
@@ -114,7 +113,7 @@ impl SparsityPattern {
 
     /// Position of entry `(row, col)` in the list of values; `None` where the pattern has none or the indices are too large.
     pub fn position(&self, row: u32, col: u32) -> Option<usize> {
-        let (row, col) = (row as usize, col as usize);
+        let col = col as usize;
         if col >= self.n {
             return None;
         }
@@ -126,6 +125,7 @@ impl SparsityPattern {
     pub(crate) fn row_max(&self, values: &[f64], rows: &mut [f64]) {
         rows.fill(0.0);
         for (&i, v) in self.row_indices.iter().zip(values) {
+            let i = i as usize;
             rows[i] = rows[i].max(v.abs());
         }
     }
@@ -139,9 +139,9 @@ impl SparsityPattern {
         // Rows are sorted and the pattern is symmetric: entry `(j, i)` is the next one of column `i` whenever `(i, j)` below the diagonal comes up.
         let mut next: Vec<usize> = (0..self.n).map(|j| self.column_range(j).start).collect();
         for j in 0..self.n {
-            for k in self.column_range(j).filter(|&k| self.row_indices[k] > j) {
-                let i = self.row_indices[k];
-                debug_assert_eq!(self.row_indices[next[i]], j);
+            for k in self.column_range(j).filter(|&k| self.row_indices[k] as usize > j) {
+                let i = self.row_indices[k] as usize;
+                debug_assert_eq!(self.row_indices[next[i]] as usize, j);
                 let difference = (values[k] - values[next[i]]).abs();
                 next[i] += 1;
                 if difference > 0.0 {
@@ -154,8 +154,8 @@ impl SparsityPattern {
 
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
-        size_of::<usize>() * (self.column_pointers.capacity() + self.row_indices.capacity())
-            + size_of::<u32>() * self.groups.as_ref().map_or(0, Vec::capacity)
+        size_of::<usize>() * self.column_pointers.capacity()
+            + size_of::<u32>() * (self.row_indices.capacity() + self.groups.as_ref().map_or(0, Vec::capacity))
     }
 }
 

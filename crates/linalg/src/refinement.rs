@@ -139,8 +139,8 @@ impl Work<'_> {
             let rows = &self.pattern.row_indices()[range.clone()];
             for (&i, v) in rows.iter().zip(&self.values[range]) {
                 let t = v * xj;
-                r[i] -= t;
-                d[i] += t.abs();
+                r[i as usize] -= t;
+                d[i as usize] += t.abs();
             }
         }
         let largest = self.equilibration.largest_scaled_unknown(x);

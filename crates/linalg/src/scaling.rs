@@ -39,7 +39,7 @@ impl Equilibration {
                 let range = pattern.column_range(j);
                 let c = self.columns[j];
                 let rows = &pattern.row_indices()[range.clone()];
-                scaled.extend((rows.iter().zip(&values[range])).map(|(&i, v)| v * self.rows[i] * c));
+                scaled.extend((rows.iter().zip(&values[range])).map(|(&i, v)| v * self.rows[i as usize] * c));
             }
             return Ok(());
         }
@@ -53,7 +53,7 @@ impl Equilibration {
             let mut largest = 0.0f64;
             let start = scaled.len();
             for (&i, v) in rows.iter().zip(&values[range]) {
-                let s = v * self.rows[i];
+                let s = v * self.rows[i as usize];
                 largest = largest.max(s.abs());
                 scaled.push(s);
             }
@@ -90,9 +90,9 @@ impl Equilibration {
         for j in 0..n {
             let range = pattern.column_range(j);
             let (rows, column) = (&pattern.row_indices()[range.clone()], &values[range]);
-            let below = rows.partition_point(|&i| i < j);
-            let largest = |rows: &[usize], column: &[f64]| {
-                rows.iter().zip(column).fold(0.0f64, |largest, (&i, v)| largest.max(v.abs() * self.rows[i]))
+            let below = rows.partition_point(|&i| (i as usize) < j);
+            let largest = |rows: &[u32], column: &[f64]| {
+                rows.iter().zip(column).fold(0.0f64, |largest, (&i, v)| largest.max(v.abs() * self.rows[i as usize]))
             };
             // The diagonal is always in the pattern; it feels the row's factor twice.
             let diagonal = column[below].abs() * self.rows[j] * self.rows[j];
@@ -110,7 +110,7 @@ impl Equilibration {
             let range = pattern.column_range(j);
             let c = self.rows[j];
             let rows = &pattern.row_indices()[range.clone()];
-            scaled.extend(rows.iter().zip(&values[range]).map(|(&i, v)| v * self.rows[i] * c));
+            scaled.extend(rows.iter().zip(&values[range]).map(|(&i, v)| v * self.rows[i as usize] * c));
         }
         self.columns.clear();
         self.columns.extend_from_slice(&self.rows);
@@ -132,6 +132,7 @@ impl Equilibration {
         for j in 0..pattern.n() {
             let range = pattern.column_range(j);
             for (&i, v) in pattern.row_indices()[range.clone()].iter().zip(&values[range]) {
+                let i = i as usize;
                 self.rows[i] = self.rows[i].max(v.abs() * unit(j) * unit(i));
             }
         }
@@ -146,7 +147,7 @@ impl Equilibration {
         for j in 0..pattern.n() {
             let range = pattern.column_range(j);
             // The diagonal is always in the pattern.
-            let k = pattern.column(j).partition_point(|&i| i < j) + range.start;
+            let k = pattern.column(j).partition_point(|&i| (i as usize) < j) + range.start;
             if values[k] <= 0.0 {
                 return false;
             }
@@ -198,7 +199,7 @@ fn unit_of_multipliers(pattern: &SparsityPattern, values: &[f64]) -> f64 {
     for j in 0..pattern.n() {
         let range = pattern.column_range(j);
         for (&i, v) in pattern.row_indices()[range.clone()].iter().zip(&values[range]) {
-            let largest = match (i < first, j < first) {
+            let largest = match ((i as usize) < first, j < first) {
                 (true, true) => &mut stiffness,
                 (false, false) => continue,
                 _ => &mut gradient,

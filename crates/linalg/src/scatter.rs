@@ -94,11 +94,11 @@ impl ScatterMap {
                     }
                     let in_column = pattern.column(column as usize);
                     // Columns of a node have the same rows as a rule.
-                    if in_column.get(offset) != Some(&(row as usize)) {
-                        offset = seek(in_column, offset, row as usize);
+                    if in_column.get(offset) != Some(&row) {
+                        offset = seek(in_column, offset, row);
                     }
                     for (k, &row) in rows.iter().enumerate() {
-                        if in_column.get(offset + k) != Some(&(row as usize)) {
+                        if in_column.get(offset + k) != Some(&row) {
                             return Err(missing(row));
                         }
                     }
@@ -154,7 +154,7 @@ impl ScatterMap {
 }
 
 /// Where a value is, or would be, in an ascending list; quickly if that is a little behind `from`.
-fn seek(list: &[usize], from: usize, value: usize) -> usize {
+fn seek(list: &[u32], from: usize, value: u32) -> usize {
     if from >= list.len() || list[from] > value {
         return list.partition_point(|&other| other < value);
     }

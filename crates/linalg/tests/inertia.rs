@@ -18,7 +18,7 @@ fn random_symmetric(seed: u64, n: usize, diagonal: f64, span: f64) -> SparseMatr
     let mut a = SparseMatrix::zeros(pattern(n, &stencils));
     let scale: Vec<f64> = (0..n).map(|_| 10f64.powf(span * random.value())).collect();
     for j in 0..n as u32 {
-        for i in a.pattern.column(j as usize).to_vec().into_iter().map(|i| i as u32).filter(|&i| i >= j) {
+        for i in a.pattern.column(j as usize).to_vec().into_iter().filter(|&i| i >= j) {
             let v = random.value() + if i == j { diagonal * random.value() } else { 0.0 };
             for (r, c) in [(i, j), (j, i)] {
                 let k = a.pattern.position(r, c).unwrap();

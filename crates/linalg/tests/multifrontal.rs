@@ -13,7 +13,7 @@ fn backward_error(a: &SparseMatrix, x: &[f64], b: &[f64]) -> f64 {
     let (mut r, mut d) = (b.to_vec(), b.iter().map(|v| v.abs()).collect::<Vec<_>>());
     for j in 0..a.n() {
         for k in a.pattern.column_range(j) {
-            let i = a.pattern.row_indices()[k];
+            let i = a.pattern.row_indices()[k] as usize;
             r[i] -= a.values[k] * x[j];
             d[i] += (a.values[k] * x[j]).abs();
         }
@@ -49,9 +49,8 @@ fn a_wrong_announcement_costs_time_only() {
 
 /// The same pattern without groups.
 fn ungrouped(a: &SparseMatrix) -> SparseMatrix {
-    let pairs: Vec<[u32; 2]> = (0..a.n())
-        .flat_map(|j| a.pattern.column(j).iter().map(move |&i| [i as u32, j as u32]).collect::<Vec<_>>())
-        .collect();
+    let pairs: Vec<[u32; 2]> =
+        (0..a.n()).flat_map(|j| a.pattern.column(j).iter().map(move |&i| [i, j as u32]).collect::<Vec<_>>()).collect();
     let pattern = SparsityPattern::from_stencils(a.n(), pairs.iter().map(|p| &p[..])).unwrap();
     SparseMatrix { pattern: Arc::new(pattern), values: a.values.clone() }
 }
@@ -144,7 +143,7 @@ fn history_does_not_show() {
     let mut inactive = a.clone();
     for j in 0..a.n() {
         for k in a.pattern.column_range(j) {
-            let i = a.pattern.row_indices()[k];
+            let i = a.pattern.row_indices()[k] as usize;
             if i.max(j) >= a.n() - 24 {
                 inactive.values[k] = if i == j { 1.0 } else { 0.0 };
             }
@@ -162,11 +161,10 @@ fn redundant_constraints_are_singular() {
     let (a, b) = block_pair(4, Setting::new(true));
     let n = a.n();
     // The last multiplier repeats the one before it.
-    let mut stencils: Vec<Vec<u32>> = (0..n)
-        .flat_map(|j| a.pattern.column(j).iter().map(move |&i| vec![i as u32, j as u32]).collect::<Vec<_>>())
-        .collect();
+    let mut stencils: Vec<Vec<u32>> =
+        (0..n).flat_map(|j| a.pattern.column(j).iter().map(move |&i| vec![i, j as u32]).collect::<Vec<_>>()).collect();
     let (last, copy) = (n - 1, n);
-    stencils.extend(a.pattern.column(last).iter().map(|&i| vec![i as u32, copy as u32]));
+    stencils.extend(a.pattern.column(last).iter().map(|&i| vec![i, copy as u32]));
     let mut doubled = SparseMatrix::zeros(pattern(n + 1, &stencils));
     let mut set = |i: usize, j: usize, v: f64| {
         let k = doubled.pattern.position(i as u32, j as u32).unwrap();
@@ -174,7 +172,7 @@ fn redundant_constraints_are_singular() {
     };
     for j in 0..n {
         for k in a.pattern.column_range(j) {
-            let (i, v) = (a.pattern.row_indices()[k], a.values[k]);
+            let (i, v) = (a.pattern.row_indices()[k] as usize, a.values[k]);
             set(i, j, v);
             if j == last && i != last {
                 set(i, copy, v);
@@ -249,7 +247,7 @@ fn random_saddle(seed: u64, n: usize, m: usize, span: f64, symmetric: bool) -> S
     let scale: Vec<f64> = (0..n + m).map(|_| 10f64.powf(span * random.value())).collect();
     for j in 0..n + m {
         for k in a.pattern.column_range(j) {
-            let i = a.pattern.row_indices()[k];
+            let i = a.pattern.row_indices()[k] as usize;
             if symmetric && i < j {
                 let mirror = a.pattern.position(j as u32, i as u32).unwrap();
                 a.values[k] = a.values[mirror];

@@ -27,7 +27,7 @@ fn switched_off(a: &SparseMatrix, k: usize) -> SparseMatrix {
     let off = a.n() - k;
     for j in 0..a.n() {
         for k in a.pattern.column_range(j) {
-            let i = a.pattern.row_indices()[k];
+            let i = a.pattern.row_indices()[k] as usize;
             if i == off || j == off {
                 a.values[k] = if i == j { 1.0 } else { 0.0 };
             }
@@ -93,7 +93,7 @@ fn a_multiplier_that_begins_to_act_counts_in_all_units() {
             let (mut row, mut stiffness) = (0f64, 0f64);
             for j in 0..n {
                 for k in a.pattern.column_range(j) {
-                    let i = a.pattern.row_indices()[k];
+                    let i = a.pattern.row_indices()[k] as usize;
                     a.values[k] *= of(i) * of(j);
                     if j < first {
                         let largest = if i == n - 1 { &mut row } else { &mut stiffness };

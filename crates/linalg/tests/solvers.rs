@@ -42,7 +42,7 @@ fn random_matrix(random: &mut Random, n: usize, kind: MatrixKind) -> SparseMatri
     let stencils = random_stencils(random, n, 2 * n);
     let mut a = SparseMatrix::zeros(pattern(n, &stencils));
     for j in 0..n as u32 {
-        let rows: Vec<u32> = a.pattern.column(j as usize).iter().map(|&i| i as u32).collect();
+        let rows: Vec<u32> = a.pattern.column(j as usize).iter().copied().collect();
         for i in rows {
             let symmetric = kind != MatrixKind::General;
             if symmetric && i < j {
@@ -75,7 +75,7 @@ fn rescale(a: &mut SparseMatrix, random: &mut Random, span: f64) -> Vec<f64> {
     let columns: Vec<f64> = (0..n).map(|_| factor(random)).collect();
     for j in 0..n {
         for k in a.pattern.column_range(j) {
-            a.values[k] *= rows[a.pattern.row_indices()[k]] * columns[j];
+            a.values[k] *= rows[a.pattern.row_indices()[k] as usize] * columns[j];
         }
     }
     columns
@@ -92,7 +92,7 @@ fn saddle_point(random: &mut Random, n: usize, m: usize, stiffness: f64, symmetr
     let mut a = SparseMatrix::zeros(pattern(n + m, &stencils));
     for j in 0..n + m {
         for k in a.pattern.column_range(j) {
-            let i = a.pattern.row_indices()[k];
+            let i = a.pattern.row_indices()[k] as usize;
             let v = random.value();
             a.values[k] = match (i < n, j < n) {
                 (true, true) if i == j => stiffness * 10.0,
@@ -105,7 +105,7 @@ fn saddle_point(random: &mut Random, n: usize, m: usize, stiffness: f64, symmetr
     }
     if symmetric {
         for j in 0..(n + m) as u32 {
-            let rows: Vec<u32> = a.pattern.column(j as usize).iter().map(|&i| i as u32).collect();
+            let rows: Vec<u32> = a.pattern.column(j as usize).iter().copied().collect();
             for i in rows.into_iter().filter(|&i| i < j) {
                 let (p, q) = (a.pattern.position(i, j).unwrap(), a.pattern.position(j, i).unwrap());
                 a.values[p] = a.values[q];
@@ -211,7 +211,7 @@ proptest! {
             1 => p.column_range(n / 2).for_each(|k| a.values[k] = 0.0),
             // Every row sums to zero: a free-floating body. The zero pivot is spoilt by round-off.
             _ => for j in 0..n as u32 {
-                let off: f64 = p.column(j as usize).iter().map(|&i| i as u32).filter(|&i| i != j)
+                let off: f64 = p.column(j as usize).iter().copied().filter(|&i| i != j)
                     .map(|i| { let v = -a.get(i, j).abs(); a.values[p.position(i, j).unwrap()] = v; v }).sum();
                 a.values[p.position(j, j).unwrap()] = -off;
             },

@@ -207,7 +207,11 @@ impl Matrix {
         for column in 0..free {
             let range = self.pattern.column_range(column);
             let rows = self.pattern.column(column).iter();
-            self.values[range].iter_mut().zip(rows).filter(|(_, row)| **row < free).for_each(|(value, _)| *value = 0.0);
+            self.values[range]
+                .iter_mut()
+                .zip(rows)
+                .filter(|(_, row)| (**row as usize) < free)
+                .for_each(|(value, _)| *value = 0.0);
         }
         self.copy_fixed();
     }

@@ -96,7 +96,7 @@ pub fn dense(pattern: &SparsityPattern, values: &[f64]) -> Vec<Vec<f64>> {
     let mut rows = vec![vec![0.0; pattern.n()]; pattern.n()];
     for column in 0..pattern.n() {
         for (row, k) in pattern.column(column).iter().zip(pattern.column_range(column)) {
-            rows[*row][column] = values[k];
+            rows[*row as usize][column] = values[k];
         }
     }
     rows

@@ -40,7 +40,7 @@ impl Factorisation for DenseLu {
         self.factors.fill(0.0);
         for j in 0..n {
             for k in pattern.column_range(j) {
-                self.factors[pattern.row_indices()[k] + n * j] = values[k];
+                self.factors[pattern.row_indices()[k] as usize + n * j] = values[k];
             }
         }
         factor::lu_in_place(
@@ -74,7 +74,7 @@ impl Factorisation for DenseLu {
         let mut matrix = vec![0.0; n * n];
         for j in 0..n {
             for k in pattern.column_range(j) {
-                matrix[pattern.row_indices()[k] + n * j] = values[k];
+                matrix[pattern.row_indices()[k] as usize + n * j] = values[k];
             }
         }
         let (mut pivots, mut subdiagonal) = (vec![0; n], vec![0.0; n]);

@@ -23,6 +23,8 @@ const SUPERNODAL: SupernodalThreshold = SupernodalThreshold::FORCE_SUPERNODAL;
 /// not.
 #[derive(Debug, Default)]
 pub struct FaerSparse {
+    /// Rows of the pattern, in faer's width.
+    rows: Vec<usize>,
     lu: Option<Lu>,
     cholesky: Option<Cholesky>,
     /// Whether the last factorisation is the Cholesky one.
@@ -37,16 +39,17 @@ impl Factorisation for FaerSparse {
 
     fn analyse(&mut self, pattern: &SparsityPattern, kind: MatrixKind) -> Result<(), LinalgError> {
         (self.lu, self.cholesky) = (None, None);
+        self.rows = pattern.row_indices().iter().map(|&row| row as usize).collect();
         if kind == MatrixKind::SymmetricPositiveDefinite {
-            self.cholesky = Some(Cholesky::new(pattern)?);
+            self.cholesky = Some(Cholesky::new(symbolic(pattern, &self.rows))?);
         } else {
-            self.lu = Some(Lu::new(pattern)?);
+            self.lu = Some(Lu::new(symbolic(pattern, &self.rows))?);
         }
         Ok(())
     }
 
     fn factorise(&mut self, pattern: &SparsityPattern, values: &[f64]) -> Result<(), LinalgError> {
-        let matrix = SparseColMatRef::new(symbolic(pattern), values);
+        let matrix = SparseColMatRef::new(symbolic(pattern, &self.rows), values);
         if let Some(cholesky) = &mut self.cholesky {
             self.positive = cholesky.factorise(matrix);
             if self.positive {
@@ -55,7 +58,7 @@ impl Factorisation for FaerSparse {
             self.fallbacks += 1;
         }
         if self.lu.is_none() {
-            self.lu = Some(Lu::new(pattern)?);
+            self.lu = Some(Lu::new(symbolic(pattern, &self.rows))?);
         }
         self.positive = false;
         match &mut self.lu {
@@ -73,7 +76,9 @@ impl Factorisation for FaerSparse {
     }
 
     fn memory_bytes(&self) -> usize {
-        self.lu.as_ref().map_or(0, Lu::memory_bytes) + self.cholesky.as_ref().map_or(0, Cholesky::memory_bytes)
+        size_of::<usize>() * self.rows.capacity()
+            + self.lu.as_ref().map_or(0, Lu::memory_bytes)
+            + self.cholesky.as_ref().map_or(0, Cholesky::memory_bytes)
     }
 
     fn indefinite_fallbacks(&self) -> u64 {
@@ -81,9 +86,9 @@ impl Factorisation for FaerSparse {
     }
 }
 
-fn symbolic(pattern: &SparsityPattern) -> SymbolicSparseColMatRef<'_, usize> {
+fn symbolic<'a>(pattern: &'a SparsityPattern, rows: &'a [usize]) -> SymbolicSparseColMatRef<'a, usize> {
     let n = pattern.n();
-    SymbolicSparseColMatRef::new_checked(n, n, pattern.column_pointers(), None, pattern.row_indices())
+    SymbolicSparseColMatRef::new_checked(n, n, pattern.column_pointers(), None, rows)
 }
 
 #[derive(Debug)]
@@ -97,12 +102,12 @@ struct Lu {
 }
 
 impl Lu {
-    fn new(pattern: &SparsityPattern) -> Result<Self, LinalgError> {
+    fn new(pattern: SymbolicSparseColMatRef<'_, usize>) -> Result<Self, LinalgError> {
         let params = LuSymbolicParams { supernodal_flop_ratio_threshold: SUPERNODAL, ..Default::default() };
-        let symbolic = factorize_symbolic_lu(symbolic(pattern), params).map_err(|e| backend("symbolic LU", e))?;
+        let symbolic = factorize_symbolic_lu(pattern, params).map_err(|e| backend("symbolic LU", e))?;
         let factor = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default());
         // `SymbolicLu::solve_in_place_scratch` of faer 0.24.4 calls itself without end.
-        let n = pattern.n();
+        let n = pattern.nrows();
         let solve = StackReq::any_of(&[
             supernodal::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq),
             simplicial::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq),
@@ -112,7 +117,7 @@ impl Lu {
             solve: Scratch::new(solve)?,
             symbolic,
             numeric: NumericLu::new(),
-            nnz: pattern.nnz(),
+            nnz: pattern.row_idx().len(),
         })
     }
 
@@ -159,9 +164,9 @@ struct Cholesky {
 }
 
 impl Cholesky {
-    fn new(pattern: &SparsityPattern) -> Result<Self, LinalgError> {
+    fn new(pattern: SymbolicSparseColMatRef<'_, usize>) -> Result<Self, LinalgError> {
         let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: SUPERNODAL, ..Default::default() };
-        let symbolic = factorize_symbolic_cholesky(symbolic(pattern), Side::Lower, SymmetricOrdering::Amd, params)
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, SymmetricOrdering::Amd, params)
             .map_err(|e| backend("symbolic Cholesky factorisation", e))?;
         let factor = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let solve = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);

@@ -26,47 +26,31 @@ impl<T: Real, const R: usize, const C: usize> Default for Bsr<T, R, C> {
     }
 }
 
+/// Runs `task` with the widest vectors that the processor has. No sum is reordered for it and nothing is contracted: the bits are the same on every processor.
+#[inline(always)]
+pub(crate) fn with_wide_vectors(task: impl FnOnce()) {
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || task(),
+    );
+}
+
 /// `task(i, y_i)` for each row of blocks, in tasks of fixed size.
 fn for_rows<T: Real, const R: usize>(y: &mut [T], task: impl Fn(usize, &mut [T; R]) + Sync) {
     let each = |(k, rows): (usize, &mut [T])| {
-        for (i, row) in rows.as_chunks_mut().0.iter_mut().enumerate() {
-            task(k * TASK_ROWS + i, row);
-        }
+        with_wide_vectors(
+            #[inline(always)]
+            || {
+                for (i, row) in rows.as_chunks_mut().0.iter_mut().enumerate() {
+                    task(k * TASK_ROWS + i, row);
+                }
+            },
+        );
     };
     if rayon::current_num_threads() == 1 || y.len() <= 4 * R * TASK_ROWS {
         each((0, y));
     } else {
         y.par_chunks_mut(R * TASK_ROWS).enumerate().for_each(each);
-    }
-}
-
-/// Numbers that a processor multiplies at once.
-const LANES: usize = 4;
-
-/// Adds the products of a row of a block to the sums of that row, of which there are four, for the compiler to take at once. A row of six is two groups that overlap; a row of three is read with
-/// a number of the next row, or, the last one, of the row before, which goes to a sum that is not used.
-#[inline(always)]
-fn add_in_lanes<T: Real, const R: usize, const C: usize>(
-    block: &Block<T, R, C>,
-    x: &[T; C],
-    sums: &mut [[T; LANES]; R],
-) {
-    const { assert!((C == 3 && R > 1) || C == 6) }
-    let (entries, zero) = (block.as_flattened(), T::default());
-    let mut add = |r: usize, first: usize, x: [T; LANES]| {
-        for (l, x) in x.into_iter().enumerate() {
-            sums[r][l] += entries[first + l] * x;
-        }
-    };
-    for r in 0..R {
-        if C == 6 {
-            add(r, C * r, [x[0], x[1], x[2], x[3]]);
-            add(r, C * r + 2, [zero, zero, x[4], x[5]]);
-        } else if r + 1 < R {
-            add(r, C * r, [x[0], x[1], x[2], zero]);
-        } else {
-            add(r, C * r - 1, [zero, x[0], x[1], x[2]]);
-        }
     }
 }
 
@@ -91,18 +75,14 @@ impl<T: Real, const R: usize, const C: usize> Bsr<T, R, C> {
     /// Row `i` of `A x`.
     #[inline(always)]
     pub fn row_product(&self, i: usize, x: &[[T; C]]) -> [T; R] {
-        let mut sums = [[T::default(); LANES]; R];
+        // A sum for each entry of a block: they are formed side by side.
+        let mut sums = [[T::default(); C]; R];
         for (j, block) in self.row(i) {
-            add_in_lanes(block, &x[j], &mut sums);
+            let x = [x[j]; R];
+            let products = block.as_flattened().iter().zip(x.as_flattened());
+            sums.as_flattened_mut().iter_mut().zip(products).for_each(|(sum, (entry, x))| *sum += *entry * *x);
         }
-        std::array::from_fn(|r| {
-            let [a, b, c, d] = sums[r];
-            match (C, r + 1 == R) {
-                (3, false) => a + b + c,
-                (3, true) => b + c + d,
-                _ => (a + c) + (b + d),
-            }
-        })
+        sums.map(|sums| sums.into_iter().fold(T::default(), |a, b| a + b))
     }
 
     /// `task(i, range, columns, blocks)` for each row of blocks, `range` of the list of all.
@@ -132,16 +112,24 @@ impl<T: Real, const R: usize, const C: usize> Bsr<T, R, C> {
     /// `y = A x`.
     pub fn multiply(&self, x: &[T], y: &mut [T]) {
         let x = x.as_chunks().0;
-        for_rows(y, |i, y| *y = self.row_product(i, x));
+        for_rows(
+            y,
+            #[inline(always)]
+            |i, y| *y = self.row_product(i, x),
+        );
     }
 
     /// `y += A x`.
     pub fn add_product(&self, x: &[T], y: &mut [T]) {
         let x = x.as_chunks().0;
-        for_rows(y, |i, y: &mut [T; R]| {
-            let product = self.row_product(i, x);
-            (0..R).for_each(|r| y[r] += product[r]);
-        });
+        for_rows(
+            y,
+            #[inline(always)]
+            |i, y: &mut [T; R]| {
+                let product = self.row_product(i, x);
+                (0..R).for_each(|r| y[r] += product[r]);
+            },
+        );
     }
 
     /// `A^T`.
@@ -212,6 +200,7 @@ impl<const R: usize, const C: usize> Row<R, C> {
         &mut self.blocks[*place as usize]
     }
 
+    #[inline(always)]
     /// Appends the row, in ascending order of the columns, and is empty again.
     fn finish(&mut self, out: &mut Bsr<f64, R, C>) {
         self.order.clear();
@@ -235,10 +224,15 @@ fn by_rows<const R: usize, const C: usize>(
     let mut out = Bsr::empty(columns);
     if rayon::current_num_threads() == 1 || rows <= 4 * TASK_ROWS {
         let mut row = Row::new(columns);
-        for i in 0..rows {
-            fill(i, &mut row);
-            row.finish(&mut out);
-        }
+        with_wide_vectors(
+            #[inline(always)]
+            || {
+                for i in 0..rows {
+                    fill(i, &mut row);
+                    row.finish(&mut out);
+                }
+            },
+        );
         return out;
     }
     // Not all at once: the parts are copied.
@@ -251,10 +245,15 @@ fn by_rows<const R: usize, const C: usize>(
                 || Row::new(columns),
                 |row, task| {
                     let mut part = Bsr::empty(columns);
-                    for i in task * TASK_ROWS..rows.min((task + 1) * TASK_ROWS) {
-                        fill(i, row);
-                        row.finish(&mut part);
-                    }
+                    with_wide_vectors(
+                        #[inline(always)]
+                        || {
+                            for i in task * TASK_ROWS..rows.min((task + 1) * TASK_ROWS) {
+                                fill(i, row);
+                                row.finish(&mut part);
+                            }
+                        },
+                    );
                     part
                 },
             )
@@ -274,20 +273,25 @@ pub(crate) fn product<const R: usize, const K: usize, const C: usize>(
     a: &Bsr<f64, R, K>,
     b: &Bsr<f64, K, C>,
 ) -> Bsr<f64, R, C> {
-    by_rows(a.rows(), b.columns, |i, row| {
-        for (j, left) in a.row(i) {
-            for (column, right) in b.row(j) {
-                let sum = row.at(column as u32);
-                for r in 0..R {
-                    for k in 0..K {
-                        for c in 0..C {
-                            sum[r][c] += left[r][k] * right[k][c];
+    by_rows(
+        a.rows(),
+        b.columns,
+        #[inline(always)]
+        |i, row| {
+            for (j, left) in a.row(i) {
+                for (column, right) in b.row(j) {
+                    let sum = row.at(column as u32);
+                    for r in 0..R {
+                        for k in 0..K {
+                            for c in 0..C {
+                                sum[r][c] += left[r][k] * right[k][c];
+                            }
                         }
                     }
                 }
             }
-        }
-    })
+        },
+    )
 }
 
 /// `A` and further blocks: `more(i, add)` calls `add(column, block)` for those of row `i`.
@@ -295,19 +299,24 @@ pub(crate) fn sum_with(
     a: &Bsr<f64, 3, 3>,
     more: impl Fn(usize, &mut dyn FnMut(u32, &Block<f64, 3, 3>)) + Sync,
 ) -> Bsr<f64, 3, 3> {
-    by_rows(a.rows(), a.columns, |i, row| {
-        for (column, block) in a.row(i) {
-            *row.at(column as u32) = *block;
-        }
-        more(i, &mut |column, block| {
-            let sum = row.at(column);
-            for r in 0..3 {
-                for c in 0..3 {
-                    sum[r][c] += block[r][c];
-                }
+    by_rows(
+        a.rows(),
+        a.columns,
+        #[inline(always)]
+        |i, row| {
+            for (column, block) in a.row(i) {
+                *row.at(column as u32) = *block;
             }
-        });
-    })
+            more(i, &mut |column, block| {
+                let sum = row.at(column);
+                for r in 0..3 {
+                    for c in 0..3 {
+                        sum[r][c] += block[r][c];
+                    }
+                }
+            });
+        },
+    )
 }
 
 #[cfg(test)]

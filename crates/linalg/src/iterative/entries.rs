@@ -48,7 +48,7 @@ impl Entries {
             out.border_starts.push(0);
             for equation in layout.equations.iter().flat_map(|equations| present(equations).map(|(_, e)| e)) {
                 let rows = pattern.column(equation).iter().zip(pattern.column_range(equation));
-                let others = rows.filter(|(row, _)| layout.place[**row] as usize >= 3 * nodes);
+                let others = rows.filter(|(row, _)| layout.place[**row as usize] as usize >= 3 * nodes);
                 out.border.extend(others.map(|(_, position)| position as u32));
                 out.border_starts.push(out.border.len() as u32);
             }
@@ -86,7 +86,7 @@ impl Entries {
         if layout.slots.is_empty() {
             return;
         }
-        let place = |position: usize| layout.place[pattern.row_indices()[position]] as usize;
+        let place = |position: usize| layout.place[pattern.row_indices()[position] as usize] as usize;
         let mut marks = vec![0; layout.slots.len()];
         let mut starts = self.border_starts.windows(2);
         for equations in &layout.equations {
@@ -100,7 +100,8 @@ impl Entries {
             }
             border.c_by_node.finish_row();
         }
-        for equation in layout.place.iter().enumerate().filter(|(_, place)| **place as usize >= 3 * nodes).map(|(e, _)| e)
+        for equation in
+            layout.place.iter().enumerate().filter(|(_, place)| **place as usize >= 3 * nodes).map(|(e, _)| e)
         {
             for position in pattern.column_range(equation).filter(|&position| values[position] != 0.0) {
                 let (place, value) = (place(position), values[position]);
@@ -127,8 +128,8 @@ fn present(equations: &[u32; 3]) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// Equations of a node.
-fn present_rows(layout: &Layout, node: usize) -> impl Iterator<Item = usize> {
-    present(&layout.equations[node]).map(|(_, equation)| equation)
+fn present_rows(layout: &Layout, node: usize) -> impl Iterator<Item = u32> {
+    layout.equations[node].into_iter().filter(|&equation| equation != NONE)
 }
 
 /// The block of the rows of a node in the columns of its owner; by columns.

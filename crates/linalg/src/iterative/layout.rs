@@ -97,7 +97,7 @@ impl Layout {
             near.push(node as u32);
             for &equation in equations.iter().filter(|&&equation| equation != crate::NONE) {
                 for &row in pattern.column(equation as usize) {
-                    let other = self.place[row] / 3;
+                    let other = self.place[row as usize] / 3;
                     if (other as usize) < nodes && near.last() != Some(&other) {
                         near.push(other);
                     }

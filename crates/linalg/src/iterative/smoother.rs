@@ -1,6 +1,6 @@
 //! Chebyshev's polynomials in `D^-1 A` with the diagonal blocks `D`: products and vectors only, so that no order of the rows shows.
 
-use super::bsr::{Block, Bsr, TASK_ROWS};
+use super::bsr::{Block, Bsr, TASK_ROWS, with_wide_vectors};
 use super::inverse::{apply_blocks, times};
 use super::real::Real;
 use super::sums::norm;
@@ -98,18 +98,25 @@ impl<T: Real, const B: usize> Smoother<T, B> {
         // The rows from `first` on that `z` and `next` have.
         let pass = |step: Option<&Step<T>>, first: usize, x: &[T], z: &mut [T], next: &mut [T]| {
             let x = x.as_chunks().0;
-            for (k, (z, next)) in z.as_chunks_mut::<B>().0.iter_mut().zip(next.as_chunks_mut::<B>().0).enumerate() {
-                let i = first + k;
-                let product = a.row_product(i, x);
-                let r = std::array::from_fn(|d| b[i][d] - product[d]);
-                let Some(step) = step else {
-                    *next = r;
-                    continue;
-                };
-                let change = times(&inverse[i], &r);
-                (0..B).for_each(|d| z[d] = step.keep * z[d] + step.factor * change[d]);
-                (0..B).for_each(|d| next[d] = x[i][d] + z[d]);
-            }
+            with_wide_vectors(
+                #[inline(always)]
+                || {
+                    for (k, (z, next)) in
+                        z.as_chunks_mut::<B>().0.iter_mut().zip(next.as_chunks_mut::<B>().0).enumerate()
+                    {
+                        let i = first + k;
+                        let product = a.row_product(i, x);
+                        let r = std::array::from_fn(|d| b[i][d] - product[d]);
+                        let Some(step) = step else {
+                            *next = r;
+                            continue;
+                        };
+                        let change = times(&inverse[i], &r);
+                        (0..B).for_each(|d| z[d] = step.keep * z[d] + step.factor * change[d]);
+                        (0..B).for_each(|d| next[d] = x[i][d] + z[d]);
+                    }
+                },
+            );
         };
         let passes = steps.len() + usize::from(residual.is_some());
         // The vectors of a pass: the second step reads what the first one has written.

@@ -71,7 +71,7 @@ impl Groups {
             let begin = neighbours.len();
             for &equation in self.members(g) {
                 for &row in pattern.column(equation as usize) {
-                    let h = self.of[row] as usize;
+                    let h = self.of[row as usize] as usize;
                     if mark[h] != g as u32 {
                         mark[h] = g as u32;
                         neighbours.push(h as i32);
@@ -118,7 +118,7 @@ impl KnownGroups {
         // Equations with equal columns are each other's neighbours, and the diagonal is always there.
         for j in 0..n {
             let column = pattern.column(j);
-            let twin = column.iter().copied().take_while(|&i| i < j).find(|&i| {
+            let twin = column.iter().map(|&i| i as usize).take_while(|&i| i < j).find(|&i| {
                 known.labels[i] == i as u32
                     && pattern.column_range(i).len() == column.len()
                     && pattern.column(i) == column
@@ -169,7 +169,7 @@ impl KnownGroups {
         let (mut own, mut largest) = (0.0f64, 0.0f64);
         for (&i, v) in pattern.row_indices()[range.clone()].iter().zip(&values[range]) {
             largest = largest.max(v.abs());
-            if self.labels[i] == self.labels[j] {
+            if self.labels[i as usize] == self.labels[j] {
                 own = own.max(v.abs());
             }
         }
@@ -198,7 +198,7 @@ impl KnownGroups {
 
 /// The diagonal is always in the pattern.
 fn diagonal(pattern: &SparsityPattern, values: &[f64], j: usize) -> f64 {
-    values[pattern.column(j).partition_point(|&i| i < j) + pattern.column_range(j).start]
+    values[pattern.column(j).partition_point(|&i| (i as usize) < j) + pattern.column_range(j).start]
 }
 
 /// The row of the largest entry of column `j` among rows for which `allowed` holds, the diagonal excluded; the first of equal ones.
@@ -206,6 +206,7 @@ fn strongest(pattern: &SparsityPattern, values: &[f64], j: usize, allowed: impl 
     let range = pattern.column_range(j);
     let mut best: Option<(usize, f64)> = None;
     for (&i, v) in pattern.row_indices()[range.clone()].iter().zip(&values[range]) {
+        let i = i as usize;
         if i != j && *v != 0.0 && best.is_none_or(|(_, b)| v.abs() > b) && allowed(i) {
             best = Some((i, v.abs()));
         }

@@ -214,7 +214,7 @@ impl Symbolic {
         };
         for j in 0..n {
             for &i in pattern.column(j) {
-                if let Some(f) = front_of_entry(i, j) {
+                if let Some(f) = front_of_entry(i as usize, j) {
                     self.entry_starts[f + 1] += 1;
                 }
             }
@@ -227,7 +227,7 @@ impl Symbolic {
         let mut raw = vec![(0u32, 0u32, 0u32); self.entry_starts[count]];
         for j in 0..n {
             for k in pattern.column_range(j) {
-                let i = pattern.row_indices()[k];
+                let i = pattern.row_indices()[k] as usize;
                 if let Some(f) = front_of_entry(i, j) {
                     raw[next[f]] = (position[i], position[j], k as u32);
                     next[f] += 1;

@@ -241,7 +241,7 @@ fn dense_tangent(body: &SolidBody, mesh: &Mesh, step: SolidStep) -> Option<Vec<f
     let mut dense = vec![0.0; unknowns * unknowns];
     for column in 0..unknowns {
         for (row, k) in pattern.column(column).iter().zip(pattern.column_range(column)) {
-            dense[row * unknowns + column] = values[k];
+            dense[*row as usize * unknowns + column] = values[k];
         }
     }
     Some(dense)

@@ -177,7 +177,7 @@ fn units_of_multipliers_do_not_matter() {
     let factor = |e: usize| if e >= free { 2.0_f64.powi(20) } else { 1.0 };
     for j in 0..pattern.n() {
         for k in pattern.column_range(j) {
-            system.matrix.values[k] *= factor(j) * factor(pattern.row_indices()[k]);
+            system.matrix.values[k] *= factor(j) * factor(pattern.row_indices()[k] as usize);
         }
     }
     (free..pattern.n()).for_each(|e| system.rhs[e] *= factor(e));

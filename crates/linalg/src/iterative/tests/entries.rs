@@ -21,7 +21,7 @@ fn partly_held() -> System {
 /// The same matrix with further entries between single components of nodes that are far from each other.
 fn with_single_entries(system: &System) -> SparseMatrix {
     let (old, n) = (system.pattern(), system.matrix.n() as u32);
-    let pairs = |j: u32| old.column(j as usize).iter().map(move |&i| vec![i as u32, j]);
+    let pairs = |j: u32| old.column(j as usize).iter().map(move |&i| vec![i, j]);
     let mut stencils: Vec<Vec<u32>> = (0..n).flat_map(pairs).collect();
     stencils.extend([vec![1, n - 5], vec![n - 9, 7, NONE], vec![n - 9, 12], vec![n / 2, 0]]);
     let pattern = SparsityPattern::from_stencils(n as usize, stencils.iter().map(Vec::as_slice)).unwrap();
@@ -38,6 +38,7 @@ fn blocks_have_the_values_of_the_matrix() {
             let pattern = Arc::clone(&matrix.pattern);
             for j in 0..n {
                 for (&i, at) in pattern.column(j).iter().zip(pattern.column_range(j)) {
+                    let i = i as usize;
                     let (a, b) = if symmetric { (i.min(j), i.max(j)) } else { (i, j) };
                     matrix.values[at] = pseudo_random(a * n + b);
                 }

@@ -153,7 +153,7 @@ fn a_hierarchy_is_kept_while_it_is_good() {
     for j in 0..pattern.n() {
         for k in pattern.column_range(j) {
             let stiff = |e: usize| if e % 90 < 45 { 30.0 } else { 1.0 };
-            system.matrix.values[k] = old[k] * stiff(j) * stiff(pattern.row_indices()[k]);
+            system.matrix.values[k] = old[k] * stiff(j) * stiff(pattern.row_indices()[k] as usize);
         }
     }
     for _ in 0..3 {

@@ -136,7 +136,7 @@ impl Response {
         self.mass_at.clear();
         for column in 0..free {
             for &row in base.column(column) {
-                let at = pattern.position(row as u32, column as u32);
+                let at = pattern.position(row, column as u32);
                 self.mass_at.push(at.map_or(NONE, |at| at as u32));
             }
         }

@@ -118,7 +118,7 @@ impl Equilibrium {
         let mut dense = DMatrix::zeros(n, n);
         for column in 0..n {
             for (row, k) in self.pattern.column(column).iter().zip(self.pattern.column_range(column)) {
-                dense[(*row, column)] = values[k];
+                dense[(*row as usize, column)] = values[k];
             }
         }
         Ok(dense)
