@@ -20,8 +20,9 @@ enum Choice {
 /// [`AutoSolver::ITERATIVE`] equations on, with multipliers from [`AutoSolver::ITERATIVE_WITH_MULTIPLIERS`]. What the iteration cannot solve, or would solve slowly, it leaves to
 /// the factorisation until the next [`LinearSolver::forget`]. [`LinearSolver::factorise`] always factorises. The choice depends on the data only, hence it is the same in every run.
 ///
-/// The iteration ends at the forcing term of Eisenstat and Walker (SIAM J. Sci. Comput. 17, 1996), `0.9 (|b| / |b_before|)^2` between the tolerance of the caller and 1e-2, from the
-/// right-hand sides since `forget`; with multipliers at 1e-8, or the caller's tolerance if that is smaller.
+/// The iteration ends at the forcing term of Eisenstat and Walker (SIAM J. Sci. Comput. 17, 1996), `0.9 (|b| / |b_before|)^2` at most 1e-2, from the
+/// right-hand sides since `forget`, or at the tolerance of the caller if that is more than a tenth of it; with multipliers at a hundredth of the caller's tolerance, or at 1e-8 or the tolerance,
+/// whichever is smaller, if that is more.
 #[derive(Debug, Default)]
 pub struct AutoSolver {
     dense: DenseSolver,

@@ -37,6 +37,10 @@ pub trait NewtonProblem {
     /// The problem's own; recoverable ones (see [`Self::is_recoverable`]) lead to a shorter step.
     fn assemble(&mut self) -> Result<ResidualNorms, Self::Error>;
 
+    /// Told before each solution: how small the residual of the linear equations has to be, over their right-hand side, for Newton's residual to come below its tolerance, as far as the
+    /// linear equations decide. A problem that solves them by iteration need not be more accurate. Zero, or a small number, if more is better. Ignored by default.
+    fn aim(&mut self, _relative: f64) {}
+
     /// Solves `K du = -R` with what was assembled last, remembers the iterate as the base of `update`, and returns the norm
     /// of `du`.
     ///

@@ -52,6 +52,9 @@ const EXTRA_DESCENT_ITERATIONS: u32 = 4;
 /// Relative decrease of the residual that a full step must reach, and a shorter one in proportion, where the potential is not fixed.
 const SUFFICIENT_DECREASE: f64 = 0.1;
 
+/// Part of the tolerance that the residual of the linear equations may take.
+const SHARE_OF_LINEAR_RESIDUAL: f64 = 0.3;
+
 /// Armijo's constant: least decrease of the potential over the decrease that its slope at the start predicts.
 const ARMIJO: f64 = 1e-4;
 
@@ -157,6 +160,7 @@ impl Iteration<'_> {
             solves += 1;
             let line_search = problem.line_search(o.line_search);
             let downhill = matches!(line_search, LineSearch::Best { .. });
+            problem.aim(self.enough(norms));
             let increment = if downhill { problem.solve_downhill() } else { problem.solve() }?;
             if !increment.is_finite() {
                 return Ok(StopReason::NotFinite);
@@ -230,6 +234,7 @@ impl Iteration<'_> {
             if norms.measure <= o.round_off_level * norms.scale {
                 return Ok(StopReason::ConvergedToRoundOff);
             }
+            problem.aim(0.0);
             let Ok(increment) = problem.solve() else {
                 return Ok(StopReason::Converged);
             };
@@ -262,6 +267,13 @@ impl Iteration<'_> {
             }
         }
         Ok(StopReason::Converged)
+    }
+
+    /// Relative residual of the linear equations that leaves [`SHARE_OF_LINEAR_RESIDUAL`] of the tolerance.
+    fn enough(&self, norms: Norms) -> f64 {
+        let o = self.options;
+        let residual = (o.absolute_tolerance + o.relative_tolerance * norms.scale) / norms.residual;
+        SHARE_OF_LINEAR_RESIDUAL * residual.min(o.relative_tolerance / norms.violation)
     }
 
     /// Whether the iteration cycles: the last two residuals are equal to those of two or of three iterations before, all after full steps.

@@ -21,6 +21,9 @@ pub(crate) const SMALLEST_RESOLVED_MOTION: f64 = 1.0e-4;
 /// iterations as with 1e-10; 1e-4 takes two more.)
 const LINEAR_TOLERANCE: f64 = 1.0e-6;
 
+/// The largest one that Newton's tolerance may ask for.
+const LOOSEST_LINEAR_TOLERANCE: f64 = 1.0e-2;
+
 /// Smallest shift of an unstable tangent, in parts of its mean diagonal, and the factor to the next one.
 pub(crate) const SMALLEST_SHIFT: f64 = 1.0e-6;
 const SHIFT_FACTOR: f64 = 4.0;
@@ -51,6 +54,8 @@ pub(crate) struct StepProblem<'a> {
     pub last_shift: f64,
     /// Norms at the iterate, if residual and tangent are those of the iterate already.
     pub assembled: Option<ResidualNorms>,
+    /// What [`NewtonProblem::aim`] says, if the iteration ends at its tolerance; `None` if more accuracy is of use.
+    pub aim: Option<f64>,
 }
 
 /// Size of the motion, in multiples of an edge length, whose difference of forces replaces the product of prescribed motions and
@@ -364,6 +369,11 @@ impl StepProblem<'_> {
             .for_each(|of| of.set_line(&system.base.full_increment));
     }
 
+    /// Relative residual that is enough for the next linear solution.
+    fn linear_tolerance(&self) -> f64 {
+        self.aim.unwrap_or(0.0).clamp(LINEAR_TOLERANCE, LOOSEST_LINEAR_TOLERANCE)
+    }
+
     /// Derivative of the potential along the increment.
     fn slope_of_increment(&self) -> f64 {
         let s = &*self.system;
@@ -374,11 +384,11 @@ impl StepProblem<'_> {
     /// Solves with the symmetric tangent by iteration; false if the solver does not iterate, or met a direction in which the energy does not rise.
     fn solve_definite(&mut self) -> Result<bool, LinalgError> {
         self.system.place_equations(self.model, &self.iterate.q);
+        let tolerance = self.linear_tolerance();
         let System { solver, matrix, rhs, increment, .. } = &mut *self.system;
         let (pattern, values) = (&matrix.pattern, matrix.values());
         self.timings.measure(Phase::Factorisation, || solver.analyse(pattern, MatrixKind::Symmetric))?;
-        let solved =
-            self.timings.measure(Phase::Solve, || solver.solve_definite(values, rhs, increment, LINEAR_TOLERANCE))?;
+        let solved = self.timings.measure(Phase::Solve, || solver.solve_definite(values, rhs, increment, tolerance))?;
         if solved {
             *self.solves += 1;
             self.solved_shifted = false;
@@ -464,14 +474,14 @@ impl StepProblem<'_> {
 fn solve_linear(
     solver: &mut dyn LinearSolver,
     pattern: &Arc<SparsityPattern>,
-    kind: MatrixKind,
+    (kind, tolerance): (MatrixKind, f64),
     values: &[f64],
     rhs: &[f64],
     increment: &mut [f64],
     timings: &mut Timings,
 ) -> Result<(), LinalgError> {
     timings.measure(Phase::Factorisation, || solver.analyse(pattern, kind))?;
-    let nearby = timings.measure(Phase::Solve, || solver.solve_nearby(values, rhs, increment, LINEAR_TOLERANCE))?;
+    let nearby = timings.measure(Phase::Solve, || solver.solve_nearby(values, rhs, increment, tolerance))?;
     if nearby.is_none() {
         timings.measure(Phase::Factorisation, || solver.factorise(values))?;
         timings.measure(Phase::Solve, || solver.solve(rhs, increment))?;
@@ -505,6 +515,10 @@ impl StepProblem<'_> {
 impl NewtonProblem for StepProblem<'_> {
     type Error = StepError;
 
+    fn aim(&mut self, relative: f64) {
+        self.aim = self.aim.map(|_| relative);
+    }
+
     fn assemble(&mut self) -> Result<ResidualNorms, StepError> {
         match self.assembled.take() {
             Some(norms) => Ok(norms),
@@ -515,6 +529,7 @@ impl NewtonProblem for StepProblem<'_> {
     fn solve(&mut self) -> Result<f64, StepError> {
         self.system.place_equations(self.model, &self.iterate.q);
         let kind = if self.is_symmetric() { MatrixKind::Symmetric } else { MatrixKind::General };
+        let how = (kind, self.linear_tolerance());
         let s = &mut *self.system;
         let values = s.matrix.values();
         debug_assert!(
@@ -524,7 +539,7 @@ impl NewtonProblem for StepProblem<'_> {
         let (solver, pattern) = (&mut s.solver, &s.matrix.pattern);
         let (rhs, increment) = (&s.rhs, &mut s.increment);
         let timings = &mut *self.timings;
-        let mut solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, timings);
+        let mut solved = solve_linear(&mut **solver, pattern, how, values, rhs, increment, timings);
         if let Err(LinalgError::Singular { row }) = solved
             && s.soften_singular()
         {
@@ -532,7 +547,7 @@ impl NewtonProblem for StepProblem<'_> {
             s.rows.dependent = Some(linear_error(self.model, s, self.iterate, false, error).to_string());
             let System { solver, matrix, rhs, increment, .. } = &mut *s;
             let (pattern, values) = (&matrix.pattern, matrix.values());
-            solved = solve_linear(&mut **solver, pattern, kind, values, rhs, increment, self.timings);
+            solved = solve_linear(&mut **solver, pattern, how, values, rhs, increment, self.timings);
             *self.solves += 1;
         }
         *self.solves += 1;

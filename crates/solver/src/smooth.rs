@@ -197,6 +197,7 @@ impl<'a> Path<'a> {
             part: 0.0,
             last_shift: 0.0,
             assembled: None,
+            aim: None,
         }
     }
 

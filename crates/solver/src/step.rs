@@ -216,6 +216,7 @@ pub(crate) fn attempt(
             part: 0.0,
             last_shift: 0.0,
             assembled,
+            aim: None,
         };
         match start {
             Some(start) => problem.go_apart(&start, &input.prescribed)?,
@@ -254,6 +255,7 @@ pub(crate) fn attempt(
             part: 0.0,
             last_shift: 0.0,
             assembled,
+            aim: (!loose && input.newton.polish == 0).then_some(0.0),
         };
         let result = solve(&mut problem, &options);
         let unstable = if result.is_ok() && !loose { problem.unstable_directions() } else { 0 };

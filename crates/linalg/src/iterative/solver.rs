@@ -22,7 +22,11 @@ const LARGEST_FORCING: f64 = 1e-2;
 /// Factor of the forcing term (Eisenstat and Walker, choice 2).
 const FORCING: f64 = 0.9;
 
-/// Relative residual with multipliers: active sets and friction look at iterates, and loose solutions double their number.
+/// A tolerance at most this many times smaller than the forcing term is met at once: a further iteration of Newton's method for the rest would cost more.
+const NEAR_TOLERANCE: f64 = 10.0;
+
+/// With multipliers so much of the tolerance, and not more than this if the tolerance is not smaller itself: active sets and friction look at iterates, and loose solutions double their number.
+const SHARE_WITH_MULTIPLIERS: f64 = 1e-2;
 const TOLERANCE_WITH_MULTIPLIERS: f64 = 1e-8;
 
 /// Iterations after which a solution is given up.
@@ -311,10 +315,11 @@ impl IterativeSolver {
     /// The relative residual to solve to.
     fn forcing(&mut self, size: f64, tolerance: f64) -> f64 {
         if self.border.len() > 0 {
-            return tolerance.min(TOLERANCE_WITH_MULTIPLIERS);
+            return (SHARE_WITH_MULTIPLIERS * tolerance).max(tolerance.min(TOLERANCE_WITH_MULTIPLIERS));
         }
         let ratio = self.last_rhs.replace(size).map_or(1.0, |last| size / last);
-        (FORCING * ratio * ratio).min(LARGEST_FORCING).max(tolerance)
+        let forcing = (FORCING * ratio * ratio).min(LARGEST_FORCING);
+        if forcing > NEAR_TOLERANCE * tolerance { forcing } else { tolerance }
     }
 
     fn set_up(&mut self, may_be_one_level: bool) -> Result<(), Refusal> {
