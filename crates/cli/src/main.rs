@@ -7,6 +7,7 @@
 mod diagnose;
 mod diagnostics;
 mod examples;
+mod fit;
 mod follow;
 mod import;
 mod interrupt;
@@ -80,6 +81,8 @@ enum Command {
         #[command(subcommand)]
         command: mesh::MeshCommand,
     },
+    /// Find the parameters of material laws from measured curves.
+    Fit(fit::Asked),
     /// Write a scene from an Abaqus or CalculiX deck (.inp), with a list of what is left out or changed.
     Import(import::Import),
     /// Write a new scene, taken from an example.
@@ -127,6 +130,7 @@ fn main() -> ExitCode {
         Command::Judge { out } => judge(&out),
         Command::Diagnose { out } => diagnose::diagnose(&out),
         Command::Mesh { command } => mesh::command(command),
+        Command::Fit(asked) => fit::run(&asked),
         Command::Import(asked) => import::import(&asked),
         Command::Init { name, from } => examples::init(&name, from.as_deref()),
         Command::Examples { name } => examples::examples(name.as_deref()),

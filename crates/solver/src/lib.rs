@@ -32,6 +32,7 @@ mod diagnosis;
 mod embedding;
 mod error;
 mod failure;
+mod groups;
 mod held;
 mod inertia;
 mod iterate;

@@ -1,8 +1,9 @@
 //! The matrix of the system: equations, patterns, scatter maps, values. What is added to it is in [`crate::system`].
 
 use crate::contributions::{Contributions, StencilList};
+use crate::groups::Groups;
 use crate::inertia::Inertia;
-use crate::numbering::{Groups, Numbering};
+use crate::numbering::Numbering;
 use crate::rows::ClosedDiagonal;
 use crate::{Load, Model, StepError};
 use std::ops::Range;
@@ -278,6 +279,7 @@ impl Matrix {
                 }
             }
         }
+        self.groups.relieve(&mut groups, free, &contributions);
         let contact = contributions.stencils(&self.numbering, equation, width);
         let pattern = SparsityPattern::from_stencils(n, self.fixed.stencils.iter().chain(contact.iter()))?;
         let pattern = Arc::new(pattern.with_groups(groups)?.with_first_multiplier(free));

@@ -14,32 +14,6 @@ pub(crate) struct Numbering {
     pub free: Vec<u32>,
 }
 
-/// Labels of the vectors that a linear solver keeps together: of those that parts own their cluster, else the vector itself.
-#[derive(Debug)]
-pub(crate) struct Groups {
-    /// Of the vectors that parts own, from the first of them on.
-    clusters: Vec<u32>,
-    first: u32,
-}
-
-impl Groups {
-    pub fn new(model: &Model) -> Self {
-        let first = model.parts.iter().map(|part| part.own_vectors().start).min().unwrap_or(u32::MAX);
-        let last = model.parts.iter().map(|part| part.own_vectors().end).max().unwrap_or(0);
-        let mut clusters: Vec<u32> = (first.min(last)..last).collect();
-        for part in &model.parts {
-            for vector in part.own_vectors() {
-                clusters[(vector - first) as usize] = part.cluster(vector);
-            }
-        }
-        Self { clusters, first }
-    }
-
-    pub fn label(&self, node: u32) -> u32 {
-        node.checked_sub(self.first).and_then(|k| self.clusters.get(k as usize)).copied().unwrap_or(node)
-    }
-}
-
 impl Numbering {
     /// Of the components of elements and of what parts own, without those that are prescribed at present.
     pub fn of(model: &Model, acting: &Acting) -> Self {
