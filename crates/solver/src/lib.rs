@@ -76,7 +76,7 @@ pub use place::Place;
 pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, PairSummary, StepRecord};
 pub use rotation::AxisRotation;
 pub use run_state::{Ledger, Log, NodalForces, SlotState, StageState};
-pub use simulation::{FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage};
+pub use simulation::{FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage, Steered};
 pub use sliding_support::SlidingSupport;
 pub use stabilise::Stabilise;
 pub use stoss_term::{BodyPair, SurfaceForce, SurfaceNode};

@@ -24,6 +24,16 @@ impl AxisRotation {
         Some(Self { axis: scaled.map(|a| a / length), about, degrees })
     }
 
+    /// The angle as a function of time.
+    pub(crate) fn degrees(&self) -> &Table {
+        &self.degrees
+    }
+
+    /// As [`Self::degrees`].
+    pub(crate) fn degrees_mut(&mut self) -> &mut Table {
+        &mut self.degrees
+    }
+
     /// The same rotation about the origin.
     pub(crate) fn about_origin(&self) -> Self {
         Self { about: [0.0; 3], ..self.clone() }

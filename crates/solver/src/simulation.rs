@@ -12,11 +12,13 @@ mod sliding_supports;
 mod smoothed;
 mod stage;
 mod start;
+mod steered;
 mod sudden;
 mod warnings;
 
 pub use stage::Stage;
 use start::at_rest;
+pub use steered::Steered;
 
 use crate::assembly::System;
 use crate::books::work_at;

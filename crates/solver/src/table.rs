@@ -1,12 +1,16 @@
 //! Piecewise linear functions of time.
 
+use serde::{Deserialize, Serialize};
+
 /// Piecewise linear function of time with one or more columns; constant before the first and after the last row.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     times: Vec<f64>,
     /// Row-major, `times.len() * columns`.
     values: Vec<f64>,
     columns: usize,
+    /// Whether it is set while the run goes on ([`crate::Simulation::steer`]): then nothing can be said of times to come.
+    steered: bool,
 }
 
 /// Why rows are not a table.
@@ -45,7 +49,7 @@ pub enum TableError {
 impl Table {
     /// A constant.
     pub fn constant(values: &[f64]) -> Self {
-        Self { times: vec![0.0], values: values.to_vec(), columns: values.len() }
+        Self { times: vec![0.0], values: values.to_vec(), columns: values.len(), steered: false }
     }
 
     /// From rows `[time, value, value, ...]` with increasing times.
@@ -56,7 +60,7 @@ impl Table {
         if rows.is_empty() {
             return Err(TableError::Empty);
         }
-        let mut table = Self { times: Vec::new(), values: Vec::new(), columns };
+        let mut table = Self { times: Vec::new(), values: Vec::new(), columns, steered: false };
         for (row, entries) in rows.iter().enumerate() {
             if entries.len() != columns + 1 {
                 return Err(TableError::Columns { row, found: entries.len().saturating_sub(1), expected: columns });
@@ -78,15 +82,35 @@ impl Table {
         self.columns
     }
 
+    /// Lets the table be set while the run goes on.
+    pub(crate) fn steer(&mut self) {
+        self.steered = true;
+    }
+
+    /// Whether it is set while the run goes on.
+    pub(crate) fn is_steered(&self) -> bool {
+        self.steered
+    }
+
+    /// From now on: linear from the value at `from` to `values`, one a column, at the later time `to`, and constant after it.
+    pub(crate) fn lead(&mut self, from: f64, to: f64, values: &[f64]) {
+        let present: Vec<f64> = (0..self.columns).map(|column| self.value(from, column)).collect();
+        self.times = vec![from, to];
+        self.values = [&present, values].concat();
+    }
+
     /// True if the value never changes.
     pub fn is_constant(&self) -> bool {
+        if self.steered {
+            return false;
+        }
         let first = &self.values[..self.columns];
         self.values.chunks_exact(self.columns).all(|row| row == first)
     }
 
     /// True if a column is zero at all times.
     pub fn is_zero(&self, column: usize) -> bool {
-        self.values.iter().skip(column).step_by(self.columns).all(|&value| value == 0.0)
+        !self.steered && self.values.iter().skip(column).step_by(self.columns).all(|&value| value == 0.0)
     }
 
     /// Value of a column at a time.
@@ -139,6 +163,18 @@ mod tests {
         assert_eq!(table.slope(3.0, 0), 0.0);
         assert!(!table.is_constant());
         assert!(Table::constant(&[1.0]).is_constant());
+    }
+
+    #[test]
+    fn what_is_steered_goes_on_from_where_it_is() {
+        let mut table = Table::from_rows(&[vec![0.0, 0.0], vec![2.0, 4.0]], 1).unwrap();
+        table.steer();
+        table.lead(1.0, 1.5, &[3.0]);
+        assert_eq!([1.0, 1.25, 1.5, 9.0].map(|time| table.value(time, 0)), [2.0, 2.5, 3.0, 3.0]);
+        assert_eq!(table.slope(1.0, 0), 2.0);
+        let mut zero = Table::constant(&[0.0]);
+        zero.steer();
+        assert!(!zero.is_constant() && !zero.is_zero(0));
     }
 
     #[test]

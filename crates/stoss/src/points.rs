@@ -44,6 +44,12 @@ impl Points {
         self.places.get(node as usize).copied().unwrap_or(NONE)
     }
 
+    /// The vectors of all points, in their order.
+    #[cfg(feature = "output")]
+    pub fn into_nodes(self) -> Vec<u32> {
+        self.nodes
+    }
+
     /// The vector of a point.
     pub fn node(&self, place: u32) -> u32 {
         self.nodes[place as usize]

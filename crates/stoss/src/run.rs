@@ -1,22 +1,23 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
-use crate::build::{Built, OwnLaws, Schedule, build_with};
+mod session;
+
+use crate::build::{Built, OwnLaws, build_with};
 use crate::diagnosis::{Case, Cause, Confidence, Diagnosis};
-use crate::exact_stick::CutsOfStick;
 use crate::left_out;
-use crate::output::{
-    Description, FolderSettings, Outcome, Overwrite, ResultFolder, SceneIdentity, SystemWriter, UnitLabels, Watched,
-    changed_by, contact_bodies, judge_start, promises,
-};
+#[cfg(doc)]
+use crate::output::Outcome;
+use crate::output::{Overwrite, Watched, judge_start};
 use crate::scene::{LinearSolver, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use stoss_linalg::AutoSolver;
-use stoss_solver::{Plan, Simulation, SimulationError, StepRecord, digits};
+use stoss_solver::{Plan, StepRecord, digits};
 
 pub use crate::error::RunError;
 pub use crate::output::{Summary, judge_folder};
+pub use session::Session;
 
 /// How to run.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +37,8 @@ pub struct RunOptions {
     pub overwrite: Overwrite,
     /// Parameters of the scene with other values than it gives: names and expressions.
     pub set: Vec<(String, String)>,
+    /// Loads and prescribed motions that the program sets between steps ([`Session::lead`]), by their names in the scene, or `load[0]`, `prescribe[1]` of those that have none.
+    pub steered: Vec<String>,
     /// Once true, the run ends after the step that it is doing, with a checkpoint, and its outcome is [`Outcome::Interrupted`].
     pub stop: Arc<AtomicBool>,
 }
@@ -114,147 +117,9 @@ fn scheme_name(scene: &Scene) -> String {
 /// See [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
-    let (scene, built) = load(path, &options.laws, &options.set)?;
-    let description = Description {
-        plan: plan_lines(&scene, &built),
-        file: scene.file().to_owned(),
-        scene: scene.text().to_owned(),
-        units: UnitLabels::new(&scene, &built.probes),
-        ..Description::new(built.simulation.model(), &built.drawing)
-    };
-    let watched = watched_bodies(&built);
-    let Built { mut simulation, schedule, joints, probes, warnings, contacts, mesh_files, drawing, parts, .. } = built;
-    let end = options.until.unwrap_or(scene.time.end);
-    if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {
-        return Err(RunError::Option(format!(
-            "--until {end}: give a time above 0 and up to the scene's end {}",
-            digits(scene.time.end)
-        )));
-    }
-    let identity = SceneIdentity::new(&scene, &mesh_files)
-        .map_err(|error| RunError::Option(format!("the scene cannot be written as JSON: {error}")))?;
-    for warning in &warnings {
-        report(Event::Warning(warning));
-    }
-    let settings = FolderSettings {
-        title: scene.header.title.clone(),
-        description,
-        identity,
-        scheme: scheme_name(&scene),
-        frames: scene.output.frames(),
-        format: scene.output.format,
-        checkpoint_every: u64::from(scene.output.checkpoint_every),
-        fields: scene.output.fields.clone(),
-        probes: probes.clone(),
-        scales: scene.expect.as_ref().map_or([None; 3], |expect| {
-            [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
-        }),
-        contact_bodies: contact_bodies(&scene, &drawing),
-        parts,
-        promises: (1..=schedule.len() as u32)
-            .map(|number| {
-                schedule.stage(number).and_then(|stage| promises(&scene, &simulation, stage.scheme.as_deref()))
-            })
-            .collect(),
-        changed_by: changed_by(&scene, simulation.model()),
-        contacts,
-        watch: scene.watch.clone(),
-        left_out: left_out::finding(&scene),
-        drawing,
-        joints,
-        schedule: schedule.clone(),
-    };
-    report(Event::Start {
-        title: &scene.header.title,
-        out: &options.out,
-        end,
-        step: scene.time.step,
-        resumed: options.resume,
-    });
-    let diagnose = |simulation: &Simulation, summary: &Summary, error: Option<String>| {
-        // A cause is looked for of what happened in the run.
-        let verdict = left_out::without(&summary.verdict);
-        let place = scene_folder(path);
-        let diagnosis =
-            Diagnosis::of(&Case::new(&scene, place, &options.laws, simulation, watched.clone(), &verdict, error));
-        Diagnosis::remove(&options.out)?;
-        if diagnosis.is_worth_reading() {
-            diagnosis.write(&options.out)?;
-            return Ok::<_, RunError>(Some(diagnosis));
-        }
-        Ok(None)
-    };
-    let mut folder = if options.resume {
-        ResultFolder::resume(&options.out, settings, &mut simulation)?
-    } else {
-        ResultFolder::create(&options.out, options.overwrite, settings, &mut simulation)?
-    };
-    let systems = match options.systems {
-        0 => None,
-        count => Some(SystemWriter::attach(&options.out.join("systems"), count, &mut simulation)?),
-    };
-    // The grid of steps is the scene's; stopping early only stops.
-    let mut change = schedule.events(&mut simulation, &probes).and_then(|()| next_stage(&schedule, &mut simulation));
-    let mut interrupted = false;
-    let mut cuts_of_stick = CutsOfStick::default();
-    while simulation.state().time < end * (1.0 - 1.0e-12) {
-        interrupted = change.is_ok() && options.stop.load(Ordering::Relaxed);
-        if interrupted {
-            break;
-        }
-        let goes_on = std::mem::replace(&mut change, Ok(true));
-        if matches!(goes_on, Ok(false)) {
-            break;
-        }
-        match goes_on.and_then(|_| simulation.advance()) {
-            Ok(record) => {
-                folder.write(&mut simulation, &record)?;
-                cuts_of_stick.look(&scene, &mut simulation, &record);
-                if let Some(systems) = &systems {
-                    systems.check()?;
-                }
-                report(Event::Step { record: &record, end, watched: folder.worst() });
-                if folder.must_stop() {
-                    break;
-                }
-                change =
-                    schedule.events(&mut simulation, &probes).and_then(|()| next_stage(&schedule, &mut simulation));
-            }
-            Err(source) => {
-                let (last_step, last_time) = (simulation.step(), simulation.state().time);
-                folder.close(&simulation)?;
-                let reason = source.to_string();
-                let failed = Outcome::Failed { reason: reason.clone(), last_step, last_time };
-                let summary = folder.summarise(&simulation, failed)?;
-                if let Some(diagnosis) = diagnose(&simulation, &summary, Some(reason))? {
-                    report(Event::Diagnosis(&diagnosis));
-                }
-                return Err(RunError::Simulation {
-                    source: Box::new(source),
-                    last_step,
-                    last_time,
-                    verdict: Box::new(summary.verdict),
-                    out: options.out.clone(),
-                });
-            }
-        }
-    }
-    folder.close(&simulation)?;
-    let outcome = if simulation.finished() && simulation.stage() as usize == schedule.len() {
-        Outcome::Completed
-    } else {
-        let (last_step, last_time) = (simulation.step(), simulation.state().time);
-        if interrupted {
-            Outcome::Interrupted { last_step, last_time }
-        } else {
-            Outcome::Stopped { last_step, last_time }
-        }
-    };
-    let summary = folder.summarise(&simulation, outcome)?;
-    if let Some(diagnosis) = diagnose(&simulation, &summary, None)? {
-        report(Event::Diagnosis(&diagnosis));
-    }
-    Ok(summary)
+    let mut session = Session::start(path, options, report)?;
+    while session.advance(report)?.is_some() {}
+    session.finish(report)
 }
 
 /// The folder that mesh files of a scene are sought in.
@@ -282,11 +147,6 @@ fn diagnose_start(path: &Path, options: &RunOptions, scene: &Scene, built: &Buil
     let watched = watched_bodies(built);
     let folder = scene_folder(path);
     Ok(Diagnosis::of(&Case::new(scene, folder, &options.laws, &built.simulation, watched, &start, None)))
-}
-
-/// At the end of a stage begins the next one; false at the end of the last.
-fn next_stage(schedule: &Schedule, simulation: &mut Simulation) -> Result<bool, SimulationError> {
-    if simulation.finished() { schedule.advance(simulation) } else { Ok(true) }
 }
 
 /// How many pressures, further unknowns of contact and tie multipliers there may be.

@@ -57,6 +57,7 @@ mod slow_contact;
 mod smoothed;
 mod solid_probes;
 mod statics;
+mod steered;
 mod support;
 mod switched;
 mod switched_springs;

@@ -16,10 +16,13 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use stoss_solver::{Checkpoint, DecisionKind, PhaseTime, Simulation, StepRecord};
+use stoss_solver::{Checkpoint, DecisionKind, PhaseTime, Simulation, SimulationError, StepRecord, Table};
 
 /// Attachment of a checkpoint that says of which scene it is.
 const IDENTITY: &str = "scene";
+
+/// Attachment of a checkpoint: what was set while the run went on.
+const STEERED: &str = "steered";
 
 /// What the folder remembers in a checkpoint.
 #[derive(Debug, Serialize, Deserialize)]
@@ -49,7 +52,8 @@ pub struct ResultFolder {
     watched: CsvTable,
     started: Instant,
     cpu: cpu_time::ProcessTime,
-    _lock: FolderLock,
+    /// None once another run may have the folder.
+    lock: Option<FolderLock>,
 }
 
 impl ResultFolder {
@@ -111,6 +115,11 @@ impl ResultFolder {
             return Err(RunError::Resume { path: file, reason });
         }
         let tag = settings.identity.hash();
+        // The loads of the state that is restored are what was set.
+        let steered = checkpoint.attachments.get(STEERED).map(|bytes| serde_json::from_slice::<Vec<Table>>(bytes));
+        let steered = steered.transpose().ok().flatten().unwrap_or_default();
+        let unlike = |e: SimulationError| RunError::Resume { path: file.clone(), reason: e.to_string() };
+        simulation.restore_steered(&steered).map_err(unlike)?;
         // A new simulation is in the first stage.
         let stage = settings.schedule.stage(checkpoint.stage.number).filter(|_| checkpoint.stage.number > 1);
         let restored = match stage {
@@ -172,7 +181,7 @@ impl ResultFolder {
             memo,
             started: Instant::now(),
             cpu: cpu_time::ProcessTime::now(),
-            _lock: lock,
+            lock: Some(lock),
         })
     }
 
@@ -257,6 +266,11 @@ impl ResultFolder {
         Ok(())
     }
 
+    /// Lets other runs have the folder; nothing is to be written after it.
+    pub(crate) fn release(&mut self) {
+        drop(self.lock.take());
+    }
+
     /// Writes the checkpoint of the last completed step.
     ///
     /// # Errors
@@ -266,6 +280,10 @@ impl ResultFolder {
         let memo = serde_json::to_vec(&self.memo).map_err(unwritable)?;
         let identity = serde_json::to_vec(&self.settings.identity).map_err(unwritable)?;
         let mut attachments = BTreeMap::from([("folder".to_owned(), memo), (IDENTITY.to_owned(), identity)]);
+        let steered = simulation.steered_tables();
+        if !steered.is_empty() {
+            attachments.insert(STEERED.to_owned(), serde_json::to_vec(&steered).map_err(unwritable)?);
+        }
         attachments.extend(self.watch.save(simulation.step()).map_err(unwritable)?);
         simulation.checkpoint(&self.settings.identity.hash(), attachments).write(&self.path.join("checkpoint"))?;
         Ok(())

@@ -8,6 +8,7 @@ use stoss_linalg::{MatrixKind, RecordingSolver};
 use stoss_solver::Simulation;
 
 /// Writes the first systems that a simulation factorises.
+#[derive(Debug)]
 pub(crate) struct SystemWriter(Receiver<SystemFileError>);
 
 impl SystemWriter {
