@@ -2,6 +2,7 @@
 
 mod archive;
 mod notices;
+mod wheel;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -61,6 +62,8 @@ pub fn command(workspace: &Workspace) -> Outcome<bool> {
         );
     }
     try_it(&path, &name)?;
+    check_version_of_package(workspace)?;
+    wheel::build(workspace, &folder)?;
     Ok(true)
 }
 
@@ -99,6 +102,17 @@ fn version(workspace: &Workspace) -> Outcome<String> {
     let package = manifest::table(&manifest::table(&root, "workspace"), "package");
     let version = package.get("version").and_then(|version| version.as_str());
     version.map(str::to_owned).ok_or_else(|| "Cargo.toml: no workspace.package.version".into())
+}
+
+/// The Python package is outside of the workspace, and so is its version.
+fn check_version_of_package(workspace: &Workspace) -> Outcome<()> {
+    let manifest: toml::Table = workspace.read("crates/python/Cargo.toml")?.parse()?;
+    let own = manifest::table(&manifest, "package");
+    let (own, all) = (own.get("version").and_then(|version| version.as_str()), version(workspace)?);
+    match own == Some(all.as_str()) {
+        true => Ok(()),
+        false => Err(format!("crates/python/Cargo.toml: the version is not {all}, that of the workspace").into()),
+    }
 }
 
 /// Seconds since 1970 of the last commit, so that the same sources give the same archive; 0 without git.
@@ -197,6 +211,11 @@ mod tests {
     fn the_checksum_is_a_line_of_sha256sum() {
         let digest = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!(checksum_line(b"abc", "a.tar.gz"), format!("{digest}  a.tar.gz\n"));
+    }
+
+    #[test]
+    fn the_python_package_has_the_version_of_all_crates() {
+        check_version_of_package(&Workspace::find().unwrap()).unwrap();
     }
 
     #[test]
