@@ -77,7 +77,9 @@ pub(crate) enum Want {
     Gradient,
     /// The second derivative but for that of the weights, too.
     Hessian,
-    /// The gradient at fixed weights, too, and the derivative of that one.
+    /// The gradient at fixed weights, too.
+    GradientAtFixedWeights,
+    /// That, and its derivative.
     FixedWeights,
 }
 
@@ -250,10 +252,10 @@ impl Slot {
             out.support_gradient = vec![0.0; columns];
             self.for_each_support_derivative(|column, d| out.support_gradient[column] += d);
         }
-        if want != Want::Gradient {
+        if matches!(want, Want::Hessian | Want::FixedWeights) {
             out.hessian = vec![0.0; columns * columns];
         }
-        if want == Want::FixedWeights {
+        if matches!(want, Want::GradientAtFixedWeights | Want::FixedWeights) {
             out.at_fixed_weights = vec![0.0; columns];
         }
         for group in self.groups() {
@@ -308,13 +310,15 @@ impl Slot {
                 self.add_hessian(group, [n, b], value, length, [&by_gap, &by_gap, &by_c], columns, &mut out.hessian);
                 self.add_motion_of_weights(group, n, true, columns, &mut out.hessian);
             }
-            Want::FixedWeights => {
+            Want::GradientAtFixedWeights | Want::FixedWeights => {
                 let held = self.by_gap_at_fixed_weights(group);
                 for (k, g) in out.at_fixed_weights[..own].iter_mut().enumerate() {
                     *g += n.dot(&held.column(k)) + b.dot(&by_c.column(k));
                 }
-                self.add_hessian(group, [n, b], value, length, [&held, &by_gap, &by_c], columns, &mut out.hessian);
-                self.add_motion_of_weights(group, n, false, columns, &mut out.hessian);
+                if want == Want::FixedWeights {
+                    self.add_hessian(group, [n, b], value, length, [&held, &by_gap, &by_c], columns, &mut out.hessian);
+                    self.add_motion_of_weights(group, n, false, columns, &mut out.hessian);
+                }
             }
         }
         Some(())

@@ -8,7 +8,7 @@ use crate::slot::Slot;
 use crate::weights::{FacetWeights, Integration, Without};
 use crate::{Faces, MortarError};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, ContactSurface};
+use stoss_contact::{ContactError, ContactSurface, in_order};
 use stoss_reference_element::MAX_NODES;
 use stoss_segmentation::{FacetSegmentation, GapRange, Segment};
 
@@ -114,29 +114,32 @@ impl Surfaces {
         with_facets: bool,
     ) -> Result<Integrated, ContactError> {
         let Self { slave, master, rows, faces: [slave_faces, master_faces], .. } = self;
-        let mut segments = Vec::with_capacity(needs.len());
-        let mut facets: Vec<Option<FacetWeights>> = Vec::with_capacity(needs.len() * self.smooth_part_count);
-        for (f, &need) in needs.iter().enumerate() {
-            if need == Need::Nothing {
-                segments.push(None);
-                facets.extend((0..self.smooth_part_count).map(|_| None));
-                continue;
-            }
+        let mut segments: Vec<Option<FacetSegmentation>> = vec![None; needs.len()];
+        let mut facets: Vec<Option<FacetWeights>> = vec![None; needs.len() * self.smooth_part_count];
+        let asked: Vec<usize> = (0..needs.len()).filter(|&f| needs[f] != Need::Nothing).collect();
+        let compute = |&f: &usize, (segments, facets): &mut (Option<FacetSegmentation>, Vec<Option<FacetWeights>>)| {
             let found = candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
-            for part in 0..self.smooth_part_count {
+            facets.extend((0..self.smooth_part_count).map(|part| {
                 let is_of_part = |segment: &&Segment| self.smooth_parts[segment.master_facet as usize] == part;
                 let own: Vec<Segment> = found.segments.iter().filter(is_of_part).cloned().collect();
                 let corners = |m| q.corners(master, m);
-                facets.push((!own.is_empty()).then(|| {
+                (!own.is_empty()).then(|| {
                     let found = FacetSegmentation { frame: found.frame.clone(), segments: own, hidden: Vec::new() };
                     let without = without[f * self.smooth_part_count + part];
                     let face = slave_faces.of(f as u32);
-                    let want_derivative = need == Need::Derivative;
+                    let want_derivative = needs[f] == Need::Derivative;
                     self.integration.facet_weights(&found, corners, face, master_faces, without, want_derivative)
-                }));
-            }
-            segments.push(Some(found));
-        }
+                })
+            }));
+            *segments = Some(found);
+            Ok(())
+        };
+        in_order(&asked, compute, |&f, (of_facet, parts)| {
+            segments[f] = of_facet.take();
+            let first = f * self.smooth_part_count;
+            facets[first..first + self.smooth_part_count].swap_with_slice(parts);
+            parts.clear();
+        })?;
         let moments = match slave_faces.are_linear() {
             true => Vec::new(),
             false => facets.iter().map(|facet| facet.as_ref().map(|facet| facet.moments)).collect(),
@@ -144,21 +147,16 @@ impl Surfaces {
         let wanted = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] != Need::Nothing);
         let derived = |row: &Row| row.facets.iter().all(|&(f, _)| needs[f as usize] == Need::Derivative);
         let kept = |k: usize| old.get(k).map_or(&[][..], |slot: &Slot| &slot.nodes);
-        let slots = rows.iter().enumerate().map(|(k, row)| {
-            if wanted(row) {
-                let of = |f: u32| facets[f as usize * self.smooth_part_count + row.smooth_part].as_ref();
-                Slot::gather(row, [slave, master], [slave_faces, master_faces], &of, kept(k), with_facets)
-            } else {
-                Slot::default()
-            }
-        });
-        Ok(Integrated {
-            at: Vec::new(),
-            moments,
-            segments,
-            slots: slots.collect(),
-            derivatives: rows.iter().map(derived).collect(),
-        })
+        let mut slots = vec![Slot::default(); rows.len()];
+        let wanted: Vec<usize> = (0..rows.len()).filter(|&k| wanted(&rows[k])).collect();
+        let gather = |&k: &usize, slot: &mut Slot| {
+            let row = &rows[k];
+            let of = |f: u32| facets[f as usize * self.smooth_part_count + row.smooth_part].as_ref();
+            *slot = Slot::gather(row, [slave, master], [slave_faces, master_faces], &of, kept(k), with_facets);
+            Ok::<_, ContactError>(())
+        };
+        in_order(&wanted, gather, |&k, slot| slots[k] = std::mem::take(slot))?;
+        Ok(Integrated { at: Vec::new(), moments, segments, slots, derivatives: rows.iter().map(derived).collect() })
     }
 
     /// Corners of each slave facet, against each smooth part of the master, that hand their functions over: those of crosspoints, and of rows that carry nothing in the step, unless nobody is left.

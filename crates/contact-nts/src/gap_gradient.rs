@@ -10,11 +10,13 @@ pub(crate) struct GapGradient {
     pub tangent: Vec<f64>,
 }
 
-impl GapGradient {
-    pub fn new() -> Self {
+impl Default for GapGradient {
+    fn default() -> Self {
         Self { values: [0.0; 3 * MAX_NODES], tangent: Vec::new() }
     }
+}
 
+impl GapGradient {
     /// Zeros for `n` components.
     pub fn reset(&mut self, n: usize, want_tangent: bool) {
         self.values[..n].fill(0.0);

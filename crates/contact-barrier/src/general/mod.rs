@@ -24,10 +24,9 @@ use history::History;
 use joint::Joint;
 use nalgebra::Vector3;
 use pieces::PieceList;
-use rayon::prelude::*;
 use scatter::Scatter;
 use std::ops::Range;
-use stoss_contact::ContactError;
+use stoss_contact::{ContactError, in_order};
 use stoss_term::{
     At, BodyPair, Fault, GradientRule, Local, Potential, Rule, Step, SurfaceForce, SurfaceNode, Term, Work,
 };
@@ -37,9 +36,6 @@ const MAX_SHORTENED: u32 = 3;
 
 /// Part of a motion that is free, below which what stops it begins to act.
 const BLOCKED: f64 = 0.5;
-
-/// Groups that are computed before they are handed out, for each thread.
-const AT_ONCE: usize = 16;
 
 /// Room for the contribution of a group.
 #[derive(Debug, Default)]
@@ -156,12 +152,7 @@ impl GeneralContact {
     }
 
     /// What acts on the facets of a group.
-    fn contribution<'a>(
-        &self,
-        (facets, acts): (&[u32], Range<usize>),
-        want_tangent: bool,
-        room: &'a mut Room,
-    ) -> &'a Local {
+    fn contribution(&self, (facets, acts): (&[u32], Range<usize>), want_tangent: bool, room: &mut Room) {
         let Room { local, joint, scatter } = room;
         self.nodes_of(facets, &mut local.nodes);
         local.reset(want_tangent);
@@ -171,7 +162,6 @@ impl GeneralContact {
             scatter.add(&self.skin, joint);
         }
         scatter.finish(&self.skin, local);
-        local
     }
 
     /// What decides which contacts begin.
@@ -283,30 +273,19 @@ impl Term for GeneralContact {
         }
         // Groups and what acts have one order: that of the facets.
         let mut next = 0;
-        let of_groups = self.groups.iter().map(|facets| {
+        let of_groups = self.groups.iter().map(|facets| -> (&[u32], Range<usize>) {
             let first = next;
             while self.acts.get(next).is_some_and(|act| self.acts.facets(act) == &**facets) {
                 next += 1;
             }
-            (&**facets, first..next)
+            (facets, first..next)
         });
-        let threads = rayon::current_num_threads();
-        if threads == 1 {
-            let mut room = Room::default();
-            of_groups.for_each(|group| visit(self.contribution(group, want_tangent, &mut room)));
-            return Ok(());
-        }
         let of_groups: Vec<_> = of_groups.collect();
-        let mut rooms: Vec<Room> = Vec::new();
-        rooms.resize_with((AT_ONCE * threads).min(of_groups.len()), Room::default);
-        for some in of_groups.chunks(rooms.len().max(1)) {
-            let rooms = &mut rooms[..some.len()];
-            rooms.par_iter_mut().zip(some).for_each(|(room, group)| {
-                self.contribution(group.clone(), want_tangent, room);
-            });
-            rooms.iter().for_each(|room| visit(&room.local));
-        }
-        Ok(())
+        let compute = |group: &(&[u32], Range<usize>), room: &mut Room| {
+            self.contribution(group.clone(), want_tangent, room);
+            Ok(())
+        };
+        in_order(&of_groups, compute, |_, room| visit(&room.local))
     }
 
     fn energy(&self, q: &[f64]) -> Result<f64, Fault> {

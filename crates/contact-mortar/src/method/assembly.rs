@@ -6,7 +6,7 @@ use crate::friction::Scratch;
 use crate::positions::Positions;
 use crate::secant::Secant;
 use crate::state::{Integrated, Need, StepState};
-use stoss_contact::ContactError;
+use stoss_contact::{ContactError, in_order};
 use stoss_segmentation::GapRange;
 use stoss_term::{
     At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, SlotReport, Step, StepConfiguration, Term, Unilateral,
@@ -196,9 +196,10 @@ impl Term for MortarContact {
         let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
         let At { multipliers: pressures, auxiliaries, active, .. } = *at;
         let further = self.auxiliaries().len();
-        let mut out = Local { auxiliaries: further, ..Local::default() };
-        let mut scratch = Scratch::default();
-        for (k, slot) in self.end.slots.iter().enumerate().filter(|(k, _)| active[*k]) {
+        let slots: Vec<usize> = (0..self.end.slots.len()).filter(|&k| active[k]).collect();
+        let compute = |&k: &usize, (out, scratch): &mut (Local, Scratch)| -> Result<(), Fault> {
+            let slot = &self.end.slots[k];
+            out.auxiliaries = further;
             out.slots.clear();
             out.slots.push(k as u32);
             out.nodes.clear();
@@ -208,10 +209,10 @@ impl Term for MortarContact {
             let of_friction = self.friction_slots().get(k).filter(|slot| slot.support > 0.0);
             let carries = self.step.carried[k];
             if carries {
-                self.contribute(k, step, pressures[k], want_tangent, &mut out)?;
+                self.contribute(k, step, pressures[k], want_tangent, out)?;
             }
             let slides = carries && of_friction.is_some();
-            if slides && !self.add_friction(k, step, pressures[k], multiplier, want_tangent, &mut scratch, &mut out) {
+            if slides && !self.add_friction(k, step, pressures[k], multiplier, want_tangent, scratch, out) {
                 return Err(ContactError::NoNormal { node: slot.nodes[0] }.into());
             }
             // The row `-A p = 0` keeps the system regular until the slot opens.
@@ -225,9 +226,9 @@ impl Term for MortarContact {
                     out.tangent[row * dim + row] = -weight;
                 }
             }
-            visit(&out);
-        }
-        Ok(())
+            Ok(())
+        };
+        in_order(&slots, compute, |_, (out, _)| visit(out))
     }
 
     fn work(&self, at: &At<'_>) -> Result<Work, Fault> {

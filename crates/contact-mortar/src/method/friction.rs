@@ -7,7 +7,7 @@ use crate::friction::{
 use crate::slot::Slot;
 use crate::state::Surfaces;
 use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliance};
-use stoss_contact::{ContactError, position};
+use stoss_contact::{ContactError, in_order, position};
 use stoss_term::{GradientRule, Local, SlotFriction, Step, StepConfiguration, Work};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
@@ -209,11 +209,17 @@ impl MortarContact {
         if self.friction.is_none() {
             return;
         }
-        let mut work = Scratch::default();
-        for slot in (0..active.len().min(pressures.len())).filter(|&s| active[s]) {
-            let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
-            let Some(surface) = &mut self.friction else { return };
-            surface.points[slot].iteration.follow(&state.step);
+        let slots: Vec<usize> = (0..active.len().min(pressures.len())).filter(|&s| active[s]).collect();
+        let mut steps = Vec::with_capacity(slots.len());
+        let compute = |&slot: &usize, (state, work): &mut (Option<FrictionState>, Scratch)| {
+            *state = self.friction_state(slot, q_np1, pressures[slot], work);
+            Ok::<_, ContactError>(())
+        };
+        // cannot fail: no state does.
+        in_order(&slots, compute, |_, (state, _)| steps.push(state.take().map(|state| state.step))).unwrap_or(());
+        let Some(surface) = &mut self.friction else { return };
+        for (&slot, step) in slots.iter().zip(&steps) {
+            step.iter().for_each(|step| surface.points[slot].iteration.follow(step));
         }
     }
 

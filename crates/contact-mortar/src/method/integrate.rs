@@ -28,11 +28,12 @@ impl MortarContact {
         Ok((candidates, range))
     }
 
-    /// Renews the slots of the end (and of the middle) at an iterate. Derivatives of `active` rows are there afterwards.
+    /// Renews the slots of the end (and of the middle) at an iterate. Derivatives of `active` rows are there afterwards if forces or a tangent need them.
     pub(super) fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<(), ContactError> {
         let has = |of: &Integrated, at_all: bool| at_all && active.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a);
         let at_end = self.step.is_at(q_np1, &self.end.at);
-        let needs_end = want_tangent || self.rule == GradientRule::EndPoint || self.rule == GradientRule::EndPointMean;
+        let by_end = matches!(self.rule, GradientRule::EndPoint | GradientRule::EndPointMean);
+        let needs_end = want_tangent || by_end && !self.has_fixed_weights();
         let end_done = at_end && (!needs_end || has(&self.end, at_end));
         let middle_done = !self.has_middle() || (at_end && has(&self.middle, !self.middle.derivatives.is_empty()));
         if end_done && middle_done {

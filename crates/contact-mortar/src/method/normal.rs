@@ -3,9 +3,10 @@
 use super::{CARRIED, MortarContact};
 use crate::discrete::RelativeMotion;
 use crate::positions::Positions;
+use crate::secant::Secant;
 use crate::slot::{Evaluation, Slot, Want};
 use nalgebra::Vector3;
-use stoss_contact::{ContactError, position};
+use stoss_contact::{ContactError, in_order, position};
 use stoss_term::{GradientRule, Local, StepConfiguration};
 
 /// Part of [`CARRIED`] below which the row of a multiplier gets a compliance, so that it cannot vanish.
@@ -32,16 +33,21 @@ impl MortarContact {
         let edge = self.length();
         let at = if self.has_middle() { Positions::Mean(&self.step.q_n, q_np1) } else { q_np1.into() };
         let slots = if self.has_middle() { &self.middle.slots } else { &self.end.slots };
-        for (k, slot) in slots.iter().enumerate().filter(|(k, _)| carrying[*k]) {
-            let nodes = &self.end.slots[k].nodes;
-            let want = if self.secants[k].has_last() { Want::Hessian } else { Want::Gradient };
-            let here = slot.evaluate(at, nodes.len(), want);
-            let mut here = here.ok_or(ContactError::NoNormal { node: nodes[0] })?;
-            here.beyond(self.step.distance[k], 0.0);
+        let (ends, distance) = (&self.end.slots, &self.step.distance);
+        let carrying: Vec<usize> = (0..slots.len()).filter(|&k| carrying[k]).collect();
+        let known: Vec<bool> = self.secants.iter().map(Secant::has_last).collect();
+        let compute = |&k: &usize, here: &mut Evaluation| {
+            let nodes = &ends[k].nodes;
+            let want = if known[k] { Want::Hessian } else { Want::Gradient };
+            *here = slots[k].evaluate(at, nodes.len(), want).ok_or(ContactError::NoNormal { node: nodes[0] })?;
+            here.beyond(distance[k], 0.0);
+            Ok(())
+        };
+        in_order(&carrying, compute, |&k, here| {
+            let nodes = &ends[k].nodes;
             let x = nodes.iter().flat_map(|&node| <[f64; 3]>::from(at.of(node))).collect();
-            self.secants[k].learn(nodes, x, here.gradient, &here.hessian, edge);
-        }
-        Ok(())
+            self.secants[k].learn(nodes, x, std::mem::take(&mut here.gradient), &here.hessian, edge);
+        })
     }
 
     /// Adds force and row of a slot with their derivatives to `out`.
@@ -61,7 +67,8 @@ impl MortarContact {
         let mean_of_ends = self.rule == GradientRule::EndPointMean;
         let has_fixed_weights = self.has_fixed_weights();
         let want_at_end = match (has_fixed_weights, want_tangent && (end_point || mean_of_ends)) {
-            (true, _) => Want::FixedWeights,
+            (true, true) => Want::FixedWeights,
+            (true, false) => Want::GradientAtFixedWeights,
             (false, true) => Want::Hessian,
             (false, false) => Want::Gradient,
         };

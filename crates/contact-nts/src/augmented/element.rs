@@ -234,11 +234,13 @@ impl Equations<'_> {
     }
 }
 
-impl Dense {
-    pub fn new() -> Self {
+impl Default for Dense {
+    fn default() -> Self {
         Self { residual: [0.0; MOST], tangent: Vec::new() }
     }
+}
 
+impl Dense {
     /// Eliminates two unknowns (`columns` and the next) by two equations (`rows` and the next) from all others.
     fn eliminate(&mut self, dim: usize, rows: usize, columns: usize) -> Option<()> {
         let k = |i: usize, j: usize| i * dim + j;

@@ -27,7 +27,7 @@ use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
 use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
-use stoss_contact::{ContactError, position};
+use stoss_contact::{ContactError, in_order, position};
 use stoss_term::{
     At, Auxiliary, Fault, GradientRule, Hold, Local, ReferenceGap, SlotReport, Step, StepConfiguration, Term,
     Unilateral, Work,
@@ -312,18 +312,17 @@ impl Term for CoordinateAugmented {
         let at_end = Self::rule(step.rule)?;
         let further = Auxiliary::equations(self.auxiliaries());
         let length = self.inner.length;
-        let mut contribution = Local { auxiliaries: further, ..Local::default() };
-        let mut dense = Dense::new();
-        for slot in (0..self.slot_count()).filter(|&s| active[s]) {
+        let slots: Vec<usize> = (0..self.slot_count()).filter(|&s| active[s]).collect();
+        let compute = |&slot: &usize, (contribution, dense): &mut (Local, Dense)| -> Result<(), Fault> {
+            contribution.auxiliaries = further;
             contribution.slots.clear();
             contribution.slots.push(slot as u32);
             contribution.nodes.clear();
             let values = self.values(slot, auxiliaries);
             let pressure = pressures[slot];
             let Some(pairing) = self.inner.slots[slot].pairing else {
-                self.inner.without_partner(slot, pressure, values, want_tangent, &mut contribution);
-                visit(&contribution);
-                continue;
+                self.inner.without_partner(slot, pressure, values, want_tangent, contribution);
+                return Ok(());
             };
             let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
             let element = self.element(slot, pairing);
@@ -336,9 +335,8 @@ impl Term for CoordinateAugmented {
                 [_, _, a, b] => [a / length, b / length],
                 _ => [0.0; 2],
             };
-            equations.reduced(lambda, want_tangent, &mut dense).ok_or_else(failed)?;
+            equations.reduced(lambda, want_tangent, dense).ok_or_else(failed)?;
             contribution.nodes.extend_from_slice(element.list());
-            contribution.auxiliaries = further;
             contribution.reset(want_tangent);
             let (dim, all) = (contribution.dim(), equations.dim());
             contribution.residual.copy_from_slice(&dense.residual[..dim]);
@@ -355,16 +353,16 @@ impl Term for CoordinateAugmented {
                     traction.mismatch[k].value += mismatch[k];
                 }
                 let branch = Equations { traction: &traction, ..equations };
-                branch.reduced(lambda, false, &mut dense).ok_or_else(failed)?;
+                branch.reduced(lambda, false, dense).ok_or_else(failed)?;
                 contribution.shift.extend(dense.residual.iter().zip(&contribution.residual).map(|(b, r)| b - r));
             }
             if self.options.reduction == Reduction::Second {
                 let [a, b] = of.end.foot;
                 contribution.violation = a.abs().max(b.abs()) / (length * length);
             }
-            visit(&contribution);
-        }
-        Ok(())
+            Ok(())
+        };
+        in_order(&slots, compute, |_, (contribution, _)| visit(contribution))
     }
 
     fn recover(&self, at: &At<'_>, increment: &[f64], out: &mut [f64]) -> Result<(), Fault> {

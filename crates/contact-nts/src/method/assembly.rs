@@ -5,11 +5,18 @@ use crate::gap_gradient::GapGradient;
 use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot, Pairing, Slot};
-use stoss_contact::{Enforcement, position};
+use stoss_contact::{Enforcement, in_order, position};
 use stoss_term::{
     At, Auxiliary, Fault, GradientRule, Hold, Local, Rule, SlotReport, Step, StepConfiguration, Term, Unilateral, Work,
     multipliers_of,
 };
+
+/// Room for the contribution of a slot.
+#[derive(Default)]
+struct Room {
+    contribution: Local,
+    gradient: GapGradient,
+}
 
 impl NodeToSurface {
     /// An active slot that found no facet (the union of sets of the active-set control can ask for one): the row `-A p = 0`, which keeps
@@ -184,22 +191,21 @@ impl Term for NodeToSurface {
         let Some(step) = StepConfiguration::of(at) else { return Ok(()) };
         let At { multipliers: pressures, auxiliaries, active, .. } = *at;
         let further = self.auxiliaries().len();
-        let mut contribution = Local { auxiliaries: further, ..Local::default() };
-        let mut gradient = GapGradient::new();
-        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
+        let slots: Vec<usize> = (0..self.slots.len()).filter(|&s| active[s]).collect();
+        let compute = |&slot: &usize, Room { contribution, gradient }: &mut Room| -> Result<(), Fault> {
+            contribution.auxiliaries = further;
             contribution.slots.clear();
             contribution.slots.push(slot as u32);
             contribution.nodes.clear();
             let multiplier = multipliers_of(slot, further, auxiliaries);
             let Some(pairing) = self.slots[slot].pairing else {
-                self.without_partner(slot, pressures[slot], &multiplier, want_tangent, &mut contribution);
-                visit(&contribution);
-                continue;
+                self.without_partner(slot, pressures[slot], &multiplier, want_tangent, contribution);
+                return Ok(());
             };
             let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
             let end = self.gap(slot, pairing.end, step.q_np1)?;
             let of = PairedSlot { slot, element: &element, pairing, end: &end, step };
-            self.gradient(of, want_tangent, &mut gradient)?;
+            self.gradient(of, want_tangent, gradient)?;
             let (n, weight) = (3 * element.count, self.slot_weight(slot));
             let pressure = pressures[slot];
             contribution.nodes.extend_from_slice(element.list());
@@ -224,11 +230,11 @@ impl Term for NodeToSurface {
                 contribution.tangent[n * dim + n] = -weight * row.d_pressure;
             }
             if self.friction.is_some() {
-                self.add_friction(of, pressure, multiplier, want_tangent, &mut contribution)?;
+                self.add_friction(of, pressure, multiplier, want_tangent, contribution)?;
             }
-            visit(&contribution);
-        }
-        Ok(())
+            Ok(())
+        };
+        in_order(&slots, compute, |_, room| visit(&room.contribution))
     }
 
     fn work(&self, at: &At<'_>) -> Result<Work, Fault> {

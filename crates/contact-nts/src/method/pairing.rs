@@ -74,7 +74,7 @@ impl NodeToSurface {
         if self.augmented || !matches!(self.normal.rule, GradientRule::Midpoint | GradientRule::DiscreteGradient) {
             return Ok(0);
         }
-        let mut gradient = GapGradient::new();
+        let mut gradient = GapGradient::default();
         let mut changes = 0;
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
             let Some(pairing) = self.slots[slot].pairing.filter(|p| p.start != p.end) else { continue };
