@@ -17,7 +17,9 @@
 //! stays near `1e-10` of the *stress*. Where the quotient is left out, the energy of a step is off by about `|dC|^3 / 24`
 //! times a few moduli.
 
-use crate::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2, Tensor4};
+use crate::{ConstitutiveError, HyperelasticLaw, Strains, SymmetricTensor2, Tensor4, Wanted};
+use stoss_tensor::components::double_contraction;
+use stoss_tensor::wide::{self, LANES, Number, Several, Simd, SymmetricTensors, Tensors4, Wide};
 
 /// Strain increments `|C_np1 - C_n|` (Frobenius norm) up to this use the stress at the mean strain alone, `k = 0`. The energy error
 /// of that is of third order, about `1e-18` of the modulus; the quotient's round-off grows as `1 / |dC|` instead. A larger value
@@ -91,66 +93,86 @@ pub fn energy_momentum_stress_and_tangent(
     Ok((stress, tangent))
 }
 
-/// Points that are evaluated together.
-const TOGETHER: usize = 4;
+/// What the stress of a step needs of its start at a few points.
+#[derive(Clone, Copy, Debug)]
+pub struct StepStart<'a> {
+    /// `C_n`.
+    pub strains: &'a SymmetricTensors,
+    /// `W(C_n)`.
+    pub energies: &'a Several,
+}
 
-/// [`energy_momentum_stress`] at several points of one law, with the same bits. All lists have one entry a point.
+/// [`energy_momentum_stress`] or, with `moduli`, [`energy_momentum_stress_and_tangent`] at a few points of one law, with the same bits.
 ///
 /// # Errors
 /// The number of a point at which the law has no value at `C_np1` or at the mean, and why.
-pub fn energy_momentum_stresses(
+#[inline(always)]
+pub fn energy_momentum_stresses<S: Simd>(
+    simd: S,
     law: &(impl HyperelasticLaw + ?Sized),
-    c_n: &[SymmetricTensor2],
-    energy_n: &[f64],
-    c_np1: &[SymmetricTensor2],
-    out: &mut [SymmetricTensor2],
+    start: StepStart<'_>,
+    end: &Strains<'_>,
+    stresses: &mut SymmetricTensors,
+    mut moduli: Option<&mut Tensors4>,
 ) -> Result<(), (usize, ConstitutiveError)> {
-    for first in (0..out.len()).step_by(TOGETHER) {
-        let points = first..(first + TOGETHER).min(out.len());
-        let (count, out) = (points.len(), &mut out[points.clone()]);
-        let (c_n, energy_n, c_np1) = (&c_n[points.clone()], &energy_n[points.clone()], &c_np1[points]);
-        let numbered = |(k, error)| (first + k, error);
-        let mut means = [SymmetricTensor2::ZERO; TOGETHER];
-        means.iter_mut().zip(c_n.iter().zip(c_np1)).for_each(|(out, (a, b))| *out = mean(a, b));
-        law.stresses(&means[..count], out).map_err(numbered)?;
-        // Also where there is no quotient an inadmissible end state has to be found.
-        let mut energies = [0.0; TOGETHER];
-        law.energies(c_np1, &mut energies[..count]).map_err(numbered)?;
-        for (l, stress) in out.iter_mut().enumerate() {
-            let increment = Increment::new(&c_n[l], &c_np1[l]);
-            if increment.has_quotient(law) {
-                let k = increment.quotient(energy_n[l], energies[l], stress);
-                *stress += increment.delta * k;
+    let mut means = SymmetricTensors::ZERO;
+    for part in 0..wide::parts::<S>() {
+        let (c_n, c_np1) = (start.strains.load(simd, part), end.all.load(simd, part));
+        let mut mean = c_n;
+        for v in 0..6 {
+            mean[v] = (c_n[v] + c_np1[v]) * 0.5;
+        }
+        means.store(&mean, part);
+    }
+    let at_mean = Wanted { energies: None, stresses: Some(stresses), moduli: moduli.as_deref_mut() };
+    law.evaluate(&Strains { all: &means, count: end.count }, at_mean)?;
+    // Also where there is no quotient an inadmissible end state has to be found.
+    let (mut energies, mut ends) = ([0.0; LANES], SymmetricTensors::ZERO);
+    let stresses_np1 = moduli.is_some().then_some(&mut ends);
+    law.evaluate(end, Wanted { energies: Some(&mut energies), stresses: stresses_np1, moduli: None })?;
+    let smallest = law.smallest_strain_increment();
+    let smallest = if law.is_quadratic() { f64::INFINITY } else { smallest * smallest };
+    for part in 0..wide::parts::<S>() {
+        let (c_n, c_np1) = (start.strains.load(simd, part), end.all.load(simd, part));
+        let mut delta = c_n;
+        for v in 0..6 {
+            delta[v] = c_np1[v] - c_n[v];
+        }
+        let square = double_contraction(&delta, &delta);
+        let smallest = Wide::splat(simd, smallest);
+        let mean_stress = stresses.load(simd, part);
+        let (w_n, w_np1) = (Wide::load(simd, start.energies, part), Wide::load(simd, &energies, part));
+        let k = ((w_np1 - w_n) * 2.0 - double_contraction(&mean_stress, &delta)) / square;
+        let k = k.where_greater(square, smallest);
+        let mut stress = mean_stress;
+        for v in 0..6 {
+            stress[v] = mean_stress[v] + delta[v] * k;
+        }
+        stresses.store(&stress, part);
+        let Some(moduli) = &mut moduli else { continue };
+        let inverse_square = (square.like(1.0) / square).where_greater(square, smallest);
+        let stress_np1 = ends.load(simd, part);
+        // dC : CC, then the slope of the quotient.
+        let mut slope = [square.like(0.0); 6];
+        for (v, row) in moduli.0.iter().enumerate() {
+            let factor = if v < 3 { delta[v] } else { delta[v] * 2.0 };
+            for (w, entry) in row.iter().enumerate() {
+                slope[w] = slope[w] + factor * Wide::load(simd, entry, part);
             }
         }
-    }
-    Ok(())
-}
-
-/// [`energy_momentum_stress_and_tangent`] at several points of one law, with the same bits. All lists have one entry a point.
-///
-/// # Errors
-/// As of [`energy_momentum_stresses`].
-pub fn energy_momentum_stresses_and_tangents(
-    law: &(impl HyperelasticLaw + ?Sized),
-    c_n: &[SymmetricTensor2],
-    energy_n: &[f64],
-    c_np1: &[SymmetricTensor2],
-    out: &mut [(SymmetricTensor2, Tensor4)],
-) -> Result<(), (usize, ConstitutiveError)> {
-    for first in (0..out.len()).step_by(TOGETHER) {
-        let points = first..(first + TOGETHER).min(out.len());
-        let (count, out) = (points.len(), &mut out[points.clone()]);
-        let (c_n, energy_n, c_np1) = (&c_n[points.clone()], &energy_n[points.clone()], &c_np1[points]);
-        let numbered = |(k, error)| (first + k, error);
-        let mut means = [SymmetricTensor2::ZERO; TOGETHER];
-        means.iter_mut().zip(c_n.iter().zip(c_np1)).for_each(|(out, (a, b))| *out = mean(a, b));
-        law.stresses_and_elasticities(&means[..count], out).map_err(numbered)?;
-        let mut ends = [(0.0, SymmetricTensor2::ZERO); TOGETHER];
-        law.energies_and_stresses(c_np1, &mut ends[..count]).map_err(numbered)?;
-        for (l, (stress, tangent)) in out.iter_mut().enumerate() {
-            let increment = Increment::new(&c_n[l], &c_np1[l]);
-            complete(law, &increment, energy_n[l], &ends[l], stress, tangent);
+        for v in 0..6 {
+            let change = stress_np1[v] - mean_stress[v] - slope[v] * 0.25 - delta[v] * (k * 2.0);
+            slope[v] = change * inverse_square;
+        }
+        for (v, row) in moduli.0.iter_mut().enumerate() {
+            let doubled = delta[v] * 2.0;
+            for (w, entry) in row.iter_mut().enumerate() {
+                let mut value = Wide::load(simd, entry, part) * 0.5;
+                if v == w {
+                    value = value + k * if v < 3 { 2.0 } else { 1.0 };
+                }
+                (value + doubled * slope[w]).store(entry, part);
+            }
         }
     }
     Ok(())

@@ -4,6 +4,7 @@
 //! This crate contains no law.
 //!
 //! * [`HyperelasticLaw`]: energy, stress and elasticity tensor as functions of the right Cauchy-Green tensor; [`SmallStrainModuli`];
+//! * [`Strains`], [`Wanted`]: what a law is asked for at several strains side by side;
 //! * [`VolumetricEnergy`], [`VolumetricSplit`]: a law as the sum of an energy of the change of volume and of the rest;
 //! * [`Material`], [`StepLaw`]: a law with a state, and what it is in one step: a hyperelastic law again;
 //! * [`energy_momentum_stress`], [`energy_momentum_stress_and_tangent`]: the stress of a step, whose work is the change of the energy;
@@ -15,11 +16,11 @@ pub mod discrete_gradient;
 mod material;
 mod measures;
 mod moduli;
+mod several;
 pub mod volume;
 
 pub use discrete_gradient::{
-    energy_momentum_stress, energy_momentum_stress_and_tangent, energy_momentum_stresses,
-    energy_momentum_stresses_and_tangents,
+    StepStart, energy_momentum_stress, energy_momentum_stress_and_tangent, energy_momentum_stresses,
 };
 pub use material::{
     Loss, Material, Mechanisms, PointStep, Response, SMALLEST_STRAIN_INCREMENT_WITH_STATE, StateEntry, StateOutput,
@@ -27,7 +28,8 @@ pub use material::{
 };
 pub use measures::{cauchy_stress, green_lagrange, logarithmic_strain, principal_values, von_mises};
 pub use moduli::SmallStrainModuli;
-pub use stoss_tensor::{SymmetricTensor2, Tensor2, Tensor4};
+pub use several::{Strains, Wanted};
+pub use stoss_tensor::{INDEX_PAIRS, SymmetricTensor2, Tensor2, Tensor4, components, wide};
 pub use volume::{VolumetricEnergy, VolumetricSplit};
 
 /// Why a law has no value at a state.
@@ -45,18 +47,6 @@ pub enum ConstitutiveError {
     NonFinite,
 }
 
-#[inline]
-fn at_each<T>(
-    strains: &[SymmetricTensor2],
-    out: &mut [T],
-    of: impl Fn(&SymmetricTensor2) -> Result<T, ConstitutiveError>,
-) -> Result<(), (usize, ConstitutiveError)> {
-    for (k, (c, out)) in strains.iter().zip(out).enumerate() {
-        *out = of(c).map_err(|error| (k, error))?;
-    }
-    Ok(())
-}
-
 /// A hyperelastic law `W(C)`, `S = 2 dW/dC`, `CC = 2 dS/dC` (theory/kinematics#eq-stress).
 ///
 /// `C = F^T F` is symmetric and positive definite; energy and stress vanish at `C = 1`. Stresses and moduli have one unit, which is that of
@@ -70,7 +60,7 @@ fn at_each<T>(
 /// # How to implement
 /// Always: [`name`](Self::name), [`energy`](Self::energy), [`stress`](Self::stress),
 /// [`stress_and_elasticity`](Self::stress_and_elasticity), [`small_strain_moduli`](Self::small_strain_moduli). If it pays:
-/// [`energy_and_stress`](Self::energy_and_stress), [`energies`](Self::energies) and the three that follow it. Only if true: [`is_quadratic`](Self::is_quadratic). For nearly incompressible solids:
+/// [`energy_and_stress`](Self::energy_and_stress), [`evaluate`](Self::evaluate). Only if true: [`is_quadratic`](Self::is_quadratic). For nearly incompressible solids:
 /// [`volumetric`](Self::volumetric).
 ///
 /// # Errors
@@ -107,50 +97,12 @@ pub trait HyperelasticLaw: std::fmt::Debug + Send + Sync {
         &self,
         right_cauchy_green: &SymmetricTensor2,
     ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError>;
-    /// [`Self::energy`] at several strains with the same bits, as the three below: worth formulas of their own where an evaluation waits for quotients and roots.
-    /// `out` is as long as the list of strains.
+    /// All that is wanted at several strains, with the bits of the methods for one: worth formulas of its own that take them side by side ([`wide`]).
     ///
     /// # Errors
-    /// The number of a strain that is inadmissible, and why it is.
-    fn energies(
-        &self,
-        right_cauchy_green: &[SymmetricTensor2],
-        out: &mut [f64],
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        at_each(right_cauchy_green, out, |c| self.energy(c))
-    }
-    /// [`Self::stress`] at several strains.
-    ///
-    /// # Errors
-    /// As of [`Self::energies`].
-    fn stresses(
-        &self,
-        right_cauchy_green: &[SymmetricTensor2],
-        out: &mut [SymmetricTensor2],
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        at_each(right_cauchy_green, out, |c| self.stress(c))
-    }
-    /// [`Self::energy_and_stress`] at several strains.
-    ///
-    /// # Errors
-    /// As of [`Self::energies`].
-    fn energies_and_stresses(
-        &self,
-        right_cauchy_green: &[SymmetricTensor2],
-        out: &mut [(f64, SymmetricTensor2)],
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        at_each(right_cauchy_green, out, |c| self.energy_and_stress(c))
-    }
-    /// [`Self::stress_and_elasticity`] at several strains.
-    ///
-    /// # Errors
-    /// As of [`Self::energies`].
-    fn stresses_and_elasticities(
-        &self,
-        right_cauchy_green: &[SymmetricTensor2],
-        out: &mut [(SymmetricTensor2, Tensor4)],
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        at_each(right_cauchy_green, out, |c| self.stress_and_elasticity(c))
+    /// The number of the first strain that is inadmissible, and why it is.
+    fn evaluate(&self, strains: &Strains<'_>, wanted: Wanted<'_>) -> Result<(), (usize, ConstitutiveError)> {
+        strains.one_by_one(self, wanted)
     }
     /// Moduli at `C = 1`.
     fn small_strain_moduli(&self) -> SmallStrainModuli;

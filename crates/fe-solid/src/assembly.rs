@@ -6,7 +6,7 @@
 
 use crate::{
     element::Failure,
-    kernel::{LocalTangent, NodalVectors, TangentFactors},
+    kernel::{LocalTangent, NodalVectors, PointBuffers, TangentFactors},
     scratch::Scratch,
 };
 use rayon::prelude::*;
@@ -80,6 +80,7 @@ struct Portion {
     locals: Vec<Local>,
     failures: Vec<Option<Failure>>,
     factors: Vec<f64>,
+    buffers: PointBuffers,
 }
 
 impl Portion {
@@ -111,6 +112,7 @@ fn evaluate<const N: usize, const G: usize>(
     tangent: Option<f64>,
     local: &mut Local,
     factors: &mut [f64],
+    buffers: &mut PointBuffers,
 ) -> Result<(), Failure> {
     local.nodes.clear();
     local.nodes.extend_from_slice(nodes);
@@ -130,7 +132,7 @@ fn evaluate<const N: usize, const G: usize>(
             }
         }
     };
-    evaluator.evaluate(element, &mut force, wanted)?;
+    evaluator.evaluate(element, &mut force, wanted, buffers)?;
     for (node, r) in local.residual.chunks_exact_mut(3).enumerate() {
         (r[0], r[1], r[2]) = (force[0][node], force[1][node], force[2][node]);
     }
@@ -144,6 +146,7 @@ pub(crate) trait ElementEvaluator<const N: usize, const G: usize>: Sync {
         element: usize,
         force: &mut NodalVectors<N>,
         tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+        buffers: &mut PointBuffers,
     ) -> Result<(), Failure>;
 }
 
@@ -174,10 +177,10 @@ pub(crate) fn assemble<const N: usize, const G: usize>(
             computing.push(Portion::default());
         }
         computing[0].reserve::<N, G>(1, tangent.is_some());
-        let Portion { locals, factors, .. } = &mut computing[0];
+        let Portion { locals, factors, buffers, .. } = &mut computing[0];
         let local = &mut locals[0];
         for (element, nodes) in nodes.iter().enumerate() {
-            let done = evaluate(evaluator, (element, nodes), tangent, local, factors);
+            let done = evaluate(evaluator, (element, nodes), tangent, local, factors, buffers);
             done.map_err(|failure| (element, failure))?;
             visit(number + element, local);
         }
@@ -192,10 +195,11 @@ pub(crate) fn assemble<const N: usize, const G: usize>(
         buffers.iter_mut().for_each(|portion| portion.reserve::<N, G>(grain, tangent.is_some()));
     }
     let compute = |elements: Range<usize>, buffers: &mut [Portion]| {
-        buffers.par_iter_mut().enumerate().for_each(|(k, Portion { locals, failures, factors })| {
+        buffers.par_iter_mut().enumerate().for_each(|(k, Portion { locals, failures, factors, buffers })| {
             let from = elements.start + grain * k;
             for (k, element) in (from..(from + grain).min(elements.end)).enumerate() {
-                failures[k] = evaluate(evaluator, (element, &nodes[element]), tangent, &mut locals[k], factors).err();
+                let (numbered, local) = ((element, &nodes[element]), &mut locals[k]);
+                failures[k] = evaluate(evaluator, numbered, tangent, local, factors, buffers).err();
             }
         });
     };

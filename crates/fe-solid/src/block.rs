@@ -3,15 +3,16 @@
 use crate::{
     ForceRule, SolidOptions, SolidStep, StepEnd, TimeLevel, Volumetric,
     assembly::{self, AssemblyTarget, ElementEvaluator},
-    element::{self, ElementStep, Failure, FailureKind, GaussPointHistory, gather, natural_gradients},
+    element::{self, ElementHistory, ElementStep, Failure, FailureKind, Geometry, gather, natural_gradients},
     element_block::{BlockError, ElementBlock, ElementFailure, Material, PointStrain},
-    kernel::{self, ElementIntegration, Gradients, LocalTangent, NodalVectors, TangentFactors},
+    kernel::{self, ElementIntegration, Gradients, LocalTangent, NodalVectors, PointBuffers, TangentFactors},
     laws::Laws,
     mixed::{self, Averages, Basis, Mixed, Parts},
+    reference::{ElementReference, Natural},
     viscous::{Viscosity, ViscousElements},
 };
 use rayon::prelude::*;
-use stoss_continuum::{HyperelasticLaw, Loss, PointStep, StepStress, SymmetricTensor2};
+use stoss_continuum::{HyperelasticLaw, Loss, PointStep, StepStress};
 use stoss_mesh::CellBlock;
 use stoss_reference_element::{CellKind, Rule};
 
@@ -34,9 +35,10 @@ enum Projection<const G: usize> {
 pub(crate) struct Block<const N: usize, const G: usize> {
     rule: Rule,
     projection: Projection<G>,
-    integration: Vec<ElementIntegration<N, G>>,
+    natural: Natural<N, G>,
+    references: Vec<ElementReference<G>>,
     /// `C_n`, `W_n`; empty unless the rule of the step is energy-momentum.
-    history: Vec<[GaussPointHistory; G]>,
+    history: Vec<ElementHistory<G>>,
     /// `J_n`, likewise; empty if nothing is averaged.
     jacobians: Vec<[f64; G]>,
     /// Gradients in natural coordinates at the nodes.
@@ -61,34 +63,33 @@ impl<const N: usize, const G: usize> Block<N, G> {
         let rule = kind.rule(options.integration).ok_or(BlockError::NoRule)?;
         let natural: [Gradients<N>; G] = std::array::from_fn(|g| natural_gradients(kind, rule[g].0));
         let weights: [f64; G] = std::array::from_fn(|g| rule[g].1);
-        let elements = cells.nodes().as_chunks::<N>().0.iter().enumerate().map(|(element, nodes)| {
-            let x = std::array::from_fn(|i| std::array::from_fn(|node| reference[nodes[node] as usize][i]));
-            kernel::integration(&x, &natural, &weights).map_err(|(gauss_point, determinant)| BlockError::Inverted {
-                element,
-                gauss_point,
-                determinant,
-            })
-        });
-        let integration: Vec<ElementIntegration<N, G>> = elements.collect::<Result<_, _>>()?;
+        let elements =
+            cells.nodes().as_chunks::<N>().0.iter().enumerate().map(|(element, nodes)| {
+                let x = std::array::from_fn(|i| std::array::from_fn(|node| reference[nodes[node] as usize][i]));
+                ElementReference::new(&x, &natural, &weights)
+                    .map_err(|(gauss_point, determinant)| BlockError::Inverted { element, gauss_point, determinant })
+            });
+        let references: Vec<ElementReference<G>> = elements.collect::<Result<_, _>>()?;
         let projection = match (options.volumetric, kind) {
             // The averages of tet4 are those of nodes.
             (Volumetric::Displacement, _) | (Volumetric::Mixed, CellKind::Tet4) => Projection::None,
             (Volumetric::Mixed, CellKind::Hex27) => {
                 let points = std::array::from_fn(|g| rule[g].0);
-                Projection::Linear(integration.iter().map(|e| mixed::linear(&e.weights, &points)).collect())
+                Projection::Linear(references.iter().map(|e| mixed::linear(&e.weights, &points)).collect())
             }
             (Volumetric::Mixed, _) => Projection::Constant,
         };
         let mut states = Vec::new();
         if let Some(material) = law.history() {
             let len = material.state_len();
-            states.resize(len * G * integration.len(), 0.0);
+            states.resize(len * G * references.len(), 0.0);
             states.chunks_exact_mut(len.max(1)).for_each(|state| material.virgin(state));
         }
         Ok(Self {
             rule,
             projection,
-            integration,
+            natural: Natural::new(natural),
+            references,
             history: Vec::new(),
             jacobians: Vec::new(),
             at_nodes: kind.table().nodes.iter().map(|&xi| natural_gradients(kind, xi)).collect(),
@@ -113,18 +114,26 @@ impl<const N: usize, const G: usize> Block<N, G> {
 
     /// An element's averages, if it has any.
     #[inline]
-    fn averages<'a>(&'a self, material: Material<'a>, element: usize, laws: Laws<'a>) -> Option<Averages<'a, N, G>> {
+    fn averages<'a>(
+        &'a self,
+        material: Material<'a>,
+        element: usize,
+        laws: Laws<'a>,
+        integration: &'a ElementIntegration<N, G>,
+    ) -> Option<Averages<'a, N, G>> {
+        let geometry = self.geometry(element);
         let parts = |volume| Parts { rest: laws, volume };
-        let integration = &self.integration[element];
         Some(match &self.projection {
             Projection::None => return None,
             Projection::Constant => Averages::Constant(Mixed {
                 parts: parts(material.volume?),
+                geometry,
                 integration,
                 basis: mixed::constant(&integration.weights),
             }),
             Projection::Linear(bases) => {
-                Averages::Linear(Mixed { parts: parts(material.volume?), integration, basis: bases[element] })
+                let parts = parts(material.volume?);
+                Averages::Linear(Mixed { parts, geometry, integration, basis: bases[element] })
             }
         })
     }
@@ -137,8 +146,11 @@ impl<const N: usize, const G: usize> Block<N, G> {
         laws: Laws<'a>,
         q: &NodalVectors<N>,
     ) -> Result<f64, Failure> {
-        match self.averages(material, element, laws) {
-            None => element::energy(laws, &self.integration[element], q),
+        if !self.is_averaged() {
+            return element::energy(laws, self.geometry(element), q);
+        }
+        match self.averages(material, element, laws, &self.integration(element)) {
+            None => element::energy(laws, self.geometry(element), q),
             Some(averages) => averages.energy(q),
         }
     }
@@ -154,13 +166,13 @@ impl<const N: usize, const G: usize> Block<N, G> {
         let (len, mut loss) = (history.state_len(), Loss::default());
         for g in 0..G {
             let first = (element * G + g) * len;
-            let (_, c_np1) = element::strain(q_np1, &self.integration[element], g, TimeLevel::End)?;
+            let (_, c_np1) = self.geometry(element).strain(q_np1, g, TimeLevel::End)?;
             let at = PointStep { state: &self.states[first..first + len], dt: self.dt, stress: self.stress };
-            let c_n = &self.history[element][g].right_cauchy_green;
+            let c_n = &self.history[element].right_cauchy_green(g);
             let of_point = history
                 .commit(&at, c_n, &c_np1, &mut next[g * len..(g + 1) * len])
                 .map_err(|error| FailureKind::from(error).at(g))?;
-            loss.add(self.integration[element].weights[g], &of_point);
+            loss.add(self.references[element].weights[g], &of_point);
         }
         Ok(loss)
     }
@@ -176,7 +188,7 @@ impl<const N: usize, const G: usize> Block<N, G> {
     ) -> Result<StepEnd, Failure> {
         let loss = self.next_states(history, element, q_np1, next)?;
         let stored = self.energy(material, element, Laws::of_step(history, next, 0.0, None), q_np1)?;
-        let weights = self.integration[element].weights.iter();
+        let weights = self.references[element].weights.iter();
         let states = next.chunks_exact(history.state_len().max(1));
         let hardening = states.zip(weights).map(|(state, weight)| weight * history.hardening_energy(state)).sum();
         let len = history.state_len();
@@ -194,14 +206,29 @@ impl<const N: usize, const G: usize> Block<N, G> {
 
     /// What [`ElementBlock::begin_step`] kept of an element.
     #[inline]
-    pub(crate) fn history(&self, element: usize) -> &[GaussPointHistory; G] {
+    pub(crate) fn history(&self, element: usize) -> &ElementHistory<G> {
         &self.history[element]
     }
 
     /// Reference integrals of an element.
     #[inline]
-    pub(crate) fn integration(&self, element: usize) -> &ElementIntegration<N, G> {
-        &self.integration[element]
+    pub(crate) fn integration(&self, element: usize) -> ElementIntegration<N, G> {
+        self.references[element].integration(&self.natural.gradients)
+    }
+
+    /// The volumes of an element's Gauss points.
+    #[inline]
+    pub(crate) fn weights(&self, element: usize) -> &[f64; G] {
+        &self.references[element].weights
+    }
+
+    #[inline]
+    fn geometry(&self, element: usize) -> Geometry<'_, N, G> {
+        Geometry { reference: &self.references[element], natural: &self.natural }
+    }
+
+    fn is_averaged(&self) -> bool {
+        !matches!(self.projection, Projection::None)
     }
 }
 
@@ -220,8 +247,8 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
     }
 
     fn memory_bytes(&self) -> usize {
-        self.integration.capacity() * size_of::<ElementIntegration<N, G>>()
-            + self.history.capacity() * size_of::<[GaussPointHistory; G]>()
+        self.references.capacity() * size_of::<ElementReference<G>>()
+            + self.history.capacity() * size_of::<ElementHistory<G>>()
             + self.jacobians.capacity() * size_of::<[f64; G]>()
             + match &self.projection {
                 Projection::None | Projection::Constant => 0,
@@ -232,13 +259,13 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
     }
 
     fn add_volume(&self, total: &mut f64) {
-        for weight in self.integration.iter().flat_map(|element| element.weights) {
+        for weight in self.references.iter().flat_map(|element| element.weights) {
             *total += weight;
         }
     }
 
     fn element_volume(&self, element: usize) -> f64 {
-        self.integration[element].weights.iter().sum()
+        self.references[element].weights.iter().sum()
     }
 
     fn begin_step(
@@ -255,22 +282,24 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
             ForceRule::DiscreteGradient => StepStress::DiscreteGradient,
             ForceRule::Configuration { .. } => StepStress::End,
         };
-        let identity = GaussPointHistory { right_cauchy_green: SymmetricTensor2::IDENTITY, energy: 0.0 };
         let (mut history, mut jacobians) = (std::mem::take(&mut self.history), std::mem::take(&mut self.jacobians));
-        history.resize(nodes.len(), [identity; G]);
-        let averaged = !matches!(self.projection, Projection::None);
+        history.resize(nodes.len(), ElementHistory::EMPTY);
+        let averaged = self.is_averaged();
         jacobians.resize(if averaged { nodes.len() } else { 0 }, [0.0; G]);
-        let one = |element: usize, slot: &mut [GaussPointHistory; G], jacobians: Option<&mut [f64; G]>| {
+        let one = |element: usize, slot: &mut ElementHistory<G>, jacobians: Option<&mut [f64; G]>| {
             let q = gather(&nodes[element], q_n);
             let laws = self.laws(material, element, Some(rule));
-            let found = match (self.averages(material, element, laws), jacobians) {
-                (Some(averages), Some(jacobians)) => averages.history(&q).map(|found| (*slot, *jacobians) = found),
-                _ => element::history(laws, &self.integration[element], &q).map(|found| *slot = found),
+            let found = match jacobians {
+                None => element::history(laws, self.geometry(element), &q).map(|found| *slot = found),
+                Some(jacobians) => match self.averages(material, element, laws, &self.integration(element)) {
+                    None => Ok(()),
+                    Some(averages) => averages.history(&q).map(|found| (*slot, *jacobians) = found),
+                },
             };
             found.map_err(|failure| (element, failure))
         };
         // Chunks of the same elements in both; those of the second are empty if nothing is averaged.
-        let fill = |first: usize, slots: &mut [[GaussPointHistory; G]], jacobians: &mut [[f64; G]]| {
+        let fill = |first: usize, slots: &mut [ElementHistory<G>], jacobians: &mut [[f64; G]]| {
             let mut jacobians = jacobians.iter_mut();
             slots.iter_mut().enumerate().try_for_each(|(k, slot)| one(first + k, slot, jacobians.next()))
         };
@@ -305,7 +334,7 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
     }
 
     fn has_begun(&self) -> bool {
-        self.history.len() == self.integration.len()
+        self.history.len() == self.references.len()
     }
 
     fn assemble(
@@ -328,7 +357,11 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         to: AssemblyTarget<'_, '_>,
     ) -> Result<(), ElementFailure> {
         let nodes = elements(nodes);
-        assembly::assemble(nodes, &ViscousElements { integration: &self.integration, nodes, viscosity }, to)
+        assembly::assemble(
+            nodes,
+            &ViscousElements { references: &self.references, natural: &self.natural, nodes, viscosity },
+            to,
+        )
     }
 
     fn add_energy(
@@ -365,15 +398,15 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         visit: &mut dyn FnMut(PointStrain<'_>) -> Result<(), FailureKind>,
     ) -> Result<(), Failure> {
         let q = gather(&elements::<N>(nodes)[element], q);
-        let integration = &self.integration[element];
+        let integration = &self.integration(element);
         let laws = self.laws(material, element, None);
-        let averaged = match self.averages(material, element, laws) {
+        let averaged = match self.averages(material, element, laws, integration) {
             None => None,
             Some(averages) => Some(averages.pressure_and_energy(&averages.state(&q, TimeLevel::End)?)),
         };
         for gauss_point in 0..G {
             let (deformation_gradient, right_cauchy_green) =
-                element::strain(&q, integration, gauss_point, TimeLevel::End)?;
+                self.geometry(element).strain(&q, gauss_point, TimeLevel::End)?;
             let point = PointStrain {
                 gauss_point,
                 deformation_gradient,
@@ -461,7 +494,7 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
 
     fn add_hardening_energy(&self, material: Material<'_>, total: &mut f64) {
         let Some(history) = material.law.history() else { return };
-        let weights = self.integration.iter().flat_map(|element| element.weights);
+        let weights = self.references.iter().flat_map(|element| element.weights);
         for (state, weight) in self.states.chunks_exact(history.state_len().max(1)).zip(weights) {
             *total += weight * history.hardening_energy(state);
         }
@@ -497,6 +530,7 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for BlockStep<'_, N,
         element: usize,
         force: &mut NodalVectors<N>,
         tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+        buffers: &mut PointBuffers,
     ) -> Result<(), Failure> {
         let Self { block, material, nodes, step, before, factor } = self;
         let (rule, at) = (step.rule, |q| gather(&nodes[element], q));
@@ -505,8 +539,11 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for BlockStep<'_, N,
         let history = block.history.get(element).filter(|_| rule == ForceRule::DiscreteGradient);
         let step = ElementStep { rule, q_n: &q_n, q_np1: &q_np1, history };
         let laws = block.laws(*material, element, Some(rule));
-        match block.averages(*material, element, laws) {
-            None => element::force_and_tangent(laws, block.integration(element), step, *factor, force, tangent),
+        if !block.is_averaged() {
+            return element::force_and_tangent(laws, block.geometry(element), step, *factor, force, tangent, buffers);
+        }
+        match block.averages(*material, element, laws, &block.integration(element)) {
+            None => element::force_and_tangent(laws, block.geometry(element), step, *factor, force, tangent, buffers),
             Some(averages) => {
                 let before = before.map(|before| gather(&nodes[element], before));
                 averages.force_and_tangent(step, block.jacobians.get(element), before.as_ref(), *factor, force, tangent)

@@ -2,10 +2,15 @@
 
 use crate::{
     ForceRule, TimeLevel,
-    kernel::{self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, TangentFactors, TangentPoint},
+    kernel::{
+        self, ElementIntegration, Gradients, LocalTangent, Matrix3, NodalVectors, PointBuffers, TangentFactors,
+        TangentPoints, determinant, right_cauchy_green,
+    },
     laws::{Laws, PointError},
+    reference::{ElementReference, Matrices, Natural, several},
 };
-use stoss_continuum::{ConstitutiveError, SymmetricTensor2, Tensor4};
+use stoss_continuum::wide::{self, LANES, Operation, Several, Simd, SymmetricTensors};
+use stoss_continuum::{ConstitutiveError, StepStart, Strains, SymmetricTensor2, Wanted};
 use stoss_reference_element::CellKind;
 
 /// An element's values from a vector of the model (length checked before).
@@ -28,11 +33,38 @@ pub(crate) fn natural_gradients<const N: usize>(kind: CellKind, xi: [f64; 3]) ->
     std::array::from_fn(|a| std::array::from_fn(|node| gradient[node][a]))
 }
 
-/// What the energy-momentum stress keeps of `q_n` at a Gauss point.
+/// What the energy-momentum stress keeps of `q_n` at the Gauss points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct GaussPointHistory {
-    pub right_cauchy_green: SymmetricTensor2,
-    pub energy: f64,
+pub(crate) struct ElementHistory<const G: usize> {
+    /// `C_n`, `[component][g]`.
+    strains: [[f64; G]; 6],
+    /// `W_n`.
+    energies: [f64; G],
+}
+
+impl<const G: usize> ElementHistory<G> {
+    /// Of nothing.
+    pub const EMPTY: Self = Self { strains: [[0.0; G]; 6], energies: [0.0; G] };
+
+    /// `C_n` at a Gauss point.
+    pub fn right_cauchy_green(&self, gauss_point: usize) -> SymmetricTensor2 {
+        SymmetricTensor2(self.strains.map(|of| of[gauss_point]))
+    }
+
+    /// `W_n` at a Gauss point.
+    pub fn energy(&self, gauss_point: usize) -> f64 {
+        self.energies[gauss_point]
+    }
+
+    /// Both at the Gauss points from `first` on.
+    #[inline(always)]
+    fn several(&self, first: usize) -> (SymmetricTensors, Several) {
+        let mut strains = SymmetricTensors::ZERO;
+        for (out, of) in strains.0.iter_mut().zip(&self.strains) {
+            *out = several(of, first);
+        }
+        (strains, several(&self.energies, first))
+    }
 }
 
 /// Why an element has no value.
@@ -67,115 +99,180 @@ impl From<ConstitutiveError> for FailureKind {
     }
 }
 
-/// `det F > 0` or the reason. Checked on `F` itself: `det C` is positive for an inverted element too.
-#[inline(always)]
-fn check_orientation(f: &Matrix3, level: TimeLevel) -> Result<(), FailureKind> {
-    let determinant = kernel::determinant(f);
-    if determinant > 0.0 { Ok(()) } else { Err(FailureKind::Inverted { determinant, level }) }
+/// Reference geometry of an element: its own, and what it shares.
+#[derive(Clone, Copy)]
+pub(crate) struct Geometry<'a, const N: usize, const G: usize> {
+    pub reference: &'a ElementReference<G>,
+    pub natural: &'a Natural<N, G>,
 }
 
-/// `F` (checked) and `C` of an element's configuration at a Gauss point.
-#[inline(always)]
-pub(crate) fn strain<const N: usize, const G: usize>(
-    q: &NodalVectors<N>,
-    integration: &ElementIntegration<N, G>,
-    gauss_point: usize,
-    level: TimeLevel,
-) -> Result<(Matrix3, SymmetricTensor2), Failure> {
-    let f = kernel::deformation_gradient(q, &integration.gradients[gauss_point]);
-    check_orientation(&f, level).map_err(|kind| kind.at(gauss_point))?;
-    Ok((f, SymmetricTensor2::from_components(kernel::right_cauchy_green(&f))))
-}
-
-/// Gauss points whose laws are evaluated together.
-const TOGETHER: usize = 4;
-
-/// What is done with some Gauss points at once: `L` of them from `first` on.
+/// What is done with some Gauss points side by side: `count` of them from `first` on.
 trait Points {
-    fn of<const L: usize>(&mut self, first: usize) -> Result<(), Failure>;
+    fn of<S: Simd>(&mut self, simd: S, first: usize, count: usize) -> Result<(), Failure>;
 }
 
-/// All of `count` Gauss points in their order, as many together as there are.
+/// All of `count` Gauss points in their order.
 #[inline(always)]
-fn in_order(count: usize, points: &mut impl Points) -> Result<(), Failure> {
-    let whole = count - count % TOGETHER;
-    for first in (0..whole).step_by(TOGETHER) {
-        points.of::<TOGETHER>(first)?;
+fn in_order<S: Simd>(simd: S, count: usize, points: &mut impl Points) -> Result<(), Failure> {
+    // No closure, see `wide::Operation`.
+    let mut first = 0;
+    while first < count {
+        points.of(simd, first, (count - first).min(LANES))?;
+        first += LANES;
     }
-    (whole..count).try_for_each(|g| points.of::<1>(g))
+    Ok(())
 }
 
-/// `F` (checked) and `C` at some Gauss points.
-#[inline(always)]
-fn strains<const N: usize, const G: usize, const L: usize>(
-    q: &NodalVectors<N>,
-    integration: &ElementIntegration<N, G>,
-    first: usize,
-    level: TimeLevel,
-) -> Result<([Matrix3; L], [SymmetricTensor2; L]), Failure> {
-    let (mut f, mut c) = ([[[0.0; 3]; 3]; L], [SymmetricTensor2::ZERO; L]);
-    for l in 0..L {
-        (f[l], c[l]) = strain(q, integration, first + l, level)?;
+/// The same with the processor's widest vectors.
+struct InOrder<'a, P> {
+    count: usize,
+    points: &'a mut P,
+}
+
+impl<P: Points> Operation for InOrder<'_, P> {
+    type Output = Result<(), Failure>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        in_order(simd, self.count, self.points)
     }
-    Ok((f, c))
+}
+
+impl<const N: usize, const G: usize> Geometry<'_, N, G> {
+    /// `F` (checked) and `C` at a Gauss point. `det F` itself is checked: `det C` is positive for an inverted element too.
+    pub fn strain(
+        &self,
+        q: &NodalVectors<N>,
+        gauss_point: usize,
+        level: TimeLevel,
+    ) -> Result<(Matrix3, SymmetricTensor2), Failure> {
+        let f = self.reference.deformation_gradient(self.natural, q, gauss_point);
+        let determinant = determinant(&f);
+        // `!(det > 0)` also catches a NaN.
+        if !(determinant > 0.0) {
+            return Err(FailureKind::Inverted { determinant, level }.at(gauss_point));
+        }
+        Ok((f, SymmetricTensor2(right_cauchy_green(&f))))
+    }
+
+    /// `F` (checked) and `C` at every Gauss point.
+    pub fn all_strains(
+        &self,
+        q: &NodalVectors<N>,
+        level: TimeLevel,
+    ) -> Result<([Matrix3; G], [SymmetricTensor2; G]), Failure> {
+        struct All<'a, const N: usize, const G: usize> {
+            geometry: Geometry<'a, N, G>,
+            q: &'a NodalVectors<N>,
+            level: TimeLevel,
+            out: ([Matrix3; G], [SymmetricTensor2; G]),
+        }
+        impl<const N: usize, const G: usize> Points for All<'_, N, G> {
+            #[inline(always)]
+            fn of<S: Simd>(&mut self, simd: S, first: usize, count: usize) -> Result<(), Failure> {
+                let (f, c) = self.geometry.strains(simd, self.q, (first, count), self.level)?;
+                for l in 0..count {
+                    (self.out.0[first + l], self.out.1[first + l]) = (f.get(l), c.get(l));
+                }
+                Ok(())
+            }
+        }
+        let out = ([[[0.0; 3]; 3]; G], [SymmetricTensor2::ZERO; G]);
+        let mut all = All { geometry: *self, q, level, out };
+        wide::dispatch(InOrder { count: G, points: &mut all })?;
+        Ok(all.out)
+    }
+
+    #[inline(always)]
+    fn deformation_gradients<S: Simd>(&self, simd: S, q: &NodalVectors<N>, first: usize) -> Matrices {
+        let mut f = Matrices::ZERO;
+        self.reference.deformation_gradients(simd, self.natural, q, first, &mut f);
+        f
+    }
+
+    /// `F` (checked) and `C` at some Gauss points.
+    #[inline(always)]
+    fn strains<S: Simd>(
+        &self,
+        simd: S,
+        q: &NodalVectors<N>,
+        (first, count): (usize, usize),
+        level: TimeLevel,
+    ) -> Result<(Matrices, SymmetricTensors), Failure> {
+        let f = self.deformation_gradients(simd, q, first);
+        let (mut c, mut determinants) = (SymmetricTensors::ZERO, [0.0; LANES]);
+        for part in 0..wide::parts::<S>() {
+            let f = f.load(simd, part);
+            determinant(&f).store(&mut determinants, part);
+            c.store(&right_cauchy_green(&f), part);
+        }
+        match determinants[..count].iter().position(|&determinant| !(determinant > 0.0)) {
+            None => Ok((f, c)),
+            Some(l) => Err(FailureKind::Inverted { determinant: determinants[l], level }.at(first + l)),
+        }
+    }
 }
 
 /// `C_n` and `W_n` at every Gauss point.
 pub(crate) fn history<const N: usize, const G: usize>(
     laws: Laws<'_>,
-    integration: &ElementIntegration<N, G>,
+    geometry: Geometry<'_, N, G>,
     q: &NodalVectors<N>,
-) -> Result<[GaussPointHistory; G], Failure> {
+) -> Result<ElementHistory<G>, Failure> {
     struct Start<'a, const N: usize, const G: usize> {
         laws: Laws<'a>,
-        integration: &'a ElementIntegration<N, G>,
+        geometry: Geometry<'a, N, G>,
         q: &'a NodalVectors<N>,
-        out: [GaussPointHistory; G],
+        out: ElementHistory<G>,
     }
     impl<const N: usize, const G: usize> Points for Start<'_, N, G> {
         #[inline(always)]
-        fn of<const L: usize>(&mut self, first: usize) -> Result<(), Failure> {
-            let (_, c) = strains::<N, G, L>(self.q, self.integration, first, TimeLevel::Start)?;
-            let mut energies = [0.0; L];
-            self.laws.energies(first, &c, &mut energies)?;
-            for l in 0..L {
-                self.out[first + l] = GaussPointHistory { right_cauchy_green: c[l], energy: energies[l] };
+        fn of<S: Simd>(&mut self, simd: S, first: usize, count: usize) -> Result<(), Failure> {
+            let (_, c) = self.geometry.strains(simd, self.q, (first, count), TimeLevel::Start)?;
+            let mut energies = [0.0; LANES];
+            let wanted = Wanted { energies: Some(&mut energies), ..Wanted::default() };
+            self.laws.evaluate(first, &Strains { all: &c, count }, wanted)?;
+            for l in 0..count {
+                self.out.energies[first + l] = energies[l];
+                for (out, c) in self.out.strains.iter_mut().zip(&c.0) {
+                    out[first + l] = c[l];
+                }
             }
             Ok(())
         }
     }
-    let nothing = GaussPointHistory { right_cauchy_green: SymmetricTensor2::IDENTITY, energy: 0.0 };
-    let mut start = Start { laws, integration, q, out: [nothing; G] };
-    in_order(G, &mut start)?;
+    let mut start = Start { laws, geometry, q, out: ElementHistory::EMPTY };
+    wide::dispatch(InOrder { count: G, points: &mut start })?;
     Ok(start.out)
 }
 
 /// `int W dV`.
 pub(crate) fn energy<const N: usize, const G: usize>(
     laws: Laws<'_>,
-    integration: &ElementIntegration<N, G>,
+    geometry: Geometry<'_, N, G>,
     q: &NodalVectors<N>,
 ) -> Result<f64, Failure> {
     struct Stored<'a, const N: usize, const G: usize> {
         laws: Laws<'a>,
-        integration: &'a ElementIntegration<N, G>,
+        geometry: Geometry<'a, N, G>,
         q: &'a NodalVectors<N>,
         total: f64,
     }
     impl<const N: usize, const G: usize> Points for Stored<'_, N, G> {
         #[inline(always)]
-        fn of<const L: usize>(&mut self, first: usize) -> Result<(), Failure> {
-            let (_, c) = strains::<N, G, L>(self.q, self.integration, first, TimeLevel::End)?;
-            let mut energies = [0.0; L];
-            self.laws.energies(first, &c, &mut energies)?;
-            for (l, energy) in energies.into_iter().enumerate() {
-                self.total += self.integration.weights[first + l] * energy;
+        fn of<S: Simd>(&mut self, simd: S, first: usize, count: usize) -> Result<(), Failure> {
+            let (_, c) = self.geometry.strains(simd, self.q, (first, count), TimeLevel::End)?;
+            let mut energies = [0.0; LANES];
+            let wanted = Wanted { energies: Some(&mut energies), ..Wanted::default() };
+            self.laws.evaluate(first, &Strains { all: &c, count }, wanted)?;
+            for (l, energy) in energies[..count].iter().enumerate() {
+                self.total += self.geometry.reference.weights[first + l] * energy;
             }
             Ok(())
         }
     }
-    let mut stored = Stored { laws, integration, q, total: 0.0 };
-    in_order(G, &mut stored)?;
+    let mut stored = Stored { laws, geometry, q, total: 0.0 };
+    wide::dispatch(InOrder { count: G, points: &mut stored })?;
     Ok(stored.total)
 }
 
@@ -187,73 +284,95 @@ pub(crate) struct ElementStep<'a, const N: usize, const G: usize> {
     pub q_n: &'a NodalVectors<N>,
     pub q_np1: &'a NodalVectors<N>,
     /// Present for the energy-momentum rule.
-    pub history: Option<&'a [GaussPointHistory; G]>,
+    pub history: Option<&'a ElementHistory<G>>,
 }
 
 /// Internal force (overwritten) and, if wanted, `factor` times its derivative by `q_np1` (overwritten; not asked for
 /// under a rule that does not read `q_np1`). With the widest vectors of the processor, and the same bits with any: nothing is contracted, no sum is reordered.
 pub(crate) fn force_and_tangent<const N: usize, const G: usize>(
     laws: Laws<'_>,
-    integration: &ElementIntegration<N, G>,
+    geometry: Geometry<'_, N, G>,
     step: ElementStep<'_, N, G>,
     factor: f64,
     force: &mut NodalVectors<N>,
     tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+    buffers: &mut PointBuffers,
 ) -> Result<(), Failure> {
-    pulp::Arch::new().dispatch(ForceAndTangent { laws, integration, step, factor, force, tangent })
+    wide::dispatch(ForceAndTangent { laws, geometry, step, factor, force, tangent, buffers })
 }
 
 /// The arguments of [`force_and_tangent`].
 struct ForceAndTangent<'a, const N: usize, const G: usize> {
     laws: Laws<'a>,
-    integration: &'a ElementIntegration<N, G>,
+    geometry: Geometry<'a, N, G>,
     step: ElementStep<'a, N, G>,
     factor: f64,
     force: &'a mut NodalVectors<N>,
     tangent: Option<(&'a mut LocalTangent<N>, &'a mut TangentFactors<N, G>)>,
+    buffers: &'a mut PointBuffers,
 }
 
-impl<const N: usize, const G: usize> pulp::WithSimd for ForceAndTangent<'_, N, G> {
+impl<const N: usize, const G: usize> Operation for ForceAndTangent<'_, N, G> {
     type Output = Result<(), Failure>;
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
-        let Self { laws, integration, step, factor, force, tangent } = self;
-        by_rule(laws, integration, step, factor, force, tangent)
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { laws, geometry, step, factor, force, tangent, buffers } = self;
+        let ElementIntegration { gradients, .. } = &geometry.reference.integration(&geometry.natural.gradients);
+        by_rule(simd, Element { laws, geometry, gradients }, step, factor, force, tangent, buffers)
     }
 }
 
+/// An element, and the gradients of its shape functions at the Gauss points.
+#[derive(Clone, Copy)]
+struct Element<'a, const N: usize, const G: usize> {
+    laws: Laws<'a>,
+    geometry: Geometry<'a, N, G>,
+    gradients: &'a [Gradients<N>; G],
+}
+
 #[inline(always)]
-fn by_rule<const N: usize, const G: usize>(
-    laws: Laws<'_>,
-    integration: &ElementIntegration<N, G>,
+fn by_rule<S: Simd, const N: usize, const G: usize>(
+    simd: S,
+    element: Element<'_, N, G>,
     step: ElementStep<'_, N, G>,
     factor: f64,
     force: &mut NodalVectors<N>,
     tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+    buffers: &mut PointBuffers,
 ) -> Result<(), Failure> {
     *force = [[0.0; N]; 3];
     match (step.rule, step.history) {
         (ForceRule::DiscreteGradient, Some(history)) => {
-            energy_momentum(laws, integration, step, history, factor, force, tangent)
+            energy_momentum(simd, element, step, history, factor, force, tangent, buffers)
         }
         // The body hands over the history whenever the rule is energy-momentum.
         (ForceRule::DiscreteGradient, None) => unreachable!("energy-momentum rule without history"),
         (ForceRule::Configuration { theta }, _) => {
-            if !step.rule.reads_start() {
-                return one_configuration(laws, integration, step.q_np1, TimeLevel::End, factor, force, tangent);
-            }
-            if !step.rule.reads_end() {
-                return one_configuration(laws, integration, step.q_n, TimeLevel::Start, 0.0, force, None);
-            }
-            for g in 0..G {
-                let f = kernel::deformation_gradient(step.q_np1, &integration.gradients[g]);
-                check_orientation(&f, TimeLevel::End).map_err(|kind| kind.at(g))?;
-            }
-            let q = between(step.q_n, step.q_np1, theta);
-            // d q_{n+theta} / d q_np1 = theta
-            one_configuration(laws, integration, &q, TimeLevel::Intermediate, theta * factor, force, tangent)
+            let (q, level, factor, tangent) = if !step.rule.reads_start() {
+                (*step.q_np1, TimeLevel::End, factor, tangent)
+            } else if !step.rule.reads_end() {
+                (*step.q_n, TimeLevel::Start, 0.0, None)
+            } else {
+                in_order(simd, G, &mut Orientation { geometry: element.geometry, q: step.q_np1 })?;
+                // d q_{n+theta} / d q_np1 = theta
+                (between(step.q_n, step.q_np1, theta), TimeLevel::Intermediate, theta * factor, tangent)
+            };
+            one_configuration(simd, element, &q, level, factor, force, tangent, buffers)
         }
+    }
+}
+
+/// That no point is inverted at the end of the step.
+struct Orientation<'a, const N: usize, const G: usize> {
+    geometry: Geometry<'a, N, G>,
+    q: &'a NodalVectors<N>,
+}
+
+impl<const N: usize, const G: usize> Points for Orientation<'_, N, G> {
+    #[inline(always)]
+    fn of<S: Simd>(&mut self, simd: S, first: usize, count: usize) -> Result<(), Failure> {
+        self.geometry.strains(simd, self.q, (first, count), TimeLevel::End).map(|_| ())
     }
 }
 
@@ -266,140 +385,111 @@ pub(crate) fn between<const N: usize>(a: &NodalVectors<N>, b: &NodalVectors<N>, 
 
 /// Force and tangent of a stress that depends on the same configuration as `B` does (theory/kinematics#tangent).
 #[inline(always)]
-fn one_configuration<const N: usize, const G: usize>(
-    laws: Laws<'_>,
-    integration: &ElementIntegration<N, G>,
+fn one_configuration<S: Simd, const N: usize, const G: usize>(
+    simd: S,
+    element: Element<'_, N, G>,
     q: &NodalVectors<N>,
     level: TimeLevel,
     factor: f64,
     force: &mut NodalVectors<N>,
     tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+    buffers: &mut PointBuffers,
 ) -> Result<(), Failure> {
     let Some((tangent, factors)) = tangent else {
-        return in_order(G, &mut OneConfiguration { laws, integration, q, level, force, factors: None });
+        return in_order(simd, G, &mut OneConfiguration { element, q, level, force, factors: None, buffers });
     };
-    in_order(G, &mut OneConfiguration { laws, integration, q, level, force, factors: Some(&mut *factors) })?;
-    kernel::form_tangent(&integration.gradients, factors, true, factor, tangent);
+    in_order(simd, G, &mut OneConfiguration { element, q, level, force, factors: Some(&mut *factors), buffers })?;
+    kernel::form_tangent(simd, element.gradients, factors, true, factor, tangent);
     Ok(())
 }
 
 struct OneConfiguration<'a, 'b, const N: usize, const G: usize> {
-    laws: Laws<'a>,
-    integration: &'a ElementIntegration<N, G>,
+    element: Element<'a, N, G>,
     q: &'a NodalVectors<N>,
     level: TimeLevel,
     force: &'b mut NodalVectors<N>,
     factors: Option<&'b mut TangentFactors<N, G>>,
+    buffers: &'b mut PointBuffers,
 }
 
 impl<const N: usize, const G: usize> Points for OneConfiguration<'_, '_, N, G> {
     #[inline(always)]
-    fn of<const L: usize>(&mut self, first: usize) -> Result<(), Failure> {
-        let Self { laws, integration, q, level, force, factors } = self;
-        let (f, c) = strains::<N, G, L>(q, integration, first, *level)?;
-        let Some(factors) = factors else {
-            let mut stresses = [SymmetricTensor2::ZERO; L];
-            laws.stresses(first, &c, &mut stresses)?;
-            add_forces(&f, |l| stresses[l].0, integration, first, force);
-            return Ok(());
-        };
-        let mut of_law = [NO_MODULI; L];
-        laws.stresses_and_elasticities(first, &c, &mut of_law)?;
-        add_forces(&f, |l| of_law[l].0.0, integration, first, force);
-        let points = tangent_points((&f, &f), &of_law, 1.0, integration, first);
-        kernel::write_factors(&points, &integration.gradients, first, true, factors);
+    fn of<S: Simd>(&mut self, simd: S, first: usize, count: usize) -> Result<(), Failure> {
+        let Self { element: Element { laws, geometry, gradients }, q, level, force, factors, buffers } = self;
+        let (f, c) = geometry.strains(simd, q, (first, count), *level)?;
+        let strains = Strains { all: &c, count };
+        let mut stress = SymmetricTensors::ZERO;
+        let PointBuffers { moduli, two_point } = &mut **buffers;
+        let wanted = factors.is_some().then_some(&mut *moduli);
+        laws.evaluate(first, &strains, Wanted { energies: None, stresses: Some(&mut stress), moduli: wanted })?;
+        let weights = several(&geometry.reference.weights, first);
+        kernel::add_forces(simd, &f, &stress, &gradients[first..first + count], &weights, force);
+        if let Some(factors) = factors {
+            let (left, right, moduli, stress, weights) = (&f, &f, &*moduli, &stress, &weights);
+            let points = TangentPoints { left, right, moduli, stress, weights, scales: weights };
+            kernel::write_factors(simd, &points, count, gradients, first, true, two_point, factors);
+        }
         Ok(())
     }
 }
 
-/// Results of laws before they are asked.
-const NO_MODULI: (SymmetricTensor2, Tensor4) = (SymmetricTensor2::ZERO, Tensor4::ZERO);
-
-/// Adds the forces of the stresses at the Gauss points from `first` on, which act on `f`.
-#[inline(always)]
-fn add_forces<const N: usize, const G: usize, const L: usize>(
-    f: &[Matrix3; L],
-    stress: impl Fn(usize) -> [f64; 6],
-    integration: &ElementIntegration<N, G>,
-    first: usize,
-    force: &mut NodalVectors<N>,
-) {
-    for l in 0..L {
-        let (gradients, weight) = (&integration.gradients[first + l], integration.weights[first + l]);
-        kernel::add_force(&f[l], &stress(l), gradients, weight, force);
-    }
-}
-
-#[inline(always)]
-fn tangent_points<'a, const N: usize, const G: usize, const L: usize>(
-    (left, right): (&'a [Matrix3; L], &'a [Matrix3; L]),
-    of_law: &'a [(SymmetricTensor2, Tensor4); L],
-    geometric: f64,
-    integration: &ElementIntegration<N, G>,
-    first: usize,
-) -> [TangentPoint<'a>; L] {
-    std::array::from_fn(|l| {
-        let (SymmetricTensor2(stress), Tensor4(moduli)) = &of_law[l];
-        let weight = integration.weights[first + l];
-        TangentPoint { left: &left[l], right: &right[l], moduli, stress, geometric, weight }
-    })
-}
-
 /// Force and tangent with the energy-momentum stress (theory/integrators#eq-ems, theory/integrators#eq-ems-tangent).
 #[inline(always)]
-fn energy_momentum<const N: usize, const G: usize>(
-    laws: Laws<'_>,
-    integration: &ElementIntegration<N, G>,
+fn energy_momentum<S: Simd, const N: usize, const G: usize>(
+    simd: S,
+    element: Element<'_, N, G>,
     step: ElementStep<'_, N, G>,
-    history: &[GaussPointHistory; G],
+    history: &ElementHistory<G>,
     factor: f64,
     force: &mut NodalVectors<N>,
     tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+    buffers: &mut PointBuffers,
 ) -> Result<(), Failure> {
     let (q_mid, q_np1) = (&between(step.q_n, step.q_np1, 0.5), step.q_np1);
     let Some((tangent, factors)) = tangent else {
-        return in_order(G, &mut EnergyMomentum { laws, integration, history, q_mid, q_np1, force, factors: None });
+        return in_order(
+            simd,
+            G,
+            &mut EnergyMomentum { element, history, q_mid, q_np1, force, factors: None, buffers },
+        );
     };
     let written = Some(&mut *factors);
-    in_order(G, &mut EnergyMomentum { laws, integration, history, q_mid, q_np1, force, factors: written })?;
-    kernel::form_tangent(&integration.gradients, factors, false, factor, tangent);
+    in_order(simd, G, &mut EnergyMomentum { element, history, q_mid, q_np1, force, factors: written, buffers })?;
+    kernel::form_tangent(simd, element.gradients, factors, false, factor, tangent);
     Ok(())
 }
 
 struct EnergyMomentum<'a, 'b, const N: usize, const G: usize> {
-    laws: Laws<'a>,
-    integration: &'a ElementIntegration<N, G>,
-    history: &'a [GaussPointHistory; G],
+    element: Element<'a, N, G>,
+    history: &'a ElementHistory<G>,
     q_mid: &'a NodalVectors<N>,
     q_np1: &'a NodalVectors<N>,
     force: &'b mut NodalVectors<N>,
     factors: Option<&'b mut TangentFactors<N, G>>,
+    buffers: &'b mut PointBuffers,
 }
 
 impl<const N: usize, const G: usize> Points for EnergyMomentum<'_, '_, N, G> {
     #[inline(always)]
-    fn of<const L: usize>(&mut self, first: usize) -> Result<(), Failure> {
-        let Self { laws, integration, history, q_mid, q_np1, force, factors } = self;
-        let (f_np1, c_np1) = strains::<N, G, L>(q_np1, integration, first, TimeLevel::End)?;
-        let mut f_mid = [[[0.0; 3]; 3]; L];
-        for l in 0..L {
-            f_mid[l] = kernel::deformation_gradient(q_mid, &integration.gradients[first + l]);
+    fn of<S: Simd>(&mut self, simd: S, first: usize, count: usize) -> Result<(), Failure> {
+        let Self { element: Element { laws, geometry, gradients }, history, q_mid, q_np1, force, factors, buffers } =
+            self;
+        let (f_np1, c_np1) = geometry.strains(simd, q_np1, (first, count), TimeLevel::End)?;
+        let f_mid = geometry.deformation_gradients(simd, q_mid, first);
+        let (strains, energies) = history.several(first);
+        let start = StepStart { strains: &strains, energies: &energies };
+        let mut stress = SymmetricTensors::ZERO;
+        let PointBuffers { moduli, two_point } = &mut **buffers;
+        let wanted = factors.is_some().then_some(&mut *moduli);
+        laws.energy_momentum(simd, first, start, &Strains { all: &c_np1, count }, &mut stress, wanted)?;
+        let weights = several(&geometry.reference.weights, first);
+        kernel::add_forces(simd, &f_mid, &stress, &gradients[first..first + count], &weights, force);
+        if let Some(factors) = factors {
+            let scales = weights.map(|weight| 0.5 * weight);
+            let (left, right, moduli, stress) = (&f_mid, &f_np1, &*moduli, &stress);
+            let points = TangentPoints { left, right, moduli, stress, weights: &weights, scales: &scales };
+            kernel::write_factors(simd, &points, count, gradients, first, false, two_point, factors);
         }
-        let (mut c_n, mut energy_n) = ([SymmetricTensor2::ZERO; L], [0.0; L]);
-        for l in 0..L {
-            (c_n[l], energy_n[l]) = (history[first + l].right_cauchy_green, history[first + l].energy);
-        }
-        let Some(factors) = factors else {
-            let mut stresses = [SymmetricTensor2::ZERO; L];
-            laws.energy_momentum_stresses(first, (&c_n, &energy_n), &c_np1, &mut stresses)?;
-            add_forces(&f_mid, |l| stresses[l].0, integration, first, force);
-            return Ok(());
-        };
-        let mut of_law = [NO_MODULI; L];
-        laws.energy_momentum_stresses_and_tangents(first, (&c_n, &energy_n), &c_np1, &mut of_law)?;
-        add_forces(&f_mid, |l| of_law[l].0.0, integration, first, force);
-        let points = tangent_points((&f_mid, &f_np1), &of_law, 0.5, integration, first);
-        kernel::write_factors(&points, &integration.gradients, first, false, factors);
         Ok(())
     }
 }

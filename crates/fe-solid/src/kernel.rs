@@ -15,8 +15,12 @@
 //! of the multiplications of the `B` form. If `F^l = F^r` and `A` is symmetric, three of the nine pairs are mirrored.
 //!
 //! # Vectors
-//! What is long runs with the widest vectors that the processor has, found at run time (`pulp`), over nodes or over Gauss points side by side. No sum is reordered for it and nothing
-//! is contracted to a fused multiply-add, so that the bits are the same on every processor.
+//! What is long runs with the widest vectors that the processor has, found at run time ([`wide`]), over nodes or over Gauss points side by side. No sum is reordered for it and nothing
+//! is contracted to a fused multiply-add, so that the bits are the same on every processor. Code of that kind has no closures: they are compiled on their own, for the least of all processors.
+
+use crate::reference::{ElementReference, Matrices};
+use stoss_continuum::wide::{self, LANES, Number, Operation, Several, Simd, SymmetricTensors, Tensors4, Wide};
+use stoss_continuum::{INDEX_PAIRS, SymmetricTensor2, Tensor4};
 
 /// A 3x3 matrix, `[row][column]`.
 pub type Matrix3 = [[f64; 3]; 3];
@@ -28,7 +32,7 @@ pub type Gradients<const N: usize = 8> = [[f64; N]; 3];
 pub type LocalTangent<const N: usize = 8> = [[[[f64; 3]; N]; 3]; N];
 
 /// Place of `[row][column]` of a symmetric tensor among its six components, which are in the order 11, 22, 33, 12, 23, 13 (theory/kinematics#components).
-pub const COMPONENT_OF: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+pub use stoss_continuum::components::COMPONENT_OF;
 
 /// What the integrals over one element need of its reference geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +51,7 @@ pub fn flat<const N: usize>(tangent: &LocalTangent<N>) -> &[f64] {
 
 /// `det` of a 3x3 matrix.
 #[inline(always)]
-pub fn determinant(m: &Matrix3) -> f64 {
+pub fn determinant<T: Number>(m: &[[T; 3]; 3]) -> T {
     m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
         + m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2])
         + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
@@ -69,27 +73,7 @@ pub fn integration<const N: usize, const G: usize>(
     natural: &[Gradients<N>; G],
     gauss_weights: &[f64; G],
 ) -> Result<ElementIntegration<N, G>, (usize, f64)> {
-    let mut out = ElementIntegration { gradients: [[[0.0; N]; 3]; G], weights: [0.0; G] };
-    for g in 0..G {
-        // J_aA = dX_a/dxi_A
-        let j = deformation_gradient(x, &natural[g]);
-        let det = determinant(&j);
-        // `!(det > 0)` also catches a NaN.
-        if !(det > 0.0 && det.is_finite()) {
-            return Err((g, det));
-        }
-        let inverse = inverse(&j, det);
-        for a in 0..3 {
-            for node in 0..N {
-                // dN/dX_a = J^-T_aA dN/dxi_A
-                out.gradients[g][a][node] = inverse[0][a] * natural[g][0][node]
-                    + inverse[1][a] * natural[g][1][node]
-                    + inverse[2][a] * natural[g][2][node];
-            }
-        }
-        out.weights[g] = gauss_weights[g] * det;
-    }
-    Ok(out)
+    Ok(ElementReference::new(x, natural, gauss_weights)?.integration(natural))
 }
 
 /// Cofactors of a matrix: `det m m^-T`.
@@ -134,9 +118,50 @@ pub fn deformation_gradient<const N: usize>(positions: &NodalVectors<N>, gradien
 
 /// `C = F^T F` in the order 11, 22, 33, 12, 23, 13 (plain, not doubled).
 #[inline(always)]
-pub fn right_cauchy_green(f: &Matrix3) -> [f64; 6] {
-    let dot = |a: usize, b: usize| f[0][a] * f[0][b] + f[1][a] * f[1][b] + f[2][a] * f[2][b];
-    [dot(0, 0), dot(1, 1), dot(2, 2), dot(0, 1), dot(1, 2), dot(0, 2)]
+pub fn right_cauchy_green<T: Number>(f: &[[T; 3]; 3]) -> [T; 6] {
+    let mut c = [f[0][0]; 6];
+    for (component, &(a, b)) in c.iter_mut().zip(&INDEX_PAIRS) {
+        *component = f[0][a] * f[0][b] + f[1][a] * f[1][b] + f[2][a] * f[2][b];
+    }
+    c
+}
+
+/// Adds the forces of the stresses at `count` Gauss points, which act on `f`, as [`add_force`] does for one.
+#[inline(always)]
+pub(crate) fn add_forces<S: Simd, const N: usize>(
+    simd: S,
+    f: &Matrices,
+    stress: &SymmetricTensors,
+    gradients: &[Gradients<N>],
+    weights: &Several,
+    force: &mut NodalVectors<N>,
+) {
+    let mut p = Matrices::ZERO;
+    for part in 0..wide::parts::<S>() {
+        let (f, s, weight) = (f.load(simd, part), stress.load(simd, part), Wide::load(simd, weights, part));
+        for i in 0..3 {
+            for b in 0..3 {
+                let mut sum = f[i][0] * s[COMPONENT_OF[0][b]];
+                sum = sum + f[i][1] * s[COMPONENT_OF[1][b]];
+                sum = sum + f[i][2] * s[COMPONENT_OF[2][b]];
+                (weight * sum).store(&mut p.0[i][b], part);
+            }
+        }
+    }
+    for (l, gradients) in gradients.iter().enumerate() {
+        add_stress(&p.get(l), gradients, force);
+    }
+}
+
+/// Adds `P grad N_I` to the nodal forces.
+#[inline(always)]
+fn add_stress<const N: usize>(p: &Matrix3, gradients: &Gradients<N>, force: &mut NodalVectors<N>) {
+    for i in 0..3 {
+        for node in 0..N {
+            force[i][node] +=
+                p[i][0] * gradients[0][node] + p[i][1] * gradients[1][node] + p[i][2] * gradients[2][node];
+        }
+    }
 }
 
 /// Adds `w F S grad N_I` to the nodal forces: `F_iI += w F_iA S_AB G_BI`.
@@ -148,18 +173,16 @@ pub fn add_force<const N: usize>(
     weight: f64,
     force: &mut NodalVectors<N>,
 ) {
+    let mut p = [[0.0; 3]; 3];
     for i in 0..3 {
-        let mut p = [0.0; 3];
         for b in 0..3 {
-            p[b] = weight
+            p[i][b] = weight
                 * (f[i][0] * stress[COMPONENT_OF[0][b]]
                     + f[i][1] * stress[COMPONENT_OF[1][b]]
                     + f[i][2] * stress[COMPONENT_OF[2][b]]);
         }
-        for node in 0..N {
-            force[i][node] += p[0] * gradients[0][node] + p[1] * gradients[1][node] + p[2] * gradients[2][node];
-        }
     }
+    add_stress(&p, gradients, force);
 }
 
 /// `w P_iAjB G_BJ` for all Gauss points, `[3 i + j][g][A][J]`: the right factors of the tangent's products.
@@ -190,7 +213,7 @@ pub fn tangent_factors<const N: usize, const G: usize, const L: usize>(
     symmetric: bool,
     factors: &mut TangentFactors<N, G>,
 ) {
-    pulp::Arch::new().dispatch(WriteFactors { points, gradients, first, symmetric, factors });
+    wide::dispatch(WriteFactors { points, gradients, first, symmetric, factors });
 }
 
 /// The arguments of [`tangent_factors`].
@@ -202,126 +225,125 @@ struct WriteFactors<'a, const N: usize, const G: usize, const L: usize> {
     factors: &'a mut TangentFactors<N, G>,
 }
 
-impl<const N: usize, const G: usize, const L: usize> pulp::WithSimd for WriteFactors<'_, N, G, L> {
+impl<const N: usize, const G: usize, const L: usize> Operation for WriteFactors<'_, N, G, L> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
+    fn run<S: Simd>(self, simd: S) {
         let Self { points, gradients, first, symmetric, factors } = self;
-        write_factors(points, gradients, first, symmetric, factors);
+        for (k, points) in points.chunks(LANES).enumerate() {
+            let (mut left, mut right) = (Matrices::ZERO, Matrices::ZERO);
+            let PointBuffers { mut moduli, mut two_point } = PointBuffers::default();
+            let mut stress = SymmetricTensors::ZERO;
+            let (mut weights, mut scales) = ([0.0; LANES], [0.0; LANES]);
+            for (l, point) in points.iter().enumerate() {
+                left.set(l, point.left);
+                right.set(l, point.right);
+                moduli.set(l, &Tensor4(*point.moduli));
+                stress.set(l, &SymmetricTensor2(*point.stress));
+                (weights[l], scales[l]) = (point.weight, point.geometric * point.weight);
+            }
+            let (left, right, moduli, stress) = (&left, &right, &moduli, &stress);
+            let of = TangentPoints { left, right, moduli, stress, weights: &weights, scales: &scales };
+            write_factors(simd, &of, points.len(), gradients, first + LANES * k, symmetric, &mut two_point, factors);
+        }
     }
 }
 
-/// `w P_iAjB` of several points, `[3 i + j][A][B][point]`; with `symmetric` zero where `j < i`.
-type TwoPointModuli<const L: usize> = [[[[f64; L]; 3]; 3]; 9];
+/// `w P_iAjB` of several points, `[3 i + j][A][B][point]`; of no use where `j < i` if it is symmetric.
+pub(crate) type TwoPointModuli = [[[Several; 3]; 3]; 9];
 
-/// [`tangent_factors`] for those who run with wide vectors already.
+/// Room for what is computed at points side by side, kept from element to element: clearing it would take time.
+#[derive(Debug)]
+pub(crate) struct PointBuffers {
+    pub moduli: Tensors4,
+    pub two_point: TwoPointModuli,
+}
+
+impl Default for PointBuffers {
+    fn default() -> Self {
+        Self { moduli: Tensors4::ZERO, two_point: [[[[0.0; LANES]; 3]; 3]; 9] }
+    }
+}
+
+/// [`TangentPoint`]s side by side.
+pub(crate) struct TangentPoints<'a> {
+    pub left: &'a Matrices,
+    pub right: &'a Matrices,
+    pub moduli: &'a Tensors4,
+    pub stress: &'a SymmetricTensors,
+    pub weights: &'a Several,
+    /// Of the geometric term, times the weights.
+    pub scales: &'a Several,
+}
+
+/// [`tangent_factors`] of `count` points for those who run with wide vectors already.
 #[inline(always)]
-pub(crate) fn write_factors<const N: usize, const G: usize, const L: usize>(
-    points: &[TangentPoint<'_>; L],
+pub(crate) fn write_factors<S: Simd, const N: usize, const G: usize>(
+    simd: S,
+    points: &TangentPoints<'_>,
+    count: usize,
     gradients: &[Gradients<N>; G],
     first: usize,
     symmetric: bool,
+    two_point: &mut TwoPointModuli,
     factors: &mut TangentFactors<N, G>,
 ) {
-    let moduli = two_point_moduli(&SideBySide::new(points), symmetric);
-    for lane in 0..L {
-        write_rows(&moduli, lane, &gradients[first + lane], first + lane, symmetric, factors);
+    for part in 0..wide::parts::<S>() {
+        two_point_moduli(simd, points, part, symmetric, two_point);
     }
-}
-
-/// Points side by side, `[component][point]`.
-struct SideBySide<const L: usize> {
-    left: [[[f64; L]; 3]; 3],
-    right: [[[f64; L]; 3]; 3],
-    moduli: [[[f64; L]; 6]; 6],
-    stress: [[f64; L]; 6],
-    weight: [f64; L],
-    /// Of the geometric term.
-    scale: [f64; L],
-}
-
-impl<const L: usize> SideBySide<L> {
-    /// Not inlined: what follows then finds the points of a component beside each other in memory, where the compiler sees that they fit into vectors.
-    #[inline(never)]
-    fn new(points: &[TangentPoint<'_>; L]) -> Self {
-        let mut all = Self {
-            left: [[[0.0; L]; 3]; 3],
-            right: [[[0.0; L]; 3]; 3],
-            moduli: [[[0.0; L]; 6]; 6],
-            stress: [[0.0; L]; 6],
-            weight: [0.0; L],
-            scale: [0.0; L],
-        };
-        for (l, point) in points.iter().enumerate() {
-            for i in 0..3 {
-                for a in 0..3 {
-                    all.left[i][a][l] = point.left[i][a];
-                    all.right[i][a][l] = point.right[i][a];
-                }
-            }
-            for v in 0..6 {
-                all.stress[v][l] = point.stress[v];
-                for w in 0..6 {
-                    all.moduli[v][w][l] = point.moduli[v][w];
-                }
-            }
-            all.weight[l] = point.weight;
-            all.scale[l] = point.geometric * point.weight;
-        }
-        all
+    for lane in 0..count {
+        write_rows(two_point, lane, &gradients[first + lane], first + lane, symmetric, factors);
     }
 }
 
 /// All points take the same operations in the same order.
 #[inline(always)]
-fn two_point_moduli<const L: usize>(of: &SideBySide<L>, symmetric: bool) -> TwoPointModuli<L> {
-    // h[KA][j][B] = w A_KALB F^r_jL
-    let mut h = [[[[0.0; L]; 3]; 3]; 6];
-    for ka in 0..6 {
-        for j in 0..3 {
-            for b in 0..3 {
-                let m = &of.moduli[ka];
-                let (first, second, third) = (&m[COMPONENT_OF[0][b]], &m[COMPONENT_OF[1][b]], &m[COMPONENT_OF[2][b]]);
-                let right = &of.right[j];
-                for l in 0..L {
-                    h[ka][j][b][l] =
-                        of.weight[l] * (first[l] * right[0][l] + second[l] * right[1][l] + third[l] * right[2][l]);
-                }
+fn two_point_moduli<S: Simd>(simd: S, of: &TangentPoints<'_>, part: usize, symmetric: bool, out: &mut TwoPointModuli) {
+    let weight = Wide::load(simd, of.weights, part);
+    for j in 0..3 {
+        // w F^r_jL
+        let mut right = [weight; 3];
+        for (l, right) in right.iter_mut().enumerate() {
+            *right = *right * Wide::load(simd, &of.right.0[j][l], part);
+        }
+        // h[KA][B] = w A_KALB F^r_jL
+        let mut h = [[weight; 3]; 6];
+        for (h, moduli) in h.iter_mut().zip(&of.moduli.0) {
+            for (b, h) in h.iter_mut().enumerate() {
+                *h = Wide::load(simd, &moduli[COMPONENT_OF[0][b]], part) * right[0];
+                *h = *h + Wide::load(simd, &moduli[COMPONENT_OF[1][b]], part) * right[1];
+                *h = *h + Wide::load(simd, &moduli[COMPONENT_OF[2][b]], part) * right[2];
             }
         }
-    }
-    let mut p = [[[[0.0; L]; 3]; 3]; 9];
-    for i in 0..3 {
-        for j in 0..3 {
-            if symmetric && j < i {
+        for i in 0..3 {
+            if symmetric && i > j {
                 continue;
+            }
+            let mut left = right;
+            for (k, left) in left.iter_mut().enumerate() {
+                *left = Wide::load(simd, &of.left.0[i][k], part);
             }
             for a in 0..3 {
                 for b in 0..3 {
-                    let (first, second) = (&h[COMPONENT_OF[0][a]][j][b], &h[COMPONENT_OF[1][a]][j][b]);
-                    let third = &h[COMPONENT_OF[2][a]][j][b];
-                    let (left, p) = (&of.left[i], &mut p[3 * i + j][a][b]);
-                    for l in 0..L {
-                        p[l] = left[0][l] * first[l] + left[1][l] * second[l] + left[2][l] * third[l];
-                    }
+                    let mut p = left[0] * h[COMPONENT_OF[0][a]][b];
+                    p = p + left[1] * h[COMPONENT_OF[1][a]][b];
+                    p = p + left[2] * h[COMPONENT_OF[2][a]][b];
                     if i == j {
-                        let stress = &of.stress[COMPONENT_OF[a][b]];
-                        for l in 0..L {
-                            p[l] += of.scale[l] * stress[l];
-                        }
+                        let stress = Wide::load(simd, &of.stress.0[COMPONENT_OF[a][b]], part);
+                        p = p + Wide::load(simd, of.scales, part) * stress;
                     }
+                    p.store(&mut out[3 * i + j][a][b], part);
                 }
             }
         }
     }
-    p
 }
 
 /// The rows `w P_iAjB G_BJ` of a point.
 #[inline(always)]
-fn write_rows<const N: usize, const G: usize, const L: usize>(
-    moduli: &TwoPointModuli<L>,
+fn write_rows<const N: usize, const G: usize>(
+    moduli: &TwoPointModuli,
     lane: usize,
     gradients: &Gradients<N>,
     gauss_point: usize,
@@ -353,7 +375,7 @@ pub fn tangent_from_factors<const N: usize, const G: usize>(
     factor: f64,
     tangent: &mut LocalTangent<N>,
 ) {
-    pulp::Arch::new().dispatch(FormTangent { gradients, factors, symmetric, factor, tangent });
+    wide::dispatch(FormTangent { gradients, factors, symmetric, factor, tangent });
 }
 
 /// The arguments of [`tangent_from_factors`].
@@ -365,129 +387,111 @@ struct FormTangent<'a, const N: usize, const G: usize> {
     tangent: &'a mut LocalTangent<N>,
 }
 
-impl<const N: usize, const G: usize> pulp::WithSimd for FormTangent<'_, N, G> {
+impl<const N: usize, const G: usize> Operation for FormTangent<'_, N, G> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
+    fn run<S: Simd>(self, simd: S) {
         let Self { gradients, factors, symmetric, factor, tangent } = self;
-        form_tangent(gradients, factors, symmetric, factor, tangent);
+        form_tangent(simd, gradients, factors, symmetric, factor, tangent);
     }
 }
 
 /// [`tangent_from_factors`] for those who run with wide vectors already.
 #[inline(always)]
-pub(crate) fn form_tangent<const N: usize, const G: usize>(
+pub(crate) fn form_tangent<S: Simd, const N: usize, const G: usize>(
+    simd: S,
     gradients: &[Gradients<N>; G],
     factors: &TangentFactors<N, G>,
     symmetric: bool,
     factor: f64,
     tangent: &mut LocalTangent<N>,
 ) {
+    const { assert!(N >= LANES) };
     for i in 0..3 {
-        for j in 0..3 {
-            if symmetric && j < i {
-                continue;
-            }
-            let mut products = Products { gradients, factors, pair: (i, j), symmetric, factor, tangent };
-            // Tiles of 4 x 8 and 4 x 4 nodes: the sums stay in registers. Then what is left on the rim.
-            let (tiles, whole) = (N / 4, N - N % 4);
-            for along in 0..tiles {
-                let row = 4 * along;
+        let mut products = Products { gradients, factors, i, factor, tangent };
+        // Tiles of a few rows and as many columns as a vector is long; the last ones overlap those before. As many rows as leave the sums in registers.
+        for column in (0..N).step_by(S::F64_LANES) {
+            let column = column.min(N - S::F64_LANES);
+            for row in (0..N).step_by(LANES) {
+                let row = row.min(N - LANES);
                 // What is below the diagonal is mirrored.
-                let mut column = if symmetric && i == j { row } else { 0 };
-                while column + 8 <= whole {
-                    products.tile::<4, 8>(row, column);
-                    column += 8;
-                }
-                if column < whole {
-                    products.tile::<4, 4>(row, column);
-                }
-            }
-            for along in 0..tiles {
-                match N % 4 {
-                    1 => products.rim::<1>(4 * along, whole),
-                    2 => products.rim::<2>(4 * along, whole),
-                    3 => products.rim::<3>(4 * along, whole),
+                let below = symmetric && column + S::F64_LANES <= row;
+                match if symmetric { i + usize::from(below) } else { 0 } {
+                    0 => {
+                        products.tile::<S, 3, 2>(simd, row, column);
+                        products.tile::<S, 3, 2>(simd, row + 2, column);
+                    }
+                    1 => products.tile::<S, 2, 4>(simd, row, column),
+                    2 => products.tile::<S, 1, 4>(simd, row, column),
                     _ => {}
                 }
             }
-            match N % 4 {
-                1 => products.tile::<1, 1>(whole, whole),
-                2 => products.tile::<2, 2>(whole, whole),
-                3 => products.tile::<3, 3>(whole, whole),
-                _ => {}
+        }
+    }
+    if symmetric {
+        mirror(tangent);
+    }
+}
+
+/// What the pairs `i < j` are, and of the pairs `i = j` what is above the diagonal, on the other side of it.
+#[inline(always)]
+fn mirror<const N: usize>(tangent: &mut LocalTangent<N>) {
+    for row in 0..N {
+        for i in 0..3 {
+            for column in 0..N {
+                for j in i..3 {
+                    if j > i || column > row {
+                        tangent[column][j][row][i] = tangent[row][i][column][j];
+                    }
+                }
             }
         }
     }
 }
 
-/// The block `(i, j)` of the tangent while it is formed.
+/// The rows `(I, i)` of the tangent while they are formed.
 struct Products<'a, const N: usize, const G: usize> {
     gradients: &'a [Gradients<N>; G],
     factors: &'a TangentFactors<N, G>,
-    pair: (usize, usize),
-    symmetric: bool,
+    i: usize,
     factor: f64,
     tangent: &'a mut LocalTangent<N>,
 }
 
 impl<const N: usize, const G: usize> Products<'_, N, G> {
+    /// `R` nodes from `row`, a vector of nodes from `column`, the last `J` components.
     #[inline(always)]
-    fn rim<const R: usize>(&mut self, along: usize, whole: usize) {
-        self.tile::<4, R>(along, whole);
-        self.tile::<R, 4>(whole, along);
-    }
-
-    /// `R x C` nodes from `row` and `column`.
-    #[inline(always)]
-    fn tile<const R: usize, const C: usize>(&mut self, row: usize, column: usize) {
-        let Self { gradients, factors, pair: (i, j), symmetric, factor, ref mut tangent } = *self;
-        // Below the diagonal: mirrored.
-        if symmetric && i == j && column < row {
-            return;
-        }
-        let (left, right) = (gradients.as_flattened(), factors[3 * i + j].as_flattened());
-        let mut sum = product_tile::<N, R, C>(left, right, row, column);
-        for r in &mut sum {
-            for s in r {
-                *s *= factor;
+    fn tile<S: Simd, const J: usize, const R: usize>(&mut self, simd: S, row: usize, column: usize) {
+        let Self { gradients, factors, i, factor, ref mut tangent } = *self;
+        assert!(row + R <= N && column + S::F64_LANES <= N);
+        let left = gradients.as_flattened();
+        let mut sum = [[Wide::splat(simd, 0.0); J]; R];
+        for k in 0..3 * G {
+            let mut right = [Wide::splat(simd, 0.0); J];
+            for (j, right) in right.iter_mut().enumerate() {
+                let all = &factors[3 * i + (3 - J) + j].as_flattened()[k];
+                *right = Wide::load_from(simd, &all[column..column + S::F64_LANES]);
+            }
+            let left = &left[k][row..row + R];
+            for (sum, &left) in sum.iter_mut().zip(left) {
+                let left = Wide::splat(simd, left);
+                for j in 0..J {
+                    sum[j] = sum[j] + left * right[j];
+                }
             }
         }
         for r in 0..R {
-            for c in 0..C {
-                tangent[row + r][i][column + c][j] = sum[r][c];
+            let mut lanes = [[0.0; LANES]; J];
+            for j in 0..J {
+                (sum[r][j] * factor).store(&mut lanes[j], 0);
             }
-        }
-        if symmetric {
-            // Around the diagonal of a diagonal block both are there already.
-            let from = if i == j && row == column { R.min(C) } else { 0 };
-            for c in from..C {
-                for r in 0..R {
-                    tangent[column + c][j][row + r][i] = sum[r][c];
+            let row = &mut tangent[row + r][i][column..column + S::F64_LANES];
+            for (c, entry) in row.iter_mut().enumerate() {
+                for j in 0..J {
+                    entry[3 - J + j] = lanes[j][c];
                 }
             }
         }
     }
-}
-
-/// `sum_k a[k][row + r] b[k][column + c]`.
-#[inline(always)]
-fn product_tile<const N: usize, const R: usize, const C: usize>(
-    a: &[[f64; N]],
-    b: &[[f64; N]],
-    row: usize,
-    column: usize,
-) -> [[f64; C]; R] {
-    assert!(row + R <= N && column + C <= N);
-    let mut sum = [[0.0; C]; R];
-    for (a, b) in a.iter().zip(b) {
-        let (a, b) = (&a[row..row + R], &b[column..column + C]);
-        for r in 0..R {
-            for c in 0..C {
-                sum[r][c] += a[r] * b[c];
-            }
-        }
-    }
-    sum
 }

@@ -2,9 +2,9 @@
 //! (`block`), not what elements do with the function.
 
 use crate::ForceRule;
-use std::ops::Range;
+use stoss_continuum::wide::{Simd, SymmetricTensors, Tensors4};
 use stoss_continuum::{
-    ConstitutiveError, HyperelasticLaw, Material, PointStep, StepLaw, StepStress, SymmetricTensor2, Tensor4,
+    ConstitutiveError, HyperelasticLaw, Material, PointStep, StepLaw, StepStart, StepStress, Strains, Wanted,
 };
 
 /// The laws of the points of an element.
@@ -81,78 +81,59 @@ impl<'a> Laws<'a> {
         self.history.as_ref().map_or(&[], |h| &h.states[gauss_point * h.len..(gauss_point + 1) * h.len])
     }
 
-    /// A value at each of the Gauss points from `first` on: of all of them together where they have one law, else of one after the other. `of` is told the law and which of the points are asked for.
+    /// What is wanted at the Gauss points from `first` on, the points of `strains`: side by side where they have one law, else one after the other.
     #[inline]
-    fn evaluate<T>(
+    pub fn evaluate(&self, first: usize, strains: &Strains<'_>, mut wanted: Wanted<'_>) -> Result<(), PointError> {
+        if self.history.is_none() {
+            return self.law.evaluate(strains, wanted).map_err(|(l, error)| (first + l, error));
+        }
+        (0..strains.count)
+            .try_for_each(|l| strains.one(&*self.at(first + l), l, &mut wanted).map_err(|error| (first + l, error)))
+    }
+
+    /// The energy-momentum stress there and, if wanted, its tangent.
+    #[inline(always)]
+    pub fn energy_momentum<S: Simd>(
         &self,
+        simd: S,
         first: usize,
-        out: &mut [T],
-        of: impl Fn(&dyn HyperelasticLaw, Range<usize>, &mut [T]) -> Result<(), PointError>,
+        start: StepStart<'_>,
+        end: &Strains<'_>,
+        stresses: &mut SymmetricTensors,
+        moduli: Option<&mut Tensors4>,
     ) -> Result<(), PointError> {
         if self.history.is_none() {
-            return of(self.law, 0..out.len(), out).map_err(|(k, error)| (first + k, error));
+            return stoss_continuum::energy_momentum_stresses(simd, self.law, start, end, stresses, moduli)
+                .map_err(|(l, error)| (first + l, error));
         }
-        out.chunks_mut(1)
-            .enumerate()
-            .try_for_each(|(l, out)| of(&*self.at(first + l), l..l + 1, out).map_err(|(_, error)| (first + l, error)))
+        self.one_by_one(first, start, end, stresses, moduli)
     }
 
-    /// `W` at the Gauss points from `first` on.
-    #[inline]
-    pub fn energies(&self, first: usize, c: &[SymmetricTensor2], out: &mut [f64]) -> Result<(), PointError> {
-        self.evaluate(first, out, |law, points, out| law.energies(&c[points], out))
-    }
-
-    /// `S` there.
-    #[inline]
-    pub fn stresses(
+    fn one_by_one(
         &self,
         first: usize,
-        c: &[SymmetricTensor2],
-        out: &mut [SymmetricTensor2],
+        start: StepStart<'_>,
+        end: &Strains<'_>,
+        stresses: &mut SymmetricTensors,
+        mut moduli: Option<&mut Tensors4>,
     ) -> Result<(), PointError> {
-        self.evaluate(first, out, |law, points, out| law.stresses(&c[points], out))
-    }
-
-    /// `S` and `2 dS/dC` there.
-    #[inline]
-    pub fn stresses_and_elasticities(
-        &self,
-        first: usize,
-        c: &[SymmetricTensor2],
-        out: &mut [(SymmetricTensor2, Tensor4)],
-    ) -> Result<(), PointError> {
-        self.evaluate(first, out, |law, points, out| law.stresses_and_elasticities(&c[points], out))
-    }
-
-    /// The energy-momentum stress there, of points with these strains and energies at the start.
-    #[inline]
-    pub fn energy_momentum_stresses(
-        &self,
-        first: usize,
-        (c_n, energy_n): (&[SymmetricTensor2], &[f64]),
-        c_np1: &[SymmetricTensor2],
-        out: &mut [SymmetricTensor2],
-    ) -> Result<(), PointError> {
-        self.evaluate(first, out, |law, points, out| {
-            let (c_n, energy_n) = (&c_n[points.clone()], &energy_n[points.clone()]);
-            stoss_continuum::energy_momentum_stresses(law, c_n, energy_n, &c_np1[points], out)
-        })
-    }
-
-    /// The same with its tangent.
-    #[inline]
-    pub fn energy_momentum_stresses_and_tangents(
-        &self,
-        first: usize,
-        (c_n, energy_n): (&[SymmetricTensor2], &[f64]),
-        c_np1: &[SymmetricTensor2],
-        out: &mut [(SymmetricTensor2, Tensor4)],
-    ) -> Result<(), PointError> {
-        self.evaluate(first, out, |law, points, out| {
-            let (c_n, energy_n) = (&c_n[points.clone()], &energy_n[points.clone()]);
-            stoss_continuum::energy_momentum_stresses_and_tangents(law, c_n, energy_n, &c_np1[points], out)
-        })
+        for l in 0..end.count {
+            let (law, c_n, c_np1) = (self.at(first + l), start.strains.get(l), end.all.get(l));
+            let failure = |error| (first + l, error);
+            let stress = match &mut moduli {
+                None => stoss_continuum::energy_momentum_stress(&*law, &c_n, start.energies[l], &c_np1),
+                Some(moduli) => {
+                    let found =
+                        stoss_continuum::energy_momentum_stress_and_tangent(&*law, &c_n, start.energies[l], &c_np1);
+                    found.map(|(stress, tangent)| {
+                        moduli.set(l, &tangent);
+                        stress
+                    })
+                }
+            };
+            stresses.set(l, &stress.map_err(failure)?);
+        }
+        Ok(())
     }
 }
 

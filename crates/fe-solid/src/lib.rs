@@ -42,6 +42,7 @@ mod nodal;
 mod options;
 mod point;
 mod recovery;
+mod reference;
 mod rule;
 mod scratch;
 mod state_output;

@@ -6,7 +6,7 @@
 
 use crate::{
     ForceRule, TimeLevel,
-    element::{self, ElementStep, Failure, FailureKind, GaussPointHistory},
+    element::{self, ElementHistory, ElementStep, Failure, FailureKind, Geometry},
     kernel::{self, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors, TangentPoint},
     laws::Laws,
 };
@@ -56,6 +56,8 @@ pub(crate) struct Parts<'a> {
 #[derive(Clone, Copy)]
 pub(crate) struct Mixed<'a, const N: usize, const G: usize, const A: usize> {
     pub parts: Parts<'a>,
+    pub geometry: Geometry<'a, N, G>,
+    /// The same with the gradients at all points.
     pub integration: &'a ElementIntegration<N, G>,
     pub basis: Basis<G, A>,
 }
@@ -89,7 +91,7 @@ impl<const N: usize, const G: usize> Averages<'_, N, G> {
         for_both!(self, mixed => mixed.energy(q))
     }
 
-    pub fn history(&self, q: &NodalVectors<N>) -> Result<([GaussPointHistory; G], [f64; G]), Failure> {
+    pub fn history(&self, q: &NodalVectors<N>) -> Result<(ElementHistory<G>, [f64; G]), Failure> {
         for_both!(self, mixed => mixed.history(q))
     }
 
@@ -144,19 +146,10 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
 
     /// The state at a configuration, `det F` and the averages checked.
     pub fn state(&self, q: &NodalVectors<N>, level: TimeLevel) -> Result<State<G>, Failure> {
-        let mut out = State {
-            deformation_gradients: [[[0.0; 3]; 3]; G],
-            right_cauchy_green: [SymmetricTensor2::IDENTITY; G],
-            jacobians: [0.0; G],
-            dilatations: [0.0; G],
-        };
-        for g in 0..G {
-            let (f, c) = element::strain(q, self.integration, g, level)?;
-            out.deformation_gradients[g] = f;
-            out.right_cauchy_green[g] = c;
-            out.jacobians[g] = kernel::determinant(&f);
-        }
-        out.dilatations = self.average(&out.jacobians);
+        let (deformation_gradients, right_cauchy_green) = self.geometry.all_strains(q, level)?;
+        let jacobians = deformation_gradients.map(|f| kernel::determinant(&f));
+        let dilatations = self.average(&jacobians);
+        let out = State { deformation_gradients, right_cauchy_green, jacobians, dilatations };
         for (gauss_point, &dilatation) in out.dilatations.iter().enumerate() {
             if dilatation <= 0.0 || dilatation.is_nan() {
                 return Err(Failure { gauss_point, kind: FailureKind::Collapsed { dilatation, level } });
@@ -187,9 +180,9 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
     }
 
     /// `C_n`, `W_n` and `J_n` at every Gauss point.
-    pub fn history(&self, q: &NodalVectors<N>) -> Result<([GaussPointHistory; G], [f64; G]), Failure> {
+    pub fn history(&self, q: &NodalVectors<N>) -> Result<(ElementHistory<G>, [f64; G]), Failure> {
         let state = self.state(q, TimeLevel::Start)?;
-        let history = element::history(self.parts.rest, self.integration, q)?;
+        let history = element::history(self.parts.rest, self.geometry, q)?;
         Ok((history, state.jacobians))
     }
 
@@ -279,7 +272,7 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
     fn energy_momentum(
         &self,
         step: ElementStep<'_, N, G>,
-        history: &[GaussPointHistory; G],
+        history: &ElementHistory<G>,
         jacobians: &[f64; G],
         before: Option<&NodalVectors<N>>,
         factor: f64,
@@ -304,18 +297,18 @@ impl<const N: usize, const G: usize, const A: usize> Mixed<'_, N, G, A> {
         for g in 0..G {
             let (f, c, j) = (&state.deformation_gradients[g], &state.right_cauchy_green[g], state.jacobians[g]);
             let (gradients, weight) = (&self.integration.gradients[g], self.integration.weights[g]);
-            let GaussPointHistory { right_cauchy_green: c_n, energy } = &history[g];
-            let f_mid = kernel::deformation_gradient(&q_mid, gradients);
+            let (c_n, energy) = (&history.right_cauchy_green(g), history.energy(g));
+            let f_mid = self.geometry.reference.deformation_gradient(self.geometry.natural, &q_mid, g);
             let k = discrete_jacobian_gradient(c_n, jacobians[g], c, j);
             let of_pressure = k * (2.0 * pressure[g]);
             let Some((_, factors)) = &mut tangent else {
-                let rest = stoss_continuum::energy_momentum_stress(&*self.parts.rest.at(g), c_n, *energy, c)
+                let rest = stoss_continuum::energy_momentum_stress(&*self.parts.rest.at(g), c_n, energy, c)
                     .map_err(|e| FailureKind::from(e).at(g))?;
                 kernel::add_force(&f_mid, &(rest + of_pressure).to_components(), gradients, weight, force);
                 continue;
             };
             let (rest, mut moduli) =
-                stoss_continuum::energy_momentum_stress_and_tangent(&*self.parts.rest.at(g), c_n, *energy, c)
+                stoss_continuum::energy_momentum_stress_and_tangent(&*self.parts.rest.at(g), c_n, energy, c)
                     .map_err(|e| FailureKind::from(e).at(g))?;
             kernel::add_force(&f_mid, &(rest + of_pressure).to_components(), gradients, weight, force);
             let stress = (rest + k * (2.0 * continued[g])).to_components();

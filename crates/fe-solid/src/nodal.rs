@@ -9,7 +9,7 @@ use crate::{
     block::Block,
     element::{self, Failure, FailureKind, gather},
     element_block::{ElementBlock, ElementFailure, Material, PointStrain},
-    kernel::{self, LocalTangent, Matrix3, NodalVectors, TangentFactors, TangentPoint},
+    kernel::{self, LocalTangent, Matrix3, NodalVectors, PointBuffers, TangentFactors, TangentPoint},
     scratch::Scratch,
     viscous::Viscosity,
 };
@@ -94,7 +94,7 @@ impl NodalTetrahedra {
     }
 
     fn weight(&self, element: usize) -> f64 {
-        self.block.integration(element).weights[0]
+        self.block.weights(element)[0]
     }
 
     /// `det F` of every element, or the first that is not positive.
@@ -273,7 +273,7 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
             return [change; 2];
         }
         let (f_mid, _) = self.strain(element, &(self.mid)(element));
-        let c_n = &self.tetrahedra.block.history(element)[0].right_cauchy_green;
+        let c_n = &self.tetrahedra.block.history(element).right_cauchy_green(0);
         let k = discrete_jacobian_gradient(c_n, self.tetrahedra.jacobians[element], &c, j);
         let mut work = [[0.0; 4]; 3];
         kernel::add_force(&f_mid, &k.to_components(), gradients, 2.0, &mut work);
@@ -289,30 +289,32 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
         element: usize,
         force: &mut NodalVectors<4>,
         tangent: Option<(&mut LocalTangent<4>, &mut TangentFactors<4, 1>)>,
+        _: &mut PointBuffers,
     ) -> Result<(), Failure> {
-        let integration = self.tetrahedra.block.integration(element);
+        let integration = &self.tetrahedra.block.integration(element);
         let (gradients, weight) = (&integration.gradients[0], integration.weights[0]);
         let (f, c) = self.strain(element, &(self.place)(element));
         let (j, p) = (self.jacobians[element], self.pressures[element]);
         let law = self.tetrahedra.block.laws(self.material, element, Some(self.rule)).at(0);
         let failure = |error| FailureKind::Constitutive(error).at(0);
         *force = [[0.0; 4]; 3];
-        let history = self.conserving.then(|| &self.tetrahedra.block.history(element)[0]);
+        let history = self.conserving.then(|| {
+            let history = self.tetrahedra.block.history(element);
+            (history.right_cauchy_green(0), history.energy(0))
+        });
         let j_n = self.tetrahedra.jacobians.get(element).copied().unwrap_or(j);
         // Left factor of the stress, and the discrete gradient of `J` or nothing.
         let (left, k) = match history {
             None => (f, None),
-            Some(history) => {
-                let k = discrete_jacobian_gradient(&history.right_cauchy_green, j_n, &c, j);
+            Some((c_n, _)) => {
+                let k = discrete_jacobian_gradient(&c_n, j_n, &c, j);
                 (self.strain(element, &(self.mid)(element)).0, Some(k))
             }
         };
         let Some((tangent, factors)) = tangent else {
             let stress = match (history, k) {
-                (Some(history), Some(k)) => {
-                    let c_n = &history.right_cauchy_green;
-                    k * (2.0 * p)
-                        + stoss_continuum::energy_momentum_stress(&*law, c_n, history.energy, &c).map_err(failure)?
+                (Some((c_n, energy)), Some(k)) => {
+                    k * (2.0 * p) + stoss_continuum::energy_momentum_stress(&*law, &c_n, energy, &c).map_err(failure)?
                 }
                 _ => law.stress(&c).map_err(failure)? + pressure_stress(p, &c, j).0,
             };
@@ -320,12 +322,10 @@ impl<P: Fn(usize) -> NodalVectors<4> + Sync, M: Fn(usize) -> NodalVectors<4> + S
             return Ok(());
         };
         let (stress, moduli) = match (history, k) {
-            (Some(history), Some(k)) => {
-                let c_n = &history.right_cauchy_green;
+            (Some((c_n, energy)), Some(k)) => {
                 let (rest, mut moduli) =
-                    stoss_continuum::energy_momentum_stress_and_tangent(&*law, c_n, history.energy, &c)
-                        .map_err(failure)?;
-                moduli.add_scaled(2.0 * p, &discrete_jacobian_gradient_tangent(c_n, j_n, &c, j, &k));
+                    stoss_continuum::energy_momentum_stress_and_tangent(&*law, &c_n, energy, &c).map_err(failure)?;
+                moduli.add_scaled(2.0 * p, &discrete_jacobian_gradient_tangent(&c_n, j_n, &c, j, &k));
                 (rest + k * (2.0 * p), moduli)
             }
             _ => {

@@ -8,9 +8,8 @@
 use crate::{
     assembly::ElementEvaluator,
     element::{Failure, gather},
-    kernel::{
-        self, COMPONENT_OF, ElementIntegration, LocalTangent, Matrix3, NodalVectors, TangentFactors, TangentPoint,
-    },
+    kernel::{self, COMPONENT_OF, LocalTangent, Matrix3, NodalVectors, PointBuffers, TangentFactors, TangentPoint},
+    reference::{ElementReference, Natural},
 };
 
 /// Where and how fast the viscous stress acts. Vectors of the model, node-major, `3 * nodes` entries.
@@ -38,7 +37,8 @@ pub(crate) struct Viscosity<'a> {
 
 /// Elements under their viscous stress, as the loop over them sees it.
 pub(crate) struct ViscousElements<'a, const N: usize, const G: usize> {
-    pub integration: &'a [ElementIntegration<N, G>],
+    pub references: &'a [ElementReference<G>],
+    pub natural: &'a Natural<N, G>,
     pub nodes: &'a [[u32; N]],
     pub viscosity: Viscosity<'a>,
 }
@@ -49,9 +49,10 @@ impl<const N: usize, const G: usize> ElementEvaluator<N, G> for ViscousElements<
         element: usize,
         force: &mut NodalVectors<N>,
         tangent: Option<(&mut LocalTangent<N>, &mut TangentFactors<N, G>)>,
+        _: &mut PointBuffers,
     ) -> Result<(), Failure> {
         let Viscosity { rate, moduli: [lambda, shear], factor } = self.viscosity;
-        let integration = &self.integration[element];
+        let integration = &self.references[element].integration(&self.natural.gradients);
         let nodes = &self.nodes[element];
         let (q, v) = (gather(nodes, rate.q), gather(nodes, rate.v));
         let mut tangent = tangent;

@@ -1,4 +1,4 @@
-//! The rule of one configuration `q_{n+theta}`: which positions it reads, its ends bit for bit, its tangent.
+//! The rule of one configuration `q_{n+theta}`: which positions it reads, its ends, its tangent.
 use crate::common::*;
 use proptest::prelude::*;
 use stoss_continuum::SymmetricTensor2;
@@ -24,7 +24,7 @@ proptest! {
 
     // The static force and tangent of a single element put together here from the kernel and the law.
     #[test]
-    fn end_point_is_the_static_element_bit_for_bit_and_reads_no_start(seed in any::<u64>(), law in 0usize..4) {
+    fn end_point_is_the_static_element_and_reads_no_start(seed in any::<u64>(), law in 0usize..4) {
         let mesh = distorted_block([1, 1, 1], 0.12, seed);
         let q = Random(!seed).perturbed(&positions(&mesh), 0.12);
         let law = &laws()[law];
@@ -53,16 +53,18 @@ proptest! {
         tangent_from_factors(&element.gradients, &factors, true, 1.0, &mut expected);
 
         let nowhere = vec![f64::NAN; q.len()];
+        let scale = flat(&expected).iter().fold(0.0_f64, |scale, x| scale.max(x.abs()));
         for q_n in [&[] as &[f64], &nowhere] {
             let (force, tangent) = force_and_tangent(&body, SolidStep { q_n, q_np1: &q, rule: ForceRule::END_POINT });
-            prop_assert_eq!(bits(&force), bits(&(0..24).map(|k| {
+            for (k, force) in force.iter().enumerate() {
                 let node = nodes.iter().position(|&n| n as usize == k / 3).unwrap();
-                0.0 + expected_force[k % 3][node]
-            }).collect::<Vec<_>>()));
+                prop_assert!((force - expected_force[k % 3][node]).abs() < 1e-13 * scale);
+            }
             for i in 0..24 {
                 for j in 0..24 {
                     let at = |k: usize| 3 * nodes[k / 3] as usize + k % 3;
-                    prop_assert_eq!(tangent[at(i)][at(j)].to_bits(), (0.0 + flat(&expected)[24 * i + j]).to_bits());
+                    prop_assert!((tangent[at(i)][at(j)] - flat(&expected)[24 * i + j]).abs() < 1e-13 * scale);
+                    prop_assert_eq!(tangent[at(i)][at(j)].to_bits(), tangent[at(j)][at(i)].to_bits());
                 }
             }
         }

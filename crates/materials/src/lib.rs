@@ -72,6 +72,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod closed_form;
 mod error;
 mod fibres;
 mod first_invariant;

@@ -1,11 +1,16 @@
 //! Mooney-Rivlin, coupled form (theory/kinematics#eq-mooney-rivlin; thesis (3.119)-(3.129) with corrected signs).
 
+use crate::closed_form::{self, ClosedForm, Moduli, evaluations};
 use crate::error::{MaterialError, finite, stable};
-use crate::state::{Invariants, finite_energy, finite_pair, finite_stress, positive_det};
+use crate::state::Strain;
 use crate::volume::Quadratic;
 use std::sync::Arc;
 use stoss_continuum::{
-    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, VolumetricSplit,
+    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, Strains, SymmetricTensor2, Tensor4, VolumetricSplit, Wanted,
+};
+use stoss_tensor::{
+    components::{second, trace},
+    wide::Number,
 };
 
 const NAME: &str = "mooney-rivlin";
@@ -36,19 +41,46 @@ impl MooneyRivlin {
         2.0 * (self.c1 + 2.0 * self.c2)
     }
 
-    /// `d/2 (tr A - 2 ln J) + c2 I2(A) + c (J - 1)^2`, `A = C - 1`: `I2 - 3 = 2 tr A + I2(A)`.
-    #[inline]
-    fn energy_with(&self, i: &Invariants) -> f64 {
-        let volume = i.log_j.exp_m1();
-        0.5 * self.d() * (i.trace_a - 2.0 * i.log_j) + self.c2 * i.second_a + self.c * volume * volume
+    /// The factor `2 c (J^2 - J) - d` of `C^-1`.
+    #[inline(always)]
+    fn factor<T: Number>(&self, j: T) -> T {
+        j * (2.0 * self.c) * (j - j.like(1.0)) - j.like(self.d())
     }
+}
 
-    /// Stress, and the factor `2 c (J^2 - J) - d` of `C^-1`.
-    #[inline]
-    fn stress_with(&self, c: &SymmetricTensor2, j: f64, inverse: &SymmetricTensor2) -> (SymmetricTensor2, f64) {
-        let factor = 2.0 * self.c * j * (j - 1.0) - self.d();
-        let spherical = 2.0 * self.c1 + 2.0 * self.c2 * c.trace();
-        (SymmetricTensor2::IDENTITY * spherical - *c * (2.0 * self.c2) + *inverse * factor, factor)
+impl ClosedForm for MooneyRivlin {
+    const ENERGY_OF_LOGARITHM: bool = true;
+    const STRESS_OF_LOGARITHM: bool = false;
+
+    /// `d/2 (tr A - 2 ln J) + c2 I2(A) + c (J - 1)^2`, `A = C - 1`: `I2 - 3 = 2 tr A + I2(A)`.
+    #[inline(always)]
+    fn stored<T: Number>(&self, strain: &Strain<T>) -> T {
+        let volume = strain.log_j.each(f64::exp_m1);
+        (trace(&strain.a) - strain.log_j * 2.0) * (0.5 * self.d())
+            + second(strain.a) * self.c2
+            + volume * self.c * volume
+    }
+    #[inline(always)]
+    fn stress_of<T: Number>(&self, strain: &Strain<T>) -> [T; 6] {
+        let c = &strain.c;
+        let factor = self.factor(strain.determinant.sqrt());
+        let spherical = trace(c) * (2.0 * self.c2) + factor.like(2.0 * self.c1);
+        let mut stress = strain.inverse;
+        for (v, s) in stress.iter_mut().enumerate() {
+            let of_strain = c[v] * (2.0 * self.c2);
+            *s = if v < 3 { spherical - of_strain + *s * factor } else { *s * factor - of_strain };
+        }
+        stress
+    }
+    #[inline(always)]
+    fn moduli_of<T: Number>(&self, strain: &Strain<T>) -> Moduli<T> {
+        let j = strain.determinant.sqrt();
+        Moduli {
+            inverse_derivative: self.factor(j) * 2.0,
+            inverse_square: (j * 4.0 * j - j * 2.0) * self.c,
+            sphere: 4.0 * self.c2,
+            unit: -4.0 * self.c2,
+        }
     }
 }
 
@@ -56,37 +88,7 @@ impl HyperelasticLaw for MooneyRivlin {
     fn name(&self) -> &str {
         NAME
     }
-    fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        finite_energy(self.energy_with(&Invariants::new(right_cauchy_green)?))
-    }
-    fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
-        let det_c = positive_det(right_cauchy_green)?;
-        let inverse = right_cauchy_green.inverse_with_det(det_c);
-        finite_stress(self.stress_with(right_cauchy_green, det_c.sqrt(), &inverse).0)
-    }
-    fn energy_and_stress(
-        &self,
-        right_cauchy_green: &SymmetricTensor2,
-    ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
-        let i = Invariants::new(right_cauchy_green)?;
-        let inverse = right_cauchy_green.inverse_with_det(i.det_c);
-        let stress = self.stress_with(right_cauchy_green, i.det_c.sqrt(), &inverse).0;
-        Ok((finite_energy(self.energy_with(&i))?, finite_stress(stress)?))
-    }
-    fn stress_and_elasticity(
-        &self,
-        right_cauchy_green: &SymmetricTensor2,
-    ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-        let det_c = positive_det(right_cauchy_green)?;
-        let j = det_c.sqrt();
-        let inverse = right_cauchy_green.inverse_with_det(det_c);
-        let (stress, factor) = self.stress_with(right_cauchy_green, j, &inverse);
-        let mut elasticity = Tensor4::inverse_derivative(&inverse) * (2.0 * factor);
-        elasticity.add_dyad(self.c * (4.0 * j * j - 2.0 * j), &inverse, &inverse);
-        elasticity.add_scaled(4.0 * self.c2, &Tensor4::identity_dyad());
-        elasticity.add_scaled(-4.0 * self.c2, &Tensor4::symmetric_identity());
-        finite_pair(stress, elasticity)
-    }
+    evaluations!();
     fn volumetric(&self) -> Option<VolumetricSplit> {
         Some(VolumetricSplit { rest: Arc::new(Self { c: 0.0, ..*self }), volume: Arc::new(Quadratic { c: self.c }) })
     }

@@ -1,12 +1,14 @@
 //! Neo-Hooke (theory/kinematics#eq-neo-hooke; thesis (3.130)-(3.133)).
 
+use crate::closed_form::{self, ClosedForm, Moduli, evaluations};
 use crate::error::{MaterialError, finite, stable, young_poisson};
-use crate::state::{Invariants, finite_energy, finite_stress};
+use crate::state::Strain;
 use crate::volume::Logarithmic;
 use std::sync::Arc;
 use stoss_continuum::{
-    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, VolumetricSplit,
+    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, Strains, SymmetricTensor2, Tensor4, VolumetricSplit, Wanted,
 };
+use stoss_tensor::{components::trace, wide::Number};
 
 const NAME: &str = "neo-hooke";
 
@@ -39,31 +41,36 @@ impl NeoHooke {
         let moduli = young_poisson(NAME, young, poisson)?;
         Self::new(moduli.lame_lambda(), moduli.shear)
     }
+}
+
+impl ClosedForm for NeoHooke {
+    const ENERGY_OF_LOGARITHM: bool = true;
+    const STRESS_OF_LOGARITHM: bool = true;
 
     /// `mu/2 (tr A - 2 ln J) + lambda/2 (ln J)^2`, `A = C - 1`.
-    #[inline]
-    fn energy_with(&self, i: &Invariants) -> f64 {
-        0.5 * self.mu * (i.trace_a - 2.0 * i.log_j) + 0.5 * self.lambda * i.log_j * i.log_j
+    #[inline(always)]
+    fn stored<T: Number>(&self, strain: &Strain<T>) -> T {
+        let log_j = strain.log_j;
+        (trace(&strain.a) - log_j * 2.0) * (0.5 * self.mu) + log_j * (0.5 * self.lambda) * log_j
     }
-
-    #[inline]
-    fn stress_with(&self, log_j: f64, inverse: &SymmetricTensor2) -> SymmetricTensor2 {
-        SymmetricTensor2::IDENTITY * self.mu + *inverse * (self.lambda * log_j - self.mu)
+    #[inline(always)]
+    fn stress_of<T: Number>(&self, strain: &Strain<T>) -> [T; 6] {
+        let mut stress = strain.inverse;
+        let (mu, factor) = (strain.log_j.like(self.mu), strain.log_j * self.lambda - strain.log_j.like(self.mu));
+        for (v, s) in stress.iter_mut().enumerate() {
+            *s = if v < 3 { mu + *s * factor } else { *s * factor };
+        }
+        stress
     }
-
-    /// In its place: moduli are long enough for copies to be seen in the time.
-    #[inline]
-    fn write_stress_and_elasticity(
-        &self,
-        right_cauchy_green: &SymmetricTensor2,
-        (stress, elasticity): &mut (SymmetricTensor2, Tensor4),
-    ) -> Result<(), ConstitutiveError> {
-        let i = Invariants::new(right_cauchy_green)?;
-        let inverse = right_cauchy_green.inverse_with_det(i.det_c);
-        *stress = self.stress_with(i.log_j, &inverse);
-        *elasticity = Tensor4::inverse_derivative(&inverse) * (2.0 * (self.lambda * i.log_j - self.mu));
-        elasticity.add_dyad(self.lambda, &inverse, &inverse);
-        if stress.is_finite() && elasticity.is_finite() { Ok(()) } else { Err(ConstitutiveError::NonFinite) }
+    #[inline(always)]
+    fn moduli_of<T: Number>(&self, strain: &Strain<T>) -> Moduli<T> {
+        let log_j = strain.log_j;
+        Moduli {
+            inverse_derivative: (log_j * self.lambda - log_j.like(self.mu)) * 2.0,
+            inverse_square: log_j.like(self.lambda),
+            sphere: 0.0,
+            unit: 0.0,
+        }
     }
 }
 
@@ -71,40 +78,7 @@ impl HyperelasticLaw for NeoHooke {
     fn name(&self) -> &str {
         NAME
     }
-    #[inline]
-    fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        finite_energy(self.energy_with(&Invariants::new(right_cauchy_green)?))
-    }
-    #[inline]
-    fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
-        let i = Invariants::new(right_cauchy_green)?;
-        finite_stress(self.stress_with(i.log_j, &right_cauchy_green.inverse_with_det(i.det_c)))
-    }
-    #[inline]
-    fn energy_and_stress(
-        &self,
-        right_cauchy_green: &SymmetricTensor2,
-    ) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
-        let i = Invariants::new(right_cauchy_green)?;
-        let stress = self.stress_with(i.log_j, &right_cauchy_green.inverse_with_det(i.det_c));
-        Ok((finite_energy(self.energy_with(&i))?, finite_stress(stress)?))
-    }
-    fn stress_and_elasticity(
-        &self,
-        right_cauchy_green: &SymmetricTensor2,
-    ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-        let mut out = (SymmetricTensor2::ZERO, Tensor4::ZERO);
-        self.write_stress_and_elasticity(right_cauchy_green, &mut out)?;
-        Ok(out)
-    }
-    fn stresses_and_elasticities(
-        &self,
-        right_cauchy_green: &[SymmetricTensor2],
-        out: &mut [(SymmetricTensor2, Tensor4)],
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        let mut all = right_cauchy_green.iter().zip(out).enumerate();
-        all.try_for_each(|(k, (c, out))| self.write_stress_and_elasticity(c, out).map_err(|error| (k, error)))
-    }
+    evaluations!();
     fn volumetric(&self) -> Option<VolumetricSplit> {
         Some(VolumetricSplit {
             rest: Arc::new(Self { lambda: 0.0, ..*self }),

@@ -5,8 +5,9 @@ use crate::state::{finite_energy, finite_pair, finite_stress};
 use crate::volume::Power;
 use std::sync::Arc;
 use stoss_continuum::{
-    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, VolumetricSplit,
+    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, Strains, SymmetricTensor2, Tensor4, VolumetricSplit, Wanted,
 };
+use stoss_tensor::wide::{self, LANES, Operation, Simd};
 use stoss_tensor::{SpectralDecomposition, spectral_decomposition, spectral_decompositions};
 
 const NAME: &str = "ogden";
@@ -26,9 +27,6 @@ pub struct Ogden {
     beta: f64,
 }
 
-/// Strains that are decomposed side by side.
-const TOGETHER: usize = 4;
-
 /// What all three evaluations need: `J` and, for each term, the powers of the isochoric stretches.
 struct State {
     squares: [f64; 3],
@@ -41,23 +39,6 @@ struct State {
 impl State {
     fn new(c: &SymmetricTensor2) -> Result<Self, ConstitutiveError> {
         Self::of(c, spectral_decomposition(c))
-    }
-
-    /// Hands the states at several strains to `then`, with their numbers. Strains are decomposed side by side.
-    fn for_each(
-        strains: &[SymmetricTensor2],
-        mut then: impl FnMut(usize, &Self) -> Result<(), ConstitutiveError>,
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        let mut one =
-            |k: usize, c, form| Self::of(c, form).and_then(|state| then(k, &state)).map_err(|error| (k, error));
-        let (several, rest) = strains.as_chunks::<TOGETHER>();
-        for (k, several) in several.iter().enumerate() {
-            for (l, (c, form)) in several.iter().zip(spectral_decompositions(several)).enumerate() {
-                one(TOGETHER * k + l, c, form)?;
-            }
-        }
-        let first = strains.len() - rest.len();
-        rest.iter().enumerate().try_for_each(|(k, c)| one(first + k, c, spectral_decomposition(c)))
     }
 
     fn of(c: &SymmetricTensor2, form: SpectralDecomposition) -> Result<Self, ConstitutiveError> {
@@ -128,14 +109,32 @@ impl Ogden {
             // exp(x) - 1 summed: no cancellation near the reference state.
             w += mu / alpha * state.logs.iter().map(|l| (alpha * l).exp_m1()).sum::<f64>();
         }
-        let x = self.beta * state.log_j;
-        w + self.kappa * (x + (-x).exp_m1()) / (self.beta * self.beta)
+        w + self.stored_by_volume(state.log_j)
     }
 
-    /// `kappa/beta (1 - J^-beta)` and `J^-beta`.
-    fn volumetric(&self, log_j: f64) -> (f64, f64) {
-        let power = (-self.beta * log_j).exp();
-        (-self.kappa / self.beta * (-self.beta * log_j).exp_m1(), power)
+    fn stored_by_volume(&self, log_j: f64) -> f64 {
+        let x = self.beta * log_j;
+        self.kappa * (x + (-x).exp_m1()) / (self.beta * self.beta)
+    }
+
+    /// The energy and the `T_A` with one exponential for both: `T_A` as of [`Self::principal`] to round-off.
+    fn stored_and_principal(&self, state: &State) -> (f64, [f64; 3]) {
+        let (mut w, mut t) = (0.0, [0.0; 3]);
+        for &(mu, alpha) in &self.terms {
+            // Powers less one; that cancels in what is deviatoric.
+            let p = state.logs.map(|l| (alpha * l).exp_m1());
+            let sum = p[0] + p[1] + p[2];
+            w += mu / alpha * sum;
+            for a in 0..3 {
+                t[a] += mu * (p[a] - sum / 3.0);
+            }
+        }
+        (w, t)
+    }
+
+    /// `kappa/beta (1 - J^-beta)`.
+    fn pressure(&self, log_j: f64) -> f64 {
+        -self.kappa / self.beta * (-self.beta * log_j).exp_m1()
     }
 
     /// Spectral sum of the principal stresses; the volumetric part is spectral too (`C^-1` has the same eigenvectors).
@@ -148,17 +147,54 @@ impl Ogden {
         stress
     }
 
+    /// What is wanted at a strain.
+    fn write(
+        &self,
+        c: &SymmetricTensor2,
+        form: SpectralDecomposition,
+        point: usize,
+        wanted: &mut Wanted<'_>,
+    ) -> Result<(), ConstitutiveError> {
+        let (state, Wanted { energies, stresses, moduli }) = (State::of(c, form)?, wanted);
+        let (mut energy, mut stress) = (None, None);
+        match (moduli, energies.is_some(), stresses.is_some()) {
+            (None, true, true) => {
+                let both = self.energy_and_stress_at(&state)?;
+                (energy, stress) = (Some(both.0), Some(both.1));
+            }
+            (Some(moduli), of_energy, _) => {
+                let (found, of_point) = self.stress_and_elasticity_at(&state)?;
+                moduli.set(point, &of_point);
+                stress = Some(found);
+                if of_energy {
+                    energy = Some(finite_energy(self.stored(&state))?);
+                }
+            }
+            (None, true, false) => energy = Some(finite_energy(self.stored(&state))?),
+            (None, false, true) => stress = Some(self.stress_at(&state)?),
+            (None, false, false) => {}
+        }
+        if let (Some(energies), Some(energy)) = (energies, energy) {
+            energies[point] = energy;
+        }
+        if let (Some(stresses), Some(stress)) = (stresses, &stress) {
+            stresses.set(point, stress);
+        }
+        Ok(())
+    }
+
     fn stress_at(&self, state: &State) -> Result<SymmetricTensor2, ConstitutiveError> {
-        let (pressure, _) = self.volumetric(state.log_j);
-        finite_stress(Self::assemble(state, &self.principal(state), pressure))
+        finite_stress(Self::assemble(state, &self.principal(state), self.pressure(state.log_j)))
     }
 
     fn energy_and_stress_at(&self, state: &State) -> Result<(f64, SymmetricTensor2), ConstitutiveError> {
-        Ok((finite_energy(self.stored(state))?, self.stress_at(state)?))
+        let (energy, principal) = self.stored_and_principal(state);
+        let stress = finite_stress(Self::assemble(state, &principal, self.pressure(state.log_j)))?;
+        Ok((finite_energy(energy + self.stored_by_volume(state.log_j))?, stress))
     }
 
     fn stress_and_elasticity_at(&self, state: &State) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-        let (pressure, power) = self.volumetric(state.log_j);
+        let (pressure, power) = (self.pressure(state.log_j), (-self.beta * state.log_j).exp());
         let x = state.squares;
         let pairs = [(0, 1), (1, 2), (0, 2)];
         let nearby = pairs.map(|(a, b)| x[b] - x[a] <= NEARBY * x[a]);
@@ -235,6 +271,17 @@ fn nearby_slope(alpha: f64, x_a: f64, x_b: f64) -> f64 {
     if gap == 0.0 { 0.5 * alpha / x_a } else { (0.5 * alpha * (gap / x_a).ln_1p()).exp_m1() / gap }
 }
 
+/// Of several strains at once.
+struct Decomposition<'a>(&'a [SymmetricTensor2; LANES]);
+
+impl Operation for Decomposition<'_> {
+    type Output = [SpectralDecomposition; LANES];
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> Self::Output {
+        spectral_decompositions(self.0)
+    }
+}
+
 impl HyperelasticLaw for Ogden {
     fn name(&self) -> &str {
         NAME
@@ -244,24 +291,8 @@ impl HyperelasticLaw for Ogden {
         finite_energy(self.stored(&State::new(right_cauchy_green)?))
     }
 
-    fn energies(
-        &self,
-        right_cauchy_green: &[SymmetricTensor2],
-        out: &mut [f64],
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        State::for_each(right_cauchy_green, |k, state| finite_energy(self.stored(state)).map(|energy| out[k] = energy))
-    }
-
     fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
         self.stress_at(&State::new(right_cauchy_green)?)
-    }
-
-    fn stresses(
-        &self,
-        right_cauchy_green: &[SymmetricTensor2],
-        out: &mut [SymmetricTensor2],
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        State::for_each(right_cauchy_green, |k, state| self.stress_at(state).map(|stress| out[k] = stress))
     }
 
     fn energy_and_stress(
@@ -271,14 +302,6 @@ impl HyperelasticLaw for Ogden {
         self.energy_and_stress_at(&State::new(right_cauchy_green)?)
     }
 
-    fn energies_and_stresses(
-        &self,
-        right_cauchy_green: &[SymmetricTensor2],
-        out: &mut [(f64, SymmetricTensor2)],
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        State::for_each(right_cauchy_green, |k, state| self.energy_and_stress_at(state).map(|both| out[k] = both))
-    }
-
     fn stress_and_elasticity(
         &self,
         right_cauchy_green: &SymmetricTensor2,
@@ -286,12 +309,17 @@ impl HyperelasticLaw for Ogden {
         self.stress_and_elasticity_at(&State::new(right_cauchy_green)?)
     }
 
-    fn stresses_and_elasticities(
-        &self,
-        right_cauchy_green: &[SymmetricTensor2],
-        out: &mut [(SymmetricTensor2, Tensor4)],
-    ) -> Result<(), (usize, ConstitutiveError)> {
-        State::for_each(right_cauchy_green, |k, state| self.stress_and_elasticity_at(state).map(|both| out[k] = both))
+    /// Strains are decomposed side by side.
+    fn evaluate(&self, strains: &Strains<'_>, mut wanted: Wanted<'_>) -> Result<(), (usize, ConstitutiveError)> {
+        if strains.count < LANES {
+            return strains.one_by_one(self, wanted);
+        }
+        let all: [SymmetricTensor2; LANES] = std::array::from_fn(|point| strains.all.get(point));
+        let forms = wide::dispatch(Decomposition(&all));
+        for (point, (c, form)) in all.iter().zip(forms).enumerate() {
+            self.write(c, form, point, &mut wanted).map_err(|error| (point, error))?;
+        }
+        Ok(())
     }
 
     fn volumetric(&self) -> Option<VolumetricSplit> {

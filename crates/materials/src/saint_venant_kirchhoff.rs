@@ -1,9 +1,14 @@
 //! Saint Venant-Kirchhoff (theory/kinematics#eq-svk; thesis (3.104)-(3.108)).
 
+use crate::closed_form::{self, ClosedForm, Moduli, evaluations};
 use crate::error::{MaterialError, finite, stable, young_poisson};
-use crate::state::{finite_energy, finite_stress, positive_det};
+use crate::state::Strain;
 use stoss_continuum::{
-    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4, green_lagrange,
+    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, Strains, SymmetricTensor2, Tensor4, Wanted,
+};
+use stoss_tensor::{
+    components::{double_contraction, trace},
+    wide::Number,
 };
 
 const NAME: &str = "saint-venant-kirchhoff";
@@ -39,29 +44,38 @@ impl SaintVenantKirchhoff {
     }
 }
 
+/// Admissible for `det C > 0` as any other law, though the formula does not need it: an inverted or collapsed state has to be found for this law too.
+impl ClosedForm for SaintVenantKirchhoff {
+    const ENERGY_OF_LOGARITHM: bool = false;
+    const STRESS_OF_LOGARITHM: bool = false;
+
+    #[inline(always)]
+    fn stored<T: Number>(&self, strain: &Strain<T>) -> T {
+        // E = A/2
+        let trace = trace(&strain.a);
+        trace * (0.125 * self.lambda) * trace + double_contraction(&strain.a, &strain.a) * (0.25 * self.mu)
+    }
+    #[inline(always)]
+    fn stress_of<T: Number>(&self, strain: &Strain<T>) -> [T; 6] {
+        let spherical = trace(&strain.a) * (0.5 * self.lambda);
+        let mut stress = strain.a;
+        for (v, s) in stress.iter_mut().enumerate() {
+            *s = if v < 3 { spherical + *s * self.mu } else { *s * self.mu };
+        }
+        stress
+    }
+    #[inline(always)]
+    fn moduli_of<T: Number>(&self, strain: &Strain<T>) -> Moduli<T> {
+        let nothing = strain.determinant.like(0.0);
+        Moduli { inverse_derivative: nothing, inverse_square: nothing, sphere: self.lambda, unit: 2.0 * self.mu }
+    }
+}
+
 impl HyperelasticLaw for SaintVenantKirchhoff {
     fn name(&self) -> &str {
         NAME
     }
-    fn energy(&self, right_cauchy_green: &SymmetricTensor2) -> Result<f64, ConstitutiveError> {
-        // Not needed by the formula: an inverted or collapsed state has to be found for this law too.
-        positive_det(right_cauchy_green)?;
-        let e = green_lagrange(right_cauchy_green);
-        finite_energy(0.5 * self.lambda * e.trace().powi(2) + self.mu * e.double_contract(&e))
-    }
-    fn stress(&self, right_cauchy_green: &SymmetricTensor2) -> Result<SymmetricTensor2, ConstitutiveError> {
-        positive_det(right_cauchy_green)?;
-        let e = green_lagrange(right_cauchy_green);
-        finite_stress(SymmetricTensor2::IDENTITY * (self.lambda * e.trace()) + e * (2.0 * self.mu))
-    }
-    fn stress_and_elasticity(
-        &self,
-        right_cauchy_green: &SymmetricTensor2,
-    ) -> Result<(SymmetricTensor2, Tensor4), ConstitutiveError> {
-        let mut elasticity = Tensor4::identity_dyad() * self.lambda;
-        elasticity.add_scaled(2.0 * self.mu, &Tensor4::symmetric_identity());
-        Ok((self.stress(right_cauchy_green)?, elasticity))
-    }
+    evaluations!();
     fn small_strain_moduli(&self) -> SmallStrainModuli {
         SmallStrainModuli::from_lame(self.lambda, self.mu)
     }

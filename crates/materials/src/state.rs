@@ -1,6 +1,7 @@
 //! What the closed-form laws need of a state of strain, to round-off also near `C = 1`, and the checks of admissibility.
 
 use stoss_continuum::{ConstitutiveError, SymmetricTensor2, Tensor4};
+use stoss_tensor::{components, wide::Number};
 
 /// Up to this change of volume `|det C - 1|` it is computed from `C - 1`. Any bound between about 0.1 and 1 will do: beyond it `det C`
 /// itself has no cancellation.
@@ -20,8 +21,6 @@ pub(crate) struct Invariants {
     pub log_j: f64,
     /// `tr A = I1 - 3`.
     pub trace_a: f64,
-    /// Second invariant of `A`.
-    pub second_a: f64,
 }
 
 impl Invariants {
@@ -30,12 +29,55 @@ impl Invariants {
     pub fn new(c: &SymmetricTensor2) -> Result<Self, ConstitutiveError> {
         let det_c = positive_det(c)?;
         let a = *c - SymmetricTensor2::IDENTITY;
-        let (trace_a, second_a) = (a.trace(), a.i2());
-        // det(1 + A) = 1 + I1(A) + I2(A) + I3(A)
-        let change = trace_a + second_a + a.det();
-        let log_j = 0.5 * if change.abs() <= MODERATE { change.ln_1p() } else { det_c.ln() };
-        Ok(Self { det_c, log_j, trace_a, second_a })
+        Ok(Self { det_c, log_j: log_j(&a.0, det_c), trace_a: a.trace() })
     }
+}
+
+/// What laws in closed form read of `C`, a strain or several side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Strain<T> {
+    /// `C`.
+    pub c: [T; 6],
+    /// `A = C - 1`.
+    pub a: [T; 6],
+    /// `C^-1`.
+    pub inverse: [T; 6],
+    /// `det C`.
+    pub determinant: T,
+    /// `ln J`, see [`Invariants::log_j`]; not a number if it is not asked for.
+    pub log_j: T,
+}
+
+impl<T: Number> Strain<T> {
+    /// Of any `C`; numbers that are not admissible are the caller's to find.
+    #[inline(always)]
+    pub fn new(c: [T; 6], with_logarithm: bool) -> Self {
+        let determinant = components::determinant(c);
+        let inverse = components::inverse(c, determinant);
+        let one = determinant.like(1.0);
+        let a = [c[0] - one, c[1] - one, c[2] - one, c[3], c[4], c[5]];
+        let log_j = if with_logarithm { log_j(&a, determinant) } else { determinant.like(f64::NAN) };
+        Self { c, a, inverse, determinant, log_j }
+    }
+}
+
+impl Strain<f64> {
+    /// Of an admissible `C`, or why it is not.
+    #[inline]
+    pub fn admissible(c: &SymmetricTensor2, with_logarithm: bool) -> Result<Self, ConstitutiveError> {
+        positive_det(c)?;
+        Ok(Self::new(c.0, with_logarithm))
+    }
+}
+
+/// `ln J` of `A = C - 1` and `det C`.
+#[inline(always)]
+fn log_j<T: Number>(a: &[T; 6], determinant: T) -> T {
+    // det(1 + A) = 1 + I1(A) + I2(A) + I3(A)
+    let change = components::trace(a) + components::second(*a) + components::determinant(*a);
+    change.each_with(determinant, |change, det_c| {
+        0.5 * if change.abs() <= MODERATE { change.ln_1p() } else { det_c.ln() }
+    })
 }
 
 /// `det C` if positive and finite.
@@ -91,7 +133,6 @@ mod tests {
             let exact = 1.5 * a.ln_1p();
             prop_assert!((i.log_j - exact).abs() <= 1e-14 * exact.abs());
             prop_assert!((i.trace_a - 3.0 * a).abs() <= 1e-15 * a.abs());
-            prop_assert!((i.second_a - 3.0 * a * a).abs() <= 1e-15 * a * a);
         }
     }
 

@@ -1,7 +1,10 @@
 //! Every law of the catalogue, and a user's own, through the battery; derivatives against dual numbers.
 
 use num_dual::DualNum;
-use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SmallStrainModuli, SymmetricTensor2, Tensor4};
+use stoss_continuum::wide::{LANES, SymmetricTensors, Tensors4};
+use stoss_continuum::{
+    ConstitutiveError, HyperelasticLaw, SmallStrainModuli, Strains, SymmetricTensor2, Tensor4, Wanted,
+};
 use stoss_materials::{FirstInvariant, MaterialError, MooneyRivlin, NeoHooke, Ogden, SaintVenantKirchhoff};
 use stoss_testkit::laws::{EnergyOracle, against_dual_numbers, battery, invariants};
 
@@ -317,4 +320,63 @@ impl HyperelasticLaw for UsersLaw {
 #[test]
 fn a_law_of_the_users_own() {
     battery(&UsersLaw { mu: 80.0, beta: 1.5 }, 1e-13);
+}
+
+/// Four strains, one of which may be far from the others.
+fn four() -> SymmetricTensors {
+    let mut all = SymmetricTensors::splat(&SymmetricTensor2::IDENTITY);
+    all.set(1, &SymmetricTensor2([1.21, 0.9, 1.1, 0.1, -0.05, 0.02]));
+    all.set(2, &SymmetricTensor2([1.0 + 1e-9, 1.0, 1.0, 1e-10, 0.0, 0.0]));
+    all.set(3, &SymmetricTensor2([2.5, 0.4, 1.4, -0.3, 0.2, 0.1]));
+    all
+}
+
+#[test]
+fn several_strains_or_one() {
+    let laws: [&dyn HyperelasticLaw; 5] = [
+        &SaintVenantKirchhoff::from_young_poisson(YOUNG, POISSON).unwrap(),
+        &NeoHooke::from_young_poisson(YOUNG, POISSON).unwrap(),
+        &MooneyRivlin::new(176_051.0, 4332.63, 2.0e6).unwrap(),
+        &ogden(),
+        &FirstInvariant::gent(20.0, 80.0, 100.0).unwrap(),
+    ];
+    let all = four();
+    for law in laws {
+        for count in 1..=LANES {
+            let strains = Strains { all: &all, count };
+            let (mut energies, mut stresses, mut moduli) = ([0.0; LANES], SymmetricTensors::ZERO, Tensors4::ZERO);
+            law.evaluate(&strains, Wanted { energies: Some(&mut energies), ..Wanted::default() }).unwrap();
+            let wanted = Wanted { stresses: Some(&mut stresses), moduli: Some(&mut moduli), ..Wanted::default() };
+            law.evaluate(&strains, wanted).unwrap();
+            let (mut more_energies, mut more_stresses) = ([0.0; LANES], SymmetricTensors::ZERO);
+            let wanted =
+                Wanted { energies: Some(&mut more_energies), stresses: Some(&mut more_stresses), moduli: None };
+            law.evaluate(&strains, wanted).unwrap();
+            for point in 0..count {
+                let c = all.get(point);
+                assert_eq!(energies[point], law.energy(&c).unwrap(), "{} {point}", law.name());
+                let (stress, elasticity) = law.stress_and_elasticity(&c).unwrap();
+                assert_eq!(stresses.get(point), stress, "{} {point}", law.name());
+                assert_eq!(moduli.get(point), elasticity, "{} {point}", law.name());
+                let both = law.energy_and_stress(&c).unwrap();
+                assert_eq!((more_energies[point], more_stresses.get(point)), both, "{} {point}", law.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_first_bad_strain_of_several_is_named() {
+    let law = NeoHooke::from_young_poisson(YOUNG, POISSON).unwrap();
+    let mut all = four();
+    all.set(2, &SymmetricTensor2([1.0, 1.0, -2.0, 0.0, 0.0, 0.0]));
+    all.set(3, &SymmetricTensor2([f64::NAN; 6]));
+    let ask = |count: usize| {
+        let mut stresses = SymmetricTensors::ZERO;
+        let wanted = Wanted { stresses: Some(&mut stresses), ..Wanted::default() };
+        law.evaluate(&Strains { all: &all, count }, wanted).map(|()| stresses.get(1))
+    };
+    assert_eq!(ask(4), Err((2, ConstitutiveError::NonPositiveJacobian { det_c: -2.0 })));
+    // What is of no point may be anything.
+    assert_eq!(ask(2), Ok(law.stress(&all.get(1)).unwrap()));
 }

@@ -1,6 +1,6 @@
 //! Fourth-order tensors with minor symmetries.
 
-use crate::{INDEX_PAIRS, SymmetricTensor2};
+use crate::{INDEX_PAIRS, SymmetricTensor2, components};
 use std::ops::{Add, Mul};
 
 /// A fourth-order tensor with both minor symmetries (`C_ijkl = C_jikl = C_ijlk`), major symmetry not assumed.
@@ -46,12 +46,10 @@ impl Tensor4 {
     /// `-(A_ik A_jl + A_il A_jk)/2`. With `A = C^-1` this is `d C^-1 / d C` (theory/kinematics#eq-identities).
     #[inline]
     pub fn inverse_derivative(inverse: &SymmetricTensor2) -> Self {
-        let [xx, yy, zz, xy, yz, xz] = inverse.0;
-        let m = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
         let mut c = [[0.0; 6]; 6];
-        for (a, &(i, j)) in INDEX_PAIRS.iter().enumerate() {
-            for (b, &(k, l)) in INDEX_PAIRS.iter().enumerate().skip(a) {
-                c[a][b] = -0.5 * (m[i][k] * m[j][l] + m[i][l] * m[j][k]);
+        for a in 0..6 {
+            for b in a..6 {
+                c[a][b] = components::inverse_derivative(&inverse.0, a, b);
                 c[b][a] = c[a][b];
             }
         }

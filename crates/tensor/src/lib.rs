@@ -6,13 +6,16 @@
 //! * [`SymmetricTensor2`]: six components, invariants, inverse, products;
 //! * [`Tensor4`]: six by six components with both minor symmetries;
 //! * [`SpectralDecomposition`], [`spectral_decomposition()`], [`spectral_decompositions`]: eigenvalues and eigenvectors of a symmetric tensor;
+//! * [`wide`], [`components`]: numbers and tensors of several points side by side, and formulas for both;
 //! * [`Tensor2`], [`Vector3`]: nalgebra's.
 //!
 #![doc = include_str!("../README.md")]
 
+pub mod components;
 mod fourth_order;
 mod spectral;
 mod symmetric;
+pub mod wide;
 
 pub use fourth_order::Tensor4;
 pub use nalgebra;

@@ -1,6 +1,6 @@
 //! Eigenvalues and eigenvectors of symmetric tensors.
 
-use crate::{SymmetricTensor2, Vector3};
+use crate::{SymmetricTensor2, Vector3, components::COMPONENT_OF};
 
 /// Spectral decomposition `a = sum values[A] vectors[A] (x) vectors[A]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +66,7 @@ pub fn spectral_decomposition(a: &SymmetricTensor2) -> SpectralDecomposition {
 }
 
 /// [`spectral_decomposition`] of several tensors side by side, with the same bits: each waits for its quotients and roots, and they wait together.
+#[inline(always)]
 pub fn spectral_decompositions<const L: usize>(tensors: &[SymmetricTensor2; L]) -> [SpectralDecomposition; L] {
     // Entries, and rows of vectors, of all tensors: `[row][column][tensor]`.
     let (mut m, mut v) = ([[[0.0; L]; 3]; 3], [[[0.0; L]; 3]; 3]);
@@ -73,7 +74,7 @@ pub fn spectral_decompositions<const L: usize>(tensors: &[SymmetricTensor2; L]) 
         v[i][i] = [1.0; L];
         for j in 0..3 {
             for l in 0..L {
-                m[i][j][l] = tensors[l].0[ROWS[i][j]];
+                m[i][j][l] = tensors[l].0[COMPONENT_OF[i][j]];
             }
         }
     }
@@ -101,9 +102,6 @@ pub fn spectral_decompositions<const L: usize>(tensors: &[SymmetricTensor2; L]) 
         }
     })
 }
-
-/// Place of `[row][column]` among the six components.
-const ROWS: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 /// The rotation that takes the entry `(p, q)` away; where that is negligible it is set to zero.
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Symmetric second-order tensors.
 
-use crate::{INDEX_PAIRS, Tensor2};
+use crate::{INDEX_PAIRS, Tensor2, components};
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 /// A symmetric second-order tensor: plain components 11, 22, 33, 12, 23, 13 (shears not doubled).
@@ -55,29 +55,19 @@ impl SymmetricTensor2 {
     /// First invariant, the trace `a_ii`.
     #[inline]
     pub fn trace(&self) -> f64 {
-        self.0[0] + self.0[1] + self.0[2]
+        components::trace(&self.0)
     }
 
     /// Third invariant, the determinant.
     #[inline]
     pub fn det(&self) -> f64 {
-        let [xx, yy, zz, xy, yz, xz] = self.0;
-        xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+        components::determinant(self.0)
     }
 
     /// Inverse, given the determinant (which must not be zero).
     #[inline]
     pub fn inverse_with_det(&self, det: f64) -> Self {
-        let [xx, yy, zz, xy, yz, xz] = self.0;
-        let r = 1.0 / det;
-        Self([
-            r * (yy * zz - yz * yz),
-            r * (xx * zz - xz * xz),
-            r * (xx * yy - xy * xy),
-            r * (xz * yz - xy * zz),
-            r * (xy * xz - xx * yz),
-            r * (xy * yz - yy * xz),
-        ])
+        Self(components::inverse(self.0, det))
     }
 
     /// Inverse; infinite or NaN if singular.
@@ -89,8 +79,7 @@ impl SymmetricTensor2 {
     /// `a : b = a_ij b_ij`.
     #[inline]
     pub fn double_contract(&self, other: &Self) -> f64 {
-        let (a, b) = (&self.0, &other.0);
-        a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+        components::double_contraction(&self.0, &other.0)
     }
 
     /// Frobenius norm `sqrt(a : a)`.
@@ -109,8 +98,7 @@ impl SymmetricTensor2 {
     /// Second invariant `(tr(a)^2 - tr(a^2))/2`.
     #[inline]
     pub fn i2(&self) -> f64 {
-        let [xx, yy, zz, xy, yz, xz] = self.0;
-        xx * yy + yy * zz + xx * zz - xy * xy - yz * yz - xz * xz
+        components::second(self.0)
     }
 
     /// True if no component is infinite or NaN.
