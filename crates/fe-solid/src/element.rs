@@ -106,6 +106,11 @@ pub(crate) struct Geometry<'a, const N: usize, const G: usize> {
     pub natural: &'a Natural<N, G>,
 }
 
+/// Whether a Jacobian is no positive number.
+fn is_inverted(determinant: f64) -> bool {
+    determinant <= 0.0 || determinant.is_nan()
+}
+
 /// What is done with some Gauss points side by side: `count` of them from `first` on.
 trait Points {
     fn of<S: Simd>(&mut self, simd: S, first: usize, count: usize) -> Result<(), Failure>;
@@ -148,8 +153,7 @@ impl<const N: usize, const G: usize> Geometry<'_, N, G> {
     ) -> Result<(Matrix3, SymmetricTensor2), Failure> {
         let f = self.reference.deformation_gradient(self.natural, q, gauss_point);
         let determinant = determinant(&f);
-        // `!(det > 0)` also catches a NaN.
-        if !(determinant > 0.0) {
+        if is_inverted(determinant) {
             return Err(FailureKind::Inverted { determinant, level }.at(gauss_point));
         }
         Ok((f, SymmetricTensor2(right_cauchy_green(&f))))
@@ -206,7 +210,7 @@ impl<const N: usize, const G: usize> Geometry<'_, N, G> {
             determinant(&f).store(&mut determinants, part);
             c.store(&right_cauchy_green(&f), part);
         }
-        match determinants[..count].iter().position(|&determinant| !(determinant > 0.0)) {
+        match determinants[..count].iter().position(|&determinant| is_inverted(determinant)) {
             None => Ok((f, c)),
             Some(l) => Err(FailureKind::Inverted { determinant: determinants[l], level }.at(first + l)),
         }

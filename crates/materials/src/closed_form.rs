@@ -66,22 +66,22 @@ impl<L: ClosedForm> Operation for Evaluation<'_, '_, L> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> bool {
         let Self { law, strains, wanted: Wanted { energies, stresses, moduli } } = self;
-        // Zero as long as all is finite: inf - inf and NaN - NaN are not.
+        // Zero as long as all is finite.
         let (mut determinants, mut zero) = ([0.0; LANES], [0.0; LANES]);
         for part in 0..wide::parts::<S>() {
             let with_logarithm = L::STRESS_OF_LOGARITHM || (L::ENERGY_OF_LOGARITHM && energies.is_some());
             let strain = Strain::new(strains.load(simd, part), with_logarithm);
             strain.determinant.store(&mut determinants, part);
-            let mut excess = strain.determinant - strain.determinant;
+            let mut excess = strain.determinant * 0.0;
             if let Some(energies) = energies {
                 let energy = law.stored(&strain);
-                excess = excess + (energy - energy);
+                excess = excess + energy * 0.0;
                 energy.store(energies, part);
             }
             if let Some(stresses) = stresses {
                 let stress = law.stress_of(&strain);
                 for x in &stress {
-                    excess = excess + (*x - *x);
+                    excess = excess + *x * 0.0;
                 }
                 stresses.store(&stress, part);
             }
@@ -90,7 +90,7 @@ impl<L: ClosedForm> Operation for Evaluation<'_, '_, L> {
                 for row in 0..6 {
                     for column in row..6 {
                         let value = form.at(&strain.inverse, row, column);
-                        excess = excess + (value - value);
+                        excess = excess + value * 0.0;
                         value.store(&mut moduli.0[row][column], part);
                         if column > row {
                             value.store(&mut moduli.0[column][row], part);
