@@ -5,7 +5,7 @@
 //!
 //! `R = M a_alg(q_np1) + w F_rule(q_n, q_np1) + h H_n - c G_rule(q_n, q_np1)^T p`,
 //!
-//! and for the update of velocity and acceleration. [`evaluate`], [`finish`] and [`start`] carry that out for any
+//! and for the update of velocity and acceleration. [`evaluate`], [`evaluate_constraints`], [`finish`] and [`start`] carry that out for any
 //! [`SecondOrderSystem`], be it a spring with three coordinates or a finite-element model.
 //!
 //! This crate is not a solver: it knows neither elements nor contact nor matrices, and does not iterate.
@@ -33,5 +33,5 @@ pub use schemes::{
     Trapezoidal, VariationalMidpoint,
 };
 pub use state::State;
-pub use step::{Buffers, EndPoint, Step, evaluate, finish, start};
+pub use step::{Buffers, EndPoint, Step, evaluate, evaluate_constraints, finish, start};
 pub use system::{DampingTangent, SecondOrderSystem, StepConfiguration};

@@ -121,6 +121,10 @@ impl Buffers {
     }
 }
 
+fn damping_weight<S: SecondOrderSystem>(system: &S, rule: &StepRule) -> f64 {
+    if system.has_damping() { rule.damping_weight() } else { 0.0 }
+}
+
 /// Damping forces of a step into `damping`, and their velocity; with `tangent` also that factor times their derivative.
 fn damp<S: SecondOrderSystem>(
     system: &mut S,
@@ -173,28 +177,49 @@ pub fn evaluate<S: SecondOrderSystem>(
     buffers: &mut Buffers,
 ) -> Result<(), S::Error> {
     let rule = &step.rule;
-    let at = step.configuration(end.q);
     if tangent {
         system.start_tangent(rule.inertia.increment);
     }
-    let damping_weight = if system.has_damping() { rule.damping_weight() } else { 0.0 };
+    let damping_weight = damping_weight(system, rule);
     if damping_weight != 0.0 {
         damp(system, step, end.increment, tangent.then_some(damping_weight), buffers)?;
     }
-    let Buffers { residual, force, constraint, inertia, damping, scratch, own, .. } = buffers;
-    clear(own, residual);
-    if damping_weight != 0.0 {
-        add(damping_weight, damping, own, residual);
-    }
+    let Buffers { force, inertia, scratch, own, .. } = &mut *buffers;
     clear(own, force);
     if rule.force.weight != 0.0 {
-        system.add_force(at, rule.force.rule, tangent.then_some(rule.force.weight), force)?;
-        add(rule.force.weight, force, own, residual);
+        let tangent = tangent.then_some(rule.force.weight);
+        system.add_force(step.configuration(end.q), rule.force.rule, tangent, force)?;
     }
     if rule.has_inertia() {
         step.combine(rule.inertia, end.increment, own, scratch);
         clear(own, inertia);
         system.add_mass_product(1.0, scratch, inertia);
+    }
+    evaluate_constraints(system, step, end.q, tangent, buffers)
+}
+
+/// As [`evaluate`] at the same `end`, after nothing has changed but multipliers and which constraints act: all other terms, and their tangent if it is wanted, are those of the last evaluation.
+///
+/// # Errors
+/// As [`evaluate`].
+pub fn evaluate_constraints<S: SecondOrderSystem>(
+    system: &mut S,
+    step: &Step<'_>,
+    q_np1: &[f64],
+    tangent: bool,
+    buffers: &mut Buffers,
+) -> Result<(), S::Error> {
+    let rule = &step.rule;
+    let damping_weight = damping_weight(system, rule);
+    let Buffers { residual, force, constraint, inertia, damping, own, .. } = buffers;
+    clear(own, residual);
+    if damping_weight != 0.0 {
+        add(damping_weight, damping, own, residual);
+    }
+    if rule.force.weight != 0.0 {
+        add(rule.force.weight, force, own, residual);
+    }
+    if rule.has_inertia() {
         add(1.0, inertia, own, residual);
     }
     if let Some(history) = rule.history {
@@ -206,7 +231,7 @@ pub fn evaluate<S: SecondOrderSystem>(
     if system.has_constraints() {
         clear(own, constraint);
         let ConstraintTerm { rule, weight } = rule.constraint;
-        system.add_constraint_force(at, rule, weight, tangent, constraint)?;
+        system.add_constraint_force(step.configuration(q_np1), rule, weight, tangent, constraint)?;
         add(-weight, constraint, own, residual);
     }
     Ok(())

@@ -1,6 +1,8 @@
 //! A solver that hands the systems it solves to a recorder.
 
-use crate::{EquationPlace, LinalgError, LinearSolver, MatrixKind, SolveReport, SolverStatistics, SparsityPattern};
+use crate::{
+    Accuracy, EquationPlace, LinalgError, LinearSolver, MatrixKind, SolveReport, SolverStatistics, SparsityPattern,
+};
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
@@ -79,9 +81,9 @@ impl LinearSolver for RecordingSolver {
         values: &[f64],
         rhs: &[f64],
         solution: &mut [f64],
-        tolerance: f64,
+        accuracy: Accuracy,
     ) -> Result<Option<u32>, LinalgError> {
-        self.inner.solve_nearby(values, rhs, solution, tolerance)
+        self.inner.solve_nearby(values, rhs, solution, accuracy)
     }
 
     fn solve_definite(
@@ -89,9 +91,9 @@ impl LinearSolver for RecordingSolver {
         values: &[f64],
         rhs: &[f64],
         solution: &mut [f64],
-        tolerance: f64,
+        accuracy: Accuracy,
     ) -> Result<bool, LinalgError> {
-        self.inner.solve_definite(values, rhs, solution, tolerance)
+        self.inner.solve_definite(values, rhs, solution, accuracy)
     }
 
     fn is_definite(&mut self, values: &[f64]) -> Option<bool> {

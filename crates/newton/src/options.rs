@@ -98,6 +98,8 @@ pub struct NewtonOptions {
     pub polish: u32,
     /// Reduction of the residual, in (0, 1), that a further iteration must reach for another one to follow.
     pub polish_factor: f64,
+    /// Whether the problem is to hold the tangent of a polished solution. Nothing is solved with it any more.
+    pub tangent_at_solution: bool,
     /// No further iterations below `round_off_level * scale`: the residual is round-off.
     pub round_off_level: f64,
     /// A residual that no longer falls by [`Self::polish_factor`] counts as converged to round-off although the tolerance is
@@ -122,6 +124,7 @@ impl Default for NewtonOptions {
             relative_tolerance: 1e-9,
             polish: 1,
             polish_factor: 0.5,
+            tangent_at_solution: false,
             round_off_level: 1e-15,
             stagnation_residual: 1e-11,
             stagnation_increment: 1e-13,

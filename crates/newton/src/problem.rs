@@ -26,7 +26,7 @@ pub struct Potential {
 /// A system of equations at an iterate that the problem itself stores.
 ///
 /// Calls come in this order: `assemble`, then for each iteration `solve` (or `solve_downhill`, `potential`, `slope`), `longest_step`, `update` by that much, `assemble`; where a line search or
-/// the polishing rejects that step, `update(s)` with smaller `s` (0 included), `residual_norm`, and `assemble` again.
+/// the polishing rejects that step, `update(s)` with smaller `s` (0 included), `residual_norms`, and `assemble` again. The last iteration of the polishing ends with `residual_norms`.
 pub trait NewtonProblem {
     /// What can go wrong in the problem.
     type Error;
@@ -94,12 +94,12 @@ pub trait NewtonProblem {
     /// The problem's own.
     fn update(&mut self, factor: f64) -> Result<(), Self::Error>;
 
-    /// Norm of the residual alone at the present (trial) iterate. The default assembles everything.
+    /// The residual's norms at the present (trial) iterate, without the tangent. The default assembles everything.
     ///
     /// # Errors
     /// As [`Self::assemble`].
-    fn residual_norm(&mut self) -> Result<f64, Self::Error> {
-        Ok(self.assemble()?.residual)
+    fn residual_norms(&mut self) -> Result<ResidualNorms, Self::Error> {
+        self.assemble()
     }
 
     /// Largest violation of the constraints among the equations at the iterate that was evaluated last, relative to what they

@@ -9,8 +9,8 @@ use crate::{
 /// Iterates until a stop reason applies. On success the problem's iterate is the solution. After a failure it is undefined:
 /// the caller restores its last good state.
 ///
-/// On success residual and tangent held by the problem belong to the solution, and `iterations.last()` is its record,
-/// unless the last step was taken back: then its record has step length zero.
+/// On success the residual held by the problem belongs to the solution, and `iterations.last()` is its record,
+/// unless the last step was taken back: then its record has step length zero. The tangent belongs to it too, unless the iterate was polished: then only with [`NewtonOptions::tangent_at_solution`].
 ///
 /// # Errors
 /// [`NewtonFailure::NotConverged`] with the reason, or [`NewtonFailure::Problem`] with the problem's own error.
@@ -117,6 +117,12 @@ fn measure(residual: f64, scale: f64, violation: f64) -> f64 {
 
 fn assemble<P: NewtonProblem>(problem: &mut P) -> Result<Norms, P::Error> {
     let norms = problem.assemble()?;
+    Ok(Norms::new(norms, problem.relative_violation()))
+}
+
+/// As [`assemble`], without the tangent.
+fn evaluate<P: NewtonProblem>(problem: &mut P) -> Result<Norms, P::Error> {
+    let norms = problem.residual_norms()?;
     Ok(Norms::new(norms, problem.relative_violation()))
 }
 
@@ -230,7 +236,7 @@ impl Iteration<'_> {
     /// restored iterate.
     fn polish<P: NewtonProblem>(&mut self, problem: &mut P, mut norms: Norms) -> Result<StopReason, P::Error> {
         let o = self.options;
-        for _ in 0..o.polish {
+        for round in 1..=o.polish {
             if norms.measure <= o.round_off_level * norms.scale {
                 return Ok(StopReason::ConvergedToRoundOff);
             }
@@ -239,7 +245,9 @@ impl Iteration<'_> {
                 return Ok(StopReason::Converged);
             };
             let trial = match problem.longest_step().and_then(|longest| problem.update(longest)) {
-                Ok(()) => assemble(problem),
+                Ok(()) if o.tangent_at_solution || round < o.polish => assemble(problem),
+                // Nothing is solved for any more.
+                Ok(()) => evaluate(problem),
                 Err(error) => Err(error),
             };
             let rejected = trial.as_ref().map_or(f64::NAN, |t| t.measure);
@@ -260,7 +268,7 @@ impl Iteration<'_> {
                 _ => {
                     // Clearly worse than before: restore the last iterate.
                     problem.update(0.0)?;
-                    problem.assemble()?;
+                    if o.tangent_at_solution { assemble(problem) } else { evaluate(problem) }?;
                     self.record(Norms { residual: rejected, ..norms }, increment, 0.0);
                     return Ok(StopReason::Converged);
                 }
@@ -348,7 +356,9 @@ impl Iteration<'_> {
         for _ in 0..max_reductions {
             length *= reduction;
             let trial = match problem.update(length) {
-                Ok(()) => problem.residual_norm().map(|r| measure(r, previous.scale, problem.relative_violation())),
+                Ok(()) => {
+                    problem.residual_norms().map(|r| measure(r.residual, previous.scale, problem.relative_violation()))
+                }
                 Err(error) => Err(error),
             };
             match trial {
@@ -386,7 +396,7 @@ impl Iteration<'_> {
         for _ in 0..trials {
             let part = (low.1 / (low.1 - high.1)).clamp(0.1, 0.9);
             length = low.0 + part * (high.0 - low.0);
-            let slope = match problem.update(length).and_then(|()| problem.residual_norm()) {
+            let slope = match problem.update(length).and_then(|()| problem.residual_norms()) {
                 Ok(_) => problem.slope(),
                 Err(error) if problem.is_recoverable(&error) => f64::INFINITY,
                 Err(error) => return Err(error),
@@ -423,8 +433,8 @@ impl Iteration<'_> {
         for trial in 0..=MAX_REDUCTIONS_ON_POTENTIAL {
             let norms = match problem.update(length) {
                 Ok(()) if trial == 0 => assemble(problem),
-                Ok(()) => problem.residual_norm().map(|residual| {
-                    Norms::new(ResidualNorms { residual, scale: previous.scale }, problem.relative_violation())
+                Ok(()) => problem.residual_norms().map(|norms| {
+                    Norms::new(ResidualNorms { scale: previous.scale, ..norms }, problem.relative_violation())
                 }),
                 Err(error) => Err(error),
             };

@@ -54,8 +54,7 @@ impl<F: Fn(f64) -> f64, K: Fn(f64) -> f64> NewtonProblem for Scalar<F, K> {
 
     fn assemble(&mut self) -> Result<ResidualNorms, Outside> {
         self.assemblies += 1;
-        let residual = self.residual_norm()?;
-        Ok(ResidualNorms { residual, scale: self.scale })
+        self.residual_norms()
     }
 
     fn solve(&mut self) -> Result<f64, Outside> {
@@ -74,11 +73,11 @@ impl<F: Fn(f64) -> f64, K: Fn(f64) -> f64> NewtonProblem for Scalar<F, K> {
         Ok(())
     }
 
-    fn residual_norm(&mut self) -> Result<f64, Outside> {
+    fn residual_norms(&mut self) -> Result<ResidualNorms, Outside> {
         if self.x < self.domain.0 || self.x > self.domain.1 {
             return Err(Outside(self.x));
         }
-        Ok((self.f)(self.x).abs())
+        Ok(ResidualNorms { residual: (self.f)(self.x).abs(), scale: self.scale })
     }
 
     fn is_recoverable(&self, _: &Outside) -> bool {

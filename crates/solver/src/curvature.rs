@@ -1,6 +1,7 @@
 //! The curvature of the energy at a static solution: in how many directions it falls.
 
-use crate::problem::{SMALLEST_SHIFT, StepProblem};
+use crate::downhill::SMALLEST_SHIFT;
+use crate::problem::StepProblem;
 use crate::timing::Phase;
 use crate::{Coupling, StepError};
 

@@ -2,12 +2,13 @@
 
 use crate::assembly::{Base, System, has_condensed, with_nodes};
 use crate::diagnosis::{blocked, linear_error};
+use crate::forcing::Forcing;
 use crate::iterate::Iterate;
 use crate::system::FeSystem;
 use crate::{Coupling, Load, Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
-use stoss_integrators::{Buffers, Step, evaluate};
-use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
+use stoss_integrators::{Buffers, Step, evaluate, evaluate_constraints};
+use stoss_linalg::{Accuracy, LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
 use stoss_newton::{LineSearch, NewtonProblem, Potential, ResidualNorms};
 use stoss_term::{Auxiliary, Rule, Term as _};
 
@@ -15,24 +16,6 @@ use stoss_term::{Auxiliary, Rule, Term as _};
 /// need are the smallest scale that the residual is measured against. Without it a free, unstressed flight, whose
 /// forces are round-off, could never converge relatively.
 pub(crate) const SMALLEST_RESOLVED_MOTION: f64 = 1.0e-4;
-
-/// Relative residual of linear solutions by iteration. Newton's own residual falls at most by this factor in an iteration then, which is what it
-/// gains at best where it converges quadratically and the residual is not yet at round-off. (Two tori with friction, 25 steps: as many Newton
-/// iterations as with 1e-10; 1e-4 takes two more.)
-const LINEAR_TOLERANCE: f64 = 1.0e-6;
-
-/// The largest one that Newton's tolerance may ask for.
-const LOOSEST_LINEAR_TOLERANCE: f64 = 1.0e-2;
-
-/// Smallest shift of an unstable tangent, in parts of its mean diagonal, and the factor to the next one.
-pub(crate) const SMALLEST_SHIFT: f64 = 1.0e-6;
-const SHIFT_FACTOR: f64 = 4.0;
-
-/// At most so many shifts of a tangent: the last one is ten orders of magnitude above the diagonal.
-const MAX_SHIFTS: u32 = 27;
-
-/// Increments of a shifted tangent are lengthened by this at most.
-const LONGEST: f64 = 8.0;
 
 /// Round-off of an energy, in parts of the energy of a strain of one. (A difference of energies at strains of 0.1 has some 1e-15 of it.)
 const ENERGY_ROUND_OFF: f64 = 1.0e-14;
@@ -52,10 +35,20 @@ pub(crate) struct StepProblem<'a> {
     pub part: f64,
     /// Shift of the last tangent that needed one in this solution.
     pub last_shift: f64,
-    /// Norms at the iterate, if residual and tangent are those of the iterate already.
-    pub assembled: Option<ResidualNorms>,
-    /// What [`NewtonProblem::aim`] says, if the iteration ends at its tolerance; `None` if more accuracy is of use.
-    pub aim: Option<f64>,
+    pub known: Known,
+    pub forcing: Forcing,
+    /// [`potential_energy`] at the iterate, once it was asked for there.
+    energy: Option<f64>,
+}
+
+/// What of residual and tangent is known at the iterate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Known {
+    Nothing,
+    /// All but what the couplings have, in the buffers and in the fixed part of the matrix.
+    WithoutCouplings,
+    /// All, with these norms.
+    All(ResidualNorms),
 }
 
 /// Size of the motion, in multiples of an edge length, whose difference of forces replaces the product of prescribed motions and
@@ -68,9 +61,38 @@ const MAX_PREDICTIONS: u32 = 20;
 /// Part of the way that is free which a prediction goes where surfaces come near each other. All of it would leave a tenth of the distances and forces out of all proportion.
 const OF_FREE_WAY: f64 = 0.5;
 
+impl<'a> StepProblem<'a> {
+    /// At an iterate of which nothing is known.
+    pub fn new(
+        model: &'a mut Model,
+        system: &'a mut System,
+        step: Step<'a>,
+        iterate: &'a mut Iterate,
+        timings: &'a mut Timings,
+        solves: &'a mut u32,
+    ) -> Self {
+        Self {
+            model,
+            system,
+            step,
+            iterate,
+            timings,
+            solves,
+            solved_shifted: false,
+            part: 0.0,
+            last_shift: 0.0,
+            known: Known::Nothing,
+            forcing: Forcing::default(),
+            energy: None,
+        }
+    }
+}
+
 impl StepProblem<'_> {
     /// Fills residual, and matrix values if asked; returns norms of forces. (The constraints' violation is `system.tally.gap_measure`.)
     fn evaluate(&mut self, want_tangent: bool) -> Result<ResidualNorms, StepError> {
+        let known = std::mem::replace(&mut self.known, Known::Nothing);
+        self.energy = None;
         self.renew_contacts(want_tangent)?;
         let Self { model, system, step, iterate, .. } = self;
         let mut buffers = std::mem::take(&mut system.buffers);
@@ -79,7 +101,12 @@ impl StepProblem<'_> {
         }
         let Iterate { pressures, auxiliaries, active, .. } = &**iterate;
         let mut fe = FeSystem { model, system, pressures, auxiliaries, active };
-        let result = evaluate(&mut fe, step, iterate.end_point(), want_tangent, &mut buffers);
+        let result = match known {
+            Known::Nothing => evaluate(&mut fe, step, iterate.end_point(), want_tangent, &mut buffers),
+            Known::WithoutCouplings | Known::All(_) => {
+                evaluate_constraints(&mut fe, step, &iterate.q, want_tangent, &mut buffers)
+            }
+        };
         let s = &mut **system;
         s.buffers = buffers;
         result?;
@@ -114,6 +141,10 @@ impl StepProblem<'_> {
             scale = scale.max(history.weight * vector::norm2_of(&step.state_n.history, &s.own));
         }
         self.add_anchor(want_tangent);
+        // Without couplings the matrix is what is fixed, and springs are in it.
+        if want_tangent && !self.model.contacts.is_empty() {
+            self.known = Known::WithoutCouplings;
+        }
         let s = &mut *self.system;
         let mut sum = s.tally.auxiliary_square;
         for (rhs, &component) in s.rhs.iter_mut().zip(&s.matrix.numbering.free) {
@@ -154,6 +185,9 @@ impl StepProblem<'_> {
         let norms = timings.measure(Phase::Assembly, || self.evaluate(want_tangent));
         timings.split(Phase::Assembly, Phase::Contact, self.system.tally.contact_time);
         *self.timings = timings;
+        if let Ok(norms) = &norms {
+            self.forcing.note(norms, self.system.tally.gap_measure);
+        }
         norms
     }
 
@@ -249,7 +283,7 @@ impl StepProblem<'_> {
 
 impl StepProblem<'_> {
     /// Increments of all components after a linear solution, of embedded nodes too.
-    fn full_increment(&mut self) {
+    pub(crate) fn full_increment(&mut self) {
         let System { base: Base { full_increment, .. }, increment, matrix, .. } = &mut *self.system;
         for (&component, du) in matrix.numbering.free.iter().zip(increment.iter()) {
             full_increment[component as usize] = *du;
@@ -335,153 +369,20 @@ impl StepProblem<'_> {
             && self.model.contacts.iter().filter_map(Coupling::potential).all(|of| of.has_energy(rule))
             && !self.iterate.active.iter().flatten().any(|&active| active)
     }
-
-    /// Solves with an unsymmetric tangent, shifted until the increment goes downhill.
-    fn solve_unsymmetric_downhill(&mut self) -> Result<f64, StepError> {
-        let mut increment = self.solve()?;
-        let mut shift = (SMALLEST_SHIFT * self.mean_diagonal()).max(self.last_shift / SHIFT_FACTOR);
-        for _ in 0..MAX_SHIFTS {
-            if self.slope_of_increment() <= 0.0 {
-                break;
-            }
-            self.last_shift = shift;
-            let solved = self.factorise_shifted(MatrixKind::General, shift).and_then(|_| self.solve_factorised());
-            if let Err(error) = solved {
-                let has_inertia = self.step.rule.has_inertia();
-                return Err(linear_error(self.model, self.system, self.iterate, has_inertia, error));
-            }
-            self.solved_shifted = true;
-            increment = self.keep_base()?;
-            shift *= SHIFT_FACTOR;
-        }
-        Ok(increment)
-    }
-
-    /// Lets friction know where the iterate will go.
-    fn set_line(&mut self) {
-        self.part = 0.0;
-        self.full_increment();
-        let Self { model, system, .. } = self;
-        model
-            .contacts
-            .iter_mut()
-            .filter_map(Coupling::potential_mut)
-            .for_each(|of| of.set_line(&system.base.full_increment));
-    }
-
-    /// Relative residual that is enough for the next linear solution.
-    fn linear_tolerance(&self) -> f64 {
-        self.aim.unwrap_or(0.0).clamp(LINEAR_TOLERANCE, LOOSEST_LINEAR_TOLERANCE)
-    }
-
-    /// Derivative of the potential along the increment.
-    fn slope_of_increment(&self) -> f64 {
-        let s = &*self.system;
-        let free = s.matrix.free();
-        -vector::dot(&s.rhs[..free], &s.increment[..free])
-    }
-
-    /// Solves with the symmetric tangent by iteration; false if the solver does not iterate, or met a direction in which the energy does not rise.
-    fn solve_definite(&mut self) -> Result<bool, LinalgError> {
-        self.system.place_equations(self.model, &self.iterate.q);
-        let tolerance = self.linear_tolerance();
-        let System { solver, matrix, rhs, increment, .. } = &mut *self.system;
-        let (pattern, values) = (&matrix.pattern, matrix.values());
-        self.timings.measure(Phase::Factorisation, || solver.analyse(pattern, MatrixKind::Symmetric))?;
-        let solved = self.timings.measure(Phase::Solve, || solver.solve_definite(values, rhs, increment, tolerance))?;
-        if solved {
-            *self.solves += 1;
-            self.solved_shifted = false;
-            self.system.excess = 0;
-        }
-        Ok(solved)
-    }
-
-    /// Factorises the tangent plus the smallest multiple of the unit matrix that is found to leave no direction in which the energy falls; returns it.
-    fn factorise_downhill(&mut self) -> Result<f64, LinalgError> {
-        if self.factorise_shifted(MatrixKind::Symmetric, 0.0)? {
-            return Ok(0.0);
-        }
-        // What was needed last is not far from what is needed now.
-        let smallest = SMALLEST_SHIFT * self.mean_diagonal();
-        let mut shift = (0.5 * self.last_shift).max(smallest);
-        let known = shift > smallest;
-        let mut shifts = 0;
-        while !self.factorise_shifted(MatrixKind::Symmetric, shift)? && shifts < MAX_SHIFTS {
-            shift *= if known && shifts == 0 { 2.0 } else { SHIFT_FACTOR };
-            shifts += 1;
-        }
-        // Off a saddle point it goes the faster the less the tangent is shifted.
-        if shifts > 0 && !known {
-            shift = if self.factorise_shifted(MatrixKind::Symmetric, 0.5 * shift)? {
-                0.5 * shift
-            } else {
-                self.factorise_shifted(MatrixKind::Symmetric, shift)?;
-                shift
-            };
-        }
-        self.last_shift = shift;
-        Ok(shift)
-    }
-
-    /// Factorises the tangent plus `shift` times the unit matrix; returns whether the energy falls in no direction, as far as the solver can tell.
-    pub(crate) fn factorise_shifted(&mut self, kind: MatrixKind, shift: f64) -> Result<bool, LinalgError> {
-        let System { matrix, solver, .. } = &mut *self.system;
-        let diagonal: Vec<(usize, f64)> = if shift == 0.0 { Vec::new() } else { matrix.diagonal().collect() };
-        diagonal.iter().for_each(|&(at, value)| matrix.values_mut()[at] = value + shift);
-        let result = self.timings.measure(Phase::Factorisation, || {
-            solver.analyse(&matrix.pattern, kind)?;
-            solver.factorise(matrix.values())
-        });
-        diagonal.iter().for_each(|&(at, value)| matrix.values_mut()[at] = value);
-        result?;
-        let excess = self.count_excess();
-        if shift == 0.0 {
-            self.system.excess = excess;
-        }
-        Ok(excess == 0)
-    }
-
-    /// Lengthens the increment of a shifted tangent to where the energy without the shift, to second order, is least along it.
-    fn lengthen(&mut self, shift: f64) {
-        if shift == 0.0 {
-            return;
-        }
-        let slope = -self.slope_of_increment();
-        let s = &mut *self.system;
-        let increment = &mut s.increment[..s.matrix.free()];
-        let curvature = slope - shift * vector::dot(increment, increment);
-        let longer = if curvature * LONGEST > slope { slope / curvature } else { LONGEST };
-        increment.iter_mut().for_each(|du| *du *= longer);
-    }
-
-    /// Solves with what was factorised last.
-    pub(crate) fn solve_factorised(&mut self) -> Result<(), LinalgError> {
-        *self.solves += 1;
-        let s = &mut *self.system;
-        let (solver, rhs, increment) = (&mut s.solver, &s.rhs, &mut s.increment);
-        self.timings.measure(Phase::Solve, || solver.solve(rhs, increment)).map(|_| ())
-    }
-
-    /// Mean of the magnitudes on the diagonal of the tangent.
-    pub(crate) fn mean_diagonal(&self) -> f64 {
-        let matrix = &self.system.matrix;
-        matrix.diagonal().map(|(_, value)| value.abs()).sum::<f64>() / matrix.free().max(1) as f64
-    }
 }
 
 /// Solves with the factors of an earlier iterate of the step while that is faster, else with new ones.
 fn solve_linear(
     solver: &mut dyn LinearSolver,
     pattern: &Arc<SparsityPattern>,
-    (kind, tolerance): (MatrixKind, f64),
+    (kind, accuracy): (MatrixKind, Accuracy),
     values: &[f64],
     rhs: &[f64],
     increment: &mut [f64],
     timings: &mut Timings,
 ) -> Result<(), LinalgError> {
     timings.measure(Phase::Factorisation, || solver.analyse(pattern, kind))?;
-    let nearby = timings.measure(Phase::Solve, || solver.solve_nearby(values, rhs, increment, tolerance))?;
+    let nearby = timings.measure(Phase::Solve, || solver.solve_nearby(values, rhs, increment, accuracy))?;
     if nearby.is_none() {
         timings.measure(Phase::Factorisation, || solver.factorise(values))?;
         timings.measure(Phase::Solve, || solver.solve(rhs, increment))?;
@@ -516,20 +417,22 @@ impl NewtonProblem for StepProblem<'_> {
     type Error = StepError;
 
     fn aim(&mut self, relative: f64) {
-        self.aim = self.aim.map(|_| relative);
+        self.forcing.aim(relative);
     }
 
     fn assemble(&mut self) -> Result<ResidualNorms, StepError> {
-        match self.assembled.take() {
-            Some(norms) => Ok(norms),
-            None => self.measured(true),
+        if let Known::All(norms) = self.known {
+            self.known = Known::WithoutCouplings;
+            self.forcing.note(&norms, self.system.tally.gap_measure);
+            return Ok(norms);
         }
+        self.measured(true)
     }
 
     fn solve(&mut self) -> Result<f64, StepError> {
+        let accuracy = self.forcing.accuracy();
         self.system.place_equations(self.model, &self.iterate.q);
         let kind = if self.is_symmetric() { MatrixKind::Symmetric } else { MatrixKind::General };
-        let how = (kind, self.linear_tolerance());
         let s = &mut *self.system;
         let values = s.matrix.values();
         debug_assert!(
@@ -539,7 +442,7 @@ impl NewtonProblem for StepProblem<'_> {
         let (solver, pattern) = (&mut s.solver, &s.matrix.pattern);
         let (rhs, increment) = (&s.rhs, &mut s.increment);
         let timings = &mut *self.timings;
-        let mut solved = solve_linear(&mut **solver, pattern, how, values, rhs, increment, timings);
+        let mut solved = solve_linear(&mut **solver, pattern, (kind, accuracy), values, rhs, increment, timings);
         if let Err(LinalgError::Singular { row }) = solved
             && s.soften_singular()
         {
@@ -547,7 +450,7 @@ impl NewtonProblem for StepProblem<'_> {
             s.rows.dependent = Some(linear_error(self.model, s, self.iterate, false, error).to_string());
             let System { solver, matrix, rhs, increment, .. } = &mut *s;
             let (pattern, values) = (&matrix.pattern, matrix.values());
-            solved = solve_linear(&mut **solver, pattern, how, values, rhs, increment, self.timings);
+            solved = solve_linear(&mut **solver, pattern, (kind, accuracy), values, rhs, increment, self.timings);
             *self.solves += 1;
         }
         *self.solves += 1;
@@ -602,10 +505,12 @@ impl NewtonProblem for StepProblem<'_> {
             return Ok(None);
         }
         let is_fixed = self.is_symmetric();
-        let Self { model, system, iterate, step, part, .. } = self;
-        let mut timings = std::mem::take(self.timings);
-        let value = timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step));
-        *self.timings = timings;
+        let Self { model, system, iterate, step, part, timings, .. } = self;
+        let value = match self.energy {
+            Some(value) => value,
+            None => timings.measure(Phase::Assembly, || potential_energy(model, system, iterate, step))?,
+        };
+        self.energy = Some(value);
         let anchored = system
             .present
             .anchor
@@ -615,7 +520,7 @@ impl NewtonProblem for StepProblem<'_> {
             model.contacts.iter().filter_map(Coupling::potential).map(|of| of.friction_along(*part)).sum();
         let friction = if is_fixed { 0.0 } else { friction };
         let round_off = ENERGY_ROUND_OFF * system.scales.energy;
-        Ok(Some(Potential { value: value? + anchored + friction, round_off, is_fixed }))
+        Ok(Some(Potential { value: value + anchored + friction, round_off, is_fixed }))
     }
 
     fn slope(&self) -> f64 {
@@ -632,7 +537,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn update(&mut self, factor: f64) -> Result<(), StepError> {
-        self.part = factor;
+        (self.part, self.known, self.energy) = (factor, Known::Nothing, None);
         let s = &*self.system;
         let q_n = &self.step.state_n.q;
         for (du, &component) in s.increment.iter().zip(&s.matrix.numbering.free) {
@@ -676,8 +581,8 @@ impl NewtonProblem for StepProblem<'_> {
         Ok(())
     }
 
-    fn residual_norm(&mut self) -> Result<f64, StepError> {
-        Ok(self.measured(false)?.residual)
+    fn residual_norms(&mut self) -> Result<ResidualNorms, StepError> {
+        self.measured(false)
     }
 
     fn relative_violation(&self) -> f64 {

@@ -13,7 +13,7 @@ use crate::step::{Attempt, StepInput, attempt};
 use crate::{Model, NewtonRow, Phase, StepError, Timings};
 use stoss_integrators::Step;
 use stoss_linalg::MatrixKind;
-use stoss_newton::{LineSearch, NewtonOptions, NewtonProblem};
+use stoss_newton::{LineSearch, NewtonOptions, NewtonProblem, ResidualNorms};
 
 /// Linear solutions on the way.
 const BUDGET: u32 = 120;
@@ -186,19 +186,8 @@ impl<'a> Path<'a> {
     }
 
     fn problem(&mut self) -> StepProblem<'_> {
-        StepProblem {
-            model: self.model,
-            system: self.system,
-            step: self.step,
-            iterate: &mut self.iterate,
-            timings: self.timings,
-            solves: &mut self.trace.solves,
-            solved_shifted: false,
-            part: 0.0,
-            last_shift: 0.0,
-            assembled: None,
-            aim: None,
-        }
+        let Self { model, system, step, iterate, timings, trace, .. } = self;
+        StepProblem::new(model, system, *step, iterate, timings, &mut trace.solves)
     }
 
     fn spent(&self) -> StepError {
@@ -257,7 +246,7 @@ impl<'a> Path<'a> {
         }
         // Springs do not resist what is prescribed.
         self.hold(self.iterate.q.clone());
-        self.problem().residual_norm()?;
+        self.problem().residual_norms()?;
         if self.choose_in_play()? == 0 && !self.iterate.active.iter().flatten().any(|&active| active) {
             return Err(self.spent());
         }
@@ -395,8 +384,8 @@ impl<'a> Path<'a> {
         let mut problem = self.problem();
         for k in 0..HALVINGS {
             let length = 0.5_f64.powi(k);
-            match problem.update(length).and_then(|()| problem.residual_norm()) {
-                Ok(residual) if residual.is_finite() => {
+            match problem.update(length).and_then(|()| problem.residual_norms()) {
+                Ok(ResidualNorms { residual, .. }) if residual.is_finite() => {
                     let merit = (residual / scale).max(problem.relative_violation().min(1.0));
                     if merit <= allowed * ceiling {
                         return Ok(Some(length));
@@ -412,7 +401,7 @@ impl<'a> Path<'a> {
         }
         if !watched && best.0 < MOST_GROWTH * ceiling.max(SOLVED) || any && best.0.is_finite() {
             problem.update(best.1)?;
-            problem.residual_norm()?;
+            problem.residual_norms()?;
             return Ok(Some(best.1));
         }
         Ok(None)

@@ -4,7 +4,7 @@ use crate::assembly::System;
 use crate::diagnosis::{largest_residual, slot_name, slot_place};
 use crate::failure::AttemptLog;
 use crate::iterate::Iterate;
-use crate::problem::{StepProblem, start_auxiliaries};
+use crate::problem::{Known, StepProblem, start_auxiliaries};
 use crate::{Coupling, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
 use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
@@ -198,26 +198,12 @@ pub(crate) fn attempt(
     }
     system.base.has_linearised = false;
     if input.predict || model.keeps_apart() {
-        let (assembled, solves) = (None, &mut trace.solves);
         let start = (!input.predict).then(|| iterate.clone());
         if start.is_some() {
             iterate.go_back(&input.step.state_n.q, &model.embedding);
         }
-        let step = input.step;
         let iterate = &mut iterate;
-        let mut problem = StepProblem {
-            model,
-            system,
-            step,
-            iterate,
-            timings,
-            solves,
-            solved_shifted: false,
-            part: 0.0,
-            last_shift: 0.0,
-            assembled,
-            aim: None,
-        };
+        let mut problem = StepProblem::new(model, system, input.step, iterate, timings, &mut trace.solves);
         match start {
             Some(start) => problem.go_apart(&start, &input.prescribed)?,
             None => problem.predict_all(&input.prescribed)?,
@@ -226,7 +212,7 @@ pub(crate) fn attempt(
     }
     // After a set came back, only accurate solutions are judged.
     let (mut loose, mut accurate) = (has_contact, false);
-    let mut assembled = None;
+    let mut known = Known::Nothing;
     let mut early = if has_contact && !input.step.rule.has_inertia() { EARLY_CHECKS } else { 0 };
     for _ in 0..MAX_ROUNDS + EARLY_CHECKS as usize {
         let options = if loose {
@@ -244,21 +230,14 @@ pub(crate) fn attempt(
         } else {
             input.newton
         };
-        let mut problem = StepProblem {
-            model,
-            system,
-            step: input.step,
-            iterate: &mut iterate,
-            timings,
-            solves: &mut trace.solves,
-            solved_shifted: false,
-            part: 0.0,
-            last_shift: 0.0,
-            assembled,
-            aim: (!loose && input.newton.polish == 0).then_some(0.0),
-        };
+        let mut problem = StepProblem::new(model, system, input.step, &mut iterate, timings, &mut trace.solves);
+        problem.known = known;
+        problem.forcing.ends_at_tolerance = !loose && input.newton.polish == 0;
+        let options = NewtonOptions { tangent_at_solution: problem.counts_directions(), ..options };
         let result = solve(&mut problem, &options);
         let unstable = if result.is_ok() && !loose { problem.unstable_directions() } else { 0 };
+        // What follows changes the set, pairings and multipliers, but no positions.
+        known = problem.known;
         let report = match &result {
             Ok(report) => report,
             Err(failure) => failure.report(),
@@ -287,11 +266,11 @@ pub(crate) fn attempt(
                 early -= 1;
                 let changes = timings.measure(Phase::Search, || sets.follow(model, &mut iterate, trace))?;
                 update = SetUpdate { changes, doubtful: false };
-                assembled = last;
                 if changes > 0 {
                     timings.measure(Phase::Assembly, || system.renew_pattern(model, &iterate.active))?;
                     start_auxiliaries(model, &input.step, &mut iterate)?;
-                    assembled = None;
+                } else if known == Known::WithoutCouplings {
+                    known = last.map_or(known, Known::All);
                 }
                 continue;
             }
@@ -306,7 +285,6 @@ pub(crate) fn attempt(
         }
         update = timings.measure(Phase::Search, || sets.update(model, &mut iterate, trace))?;
         accurate |= update.doubtful;
-        assembled = None;
         if update.changes > 0 {
             timings.measure(Phase::Assembly, || system.renew_pattern(model, &iterate.active))?;
             timings.measure(Phase::Contact, || start_auxiliaries(model, &input.step, &mut iterate))?;
@@ -314,7 +292,9 @@ pub(crate) fn attempt(
         } else if loose {
             // The next iteration starts from what was assembled last.
             loose = false;
-            assembled = last;
+            if known == Known::WithoutCouplings {
+                known = last.map_or(known, Known::All);
+            }
         } else if !update.doubtful && timings.measure(Phase::Search, || augment(model, &iterate))? == 0 {
             let newton = std::mem::take(&mut trace.newton);
             return Ok(Attempt { iterate, newton, repaired: sets.repairs, unstable });
