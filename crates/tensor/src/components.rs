@@ -1,6 +1,6 @@
 //! Formulas of the six components 11, 22, 33, 12, 23, 13 of symmetric tensors, for numbers and for several side by side ([`Number`]).
 
-use crate::{INDEX_PAIRS, wide::Number};
+use crate::{INDEX_PAIRS, number::Number};
 
 /// Place of `[row][column]` among the six components.
 pub const COMPONENT_OF: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];

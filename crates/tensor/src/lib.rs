@@ -13,6 +13,7 @@
 
 pub mod components;
 mod fourth_order;
+mod number;
 mod spectral;
 mod symmetric;
 pub mod wide;

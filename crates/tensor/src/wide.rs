@@ -3,6 +3,7 @@
 //! Every point takes the same operations in the same order as it would alone, and nothing is contracted to a fused multiply-add: the bits are the same on every processor, and those of
 //! plain numbers.
 
+pub use crate::number::Number;
 use crate::{SymmetricTensor2, Tensor4};
 pub use pulp::Simd;
 use std::ops::{Add, Div, Mul, Sub};
@@ -12,38 +13,6 @@ pub const LANES: usize = 4;
 
 /// A number of each point.
 pub type Several = [f64; LANES];
-
-/// What formulas are written for: a number, or one of each of several points.
-pub trait Number:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self> + Div<Output = Self>
-{
-    /// The same value for all points.
-    fn like(self, value: f64) -> Self;
-    /// Square root.
-    fn sqrt(self) -> Self;
-    /// A function of each point's two numbers, one point after the other.
-    fn each_with(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self;
-    /// A function of each point's number, one after the other.
-    #[inline(always)]
-    fn each(self, function: impl Fn(f64) -> f64) -> Self {
-        self.each_with(self, |x, _| function(x))
-    }
-}
-
-impl Number for f64 {
-    #[inline(always)]
-    fn like(self, value: f64) -> Self {
-        value
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-    #[inline(always)]
-    fn each_with(self, other: Self, function: impl Fn(f64, f64) -> f64) -> Self {
-        function(self, other)
-    }
-}
 
 /// As many numbers as a vector of `S` has: [`LANES`] of them, or a part of these.
 #[derive(Clone, Copy, Debug)]
