@@ -7,7 +7,8 @@ use crate::{
         TangentPoints, determinant, right_cauchy_green,
     },
     laws::{Laws, PointError},
-    reference::{ElementReference, Matrices, Natural, several},
+    matrices::Matrices,
+    reference::{ElementReference, Natural, several},
 };
 use stoss_continuum::wide::{self, LANES, Operation, Several, Simd, SymmetricTensors};
 use stoss_continuum::{ConstitutiveError, StepStart, Strains, SymmetricTensor2, Wanted};

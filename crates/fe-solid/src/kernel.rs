@@ -18,12 +18,12 @@
 //! What is long runs with the widest vectors that the processor has, found at run time ([`wide`]), over nodes or over Gauss points side by side. No sum is reordered for it and nothing
 //! is contracted to a fused multiply-add, so that the bits are the same on every processor. Code of that kind has no closures: they are compiled on their own, for the least of all processors.
 
-use crate::reference::{ElementReference, Matrices};
+use crate::matrices::Matrices;
 use stoss_continuum::wide::{self, LANES, Number, Operation, Several, Simd, SymmetricTensors, Tensors4, Wide};
 use stoss_continuum::{INDEX_PAIRS, SymmetricTensor2, Tensor4};
 
-/// A 3x3 matrix, `[row][column]`.
-pub type Matrix3 = [[f64; 3]; 3];
+pub use crate::matrices::Matrix3;
+
 /// A vector at each node, component-major: `x[i][I]`.
 pub type NodalVectors<const N: usize = 8> = [[f64; N]; 3];
 /// `dN_I/dX_A` as `[A][I]`.
@@ -73,7 +73,41 @@ pub fn integration<const N: usize, const G: usize>(
     natural: &[Gradients<N>; G],
     gauss_weights: &[f64; G],
 ) -> Result<ElementIntegration<N, G>, (usize, f64)> {
-    Ok(ElementReference::new(x, natural, gauss_weights)?.integration(natural))
+    let mut out = ElementIntegration { gradients: [[[0.0; N]; 3]; G], weights: [0.0; G] };
+    for g in 0..G {
+        let (inverse, weight) = inverse_jacobian(x, &natural[g], gauss_weights[g]).map_err(|det| (g, det))?;
+        write_gradients(&inverse, &natural[g], &mut out.gradients[g]);
+        out.weights[g] = weight;
+    }
+    Ok(out)
+}
+
+/// `dxi_A/dX_a`, `[A][a]`, and the volume of a Gauss point; its `det dX/dxi` if that is not positive.
+pub(crate) fn inverse_jacobian<const N: usize>(
+    x: &NodalVectors<N>,
+    natural: &Gradients<N>,
+    gauss_weight: f64,
+) -> Result<(Matrix3, f64), f64> {
+    // J_aA = dX_a/dxi_A
+    let j = deformation_gradient(x, natural);
+    let det = determinant(&j);
+    // `!(det > 0)` also catches a NaN.
+    if !(det > 0.0 && det.is_finite()) {
+        return Err(det);
+    }
+    Ok((inverse(&j, det), gauss_weight * det))
+}
+
+/// `dN/dX_a = J^-T_aA dN/dxi_A`.
+#[inline(always)]
+pub(crate) fn write_gradients<const N: usize>(inverse: &Matrix3, natural: &Gradients<N>, out: &mut Gradients<N>) {
+    for a in 0..3 {
+        let factors = [inverse[0][a], inverse[1][a], inverse[2][a]];
+        for node in 0..N {
+            out[a][node] =
+                factors[0] * natural[0][node] + factors[1] * natural[1][node] + factors[2] * natural[2][node];
+        }
+    }
 }
 
 /// Cofactors of a matrix: `det m m^-T`.

@@ -37,6 +37,7 @@ mod laws;
 mod load;
 mod mass;
 mod massless;
+mod matrices;
 mod mixed;
 mod nodal;
 mod options;

@@ -2,6 +2,7 @@
 //! those in natural coordinates, which all elements of a block share.
 
 use crate::kernel::{self, ElementIntegration, Gradients, NodalVectors};
+use crate::matrices::Matrices;
 use stoss_continuum::wide::{LANES, Several, Simd, Wide, parts};
 
 /// Gradients of the shape functions in natural coordinates at the Gauss points.
@@ -21,48 +22,6 @@ impl<const N: usize, const G: usize> Natural<N, G> {
             })
         });
         Self { several: several.collect(), gradients }
-    }
-}
-
-/// A 3x3 matrix at each of [`LANES`] points, `[row][column][point]`.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(32))]
-pub(crate) struct Matrices(pub [[Several; 3]; 3]);
-
-impl Matrices {
-    pub const ZERO: Self = Self([[[0.0; LANES]; 3]; 3]);
-
-    /// The matrix of a point.
-    #[inline(always)]
-    pub fn get(&self, point: usize) -> kernel::Matrix3 {
-        let mut out = [[0.0; 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
-                out[i][j] = self.0[i][j][point];
-            }
-        }
-        out
-    }
-
-    /// Replaces the matrix of a point.
-    #[inline(always)]
-    pub fn set(&mut self, point: usize, matrix: &kernel::Matrix3) {
-        for i in 0..3 {
-            for j in 0..3 {
-                self.0[i][j][point] = matrix[i][j];
-            }
-        }
-    }
-
-    #[inline(always)]
-    pub fn load<S: Simd>(&self, simd: S, part: usize) -> [[Wide<S>; 3]; 3] {
-        let mut out = [[Wide::splat(simd, 0.0); 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
-                out[i][j] = Wide::load(simd, &self.0[i][j], part);
-            }
-        }
-        out
     }
 }
 
@@ -93,20 +52,14 @@ impl<const G: usize> ElementReference<G> {
     ) -> Result<Self, (usize, f64)> {
         let mut out = Self { inverse: [[[0.0; G]; 3]; 3], weights: [0.0; G] };
         for g in 0..G {
-            // J_aA = dX_a/dxi_A
-            let j = kernel::deformation_gradient(x, &natural[g]);
-            let det = kernel::determinant(&j);
-            // `!(det > 0)` also catches a NaN.
-            if !(det > 0.0 && det.is_finite()) {
-                return Err((g, det));
-            }
-            let inverse = kernel::inverse(&j, det);
+            let (inverse, weight) =
+                kernel::inverse_jacobian(x, &natural[g], gauss_weights[g]).map_err(|det| (g, det))?;
             for i in 0..3 {
                 for a in 0..3 {
                     out.inverse[i][a][g] = inverse[i][a];
                 }
             }
-            out.weights[g] = gauss_weights[g] * det;
+            out.weights[g] = weight;
         }
         Ok(out)
     }
@@ -114,14 +67,13 @@ impl<const G: usize> ElementReference<G> {
     /// `dN/dX_a = J^-T_aA dN/dxi_A` at a Gauss point.
     #[inline(always)]
     pub fn gradients<const N: usize>(&self, natural: &[Gradients<N>; G], g: usize, out: &mut Gradients<N>) {
-        let natural = &natural[g];
-        for a in 0..3 {
-            let factors = [self.inverse[0][a][g], self.inverse[1][a][g], self.inverse[2][a][g]];
-            for node in 0..N {
-                out[a][node] =
-                    factors[0] * natural[0][node] + factors[1] * natural[1][node] + factors[2] * natural[2][node];
+        let mut inverse = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for a in 0..3 {
+                inverse[i][a] = self.inverse[i][a][g];
             }
         }
+        kernel::write_gradients(&inverse, &natural[g], out);
     }
 
     /// With the gradients at all Gauss points.
