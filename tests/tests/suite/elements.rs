@@ -270,7 +270,7 @@ fn iterations_with_ties_of_quadratic_faces_end_quadratically() {
     };
     for (lower, upper) in [("hex20", "hex20"), ("tet10", "tet10"), ("hex27", "wedge15"), ("hex8", "hex20")] {
         let text = format!(
-            "[scene]\ntitle = \"tie\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n{}{}\
+            "[scene]\ntitle = \"tie\"\nkind = \"quasi-static\"\n[time]\nend = 1.0\nstep = 1.0\n[solver]\npolish = true\n{}{}\
              [[tie]]\nslave = \"b.bottom\"\nmaster = \"a.top\"\n\
              [[prescribe]]\nset = \"a.bottom\"\ncomponents = [\"x\", \"y\", \"z\"]\nfixed = true\n\
              [[load]]\nset = \"b.top\"\ntotal_force = {{ table = [[0.0, 0.0, 0.0, 0.0], [1.0, 20.0, 0.0, 0.0]] }}\n",

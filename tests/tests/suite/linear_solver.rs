@@ -150,6 +150,80 @@ displacement = { table = [[0.0, 0.0, 0.0, 0.0], [0.5, 0.0, 0.0, -0.1], [1.0, 0.2
     assert_eq!(counts.pivoting_fallbacks, 0, "of {}", counts.factorisations);
 }
 
+/// A crank has two joints and is the first body of both; the whole mechanism has no freedom left, so that its bodies make one group.
+#[test]
+fn a_mechanism_without_freedom_is_factorised_once() {
+    let text = r#"
+[scene]
+title = "crank press"
+kind = "dynamic"
+[time]
+end = 0.05
+step = 0.005
+integrator = { scheme = "energy-momentum" }
+[solver]
+linear = "multifrontal"
+factors = "new"
+[[rigid]]
+name = "crank"
+shape = { kind = "box", size = [0.06, 0.02, 0.02] }
+position = [0.025, 0, 0]
+density = 7850.0
+angular_velocity = [0, 6, 0]
+velocity = [0, 0, -0.15]
+[[rigid]]
+name = "rod"
+shape = { kind = "box", size = [0.02, 0.02, 0.15] }
+position = [0.025, 0.03, "-sqrt(0.15^2 - 0.05^2) / 2"]
+rotation = { axis = [0, 1, 0], degrees = "degrees(asin(1 / 3))" }
+density = 7850.0
+velocity = [0, 0, -0.3]
+[[rigid]]
+name = "ram"
+shape = { kind = "box", size = [0.08, 0.08, 0.04] }
+position = [0, 0, "-sqrt(0.15^2 - 0.05^2) - 0.02"]
+density = 7850.0
+velocity = [0, 0, -0.3]
+[[body]]
+name = "pad"
+mesh = { generator = "block", size = [0.06, 0.06, 0.04], divisions = [3, 3, 2] }
+position = [0, 0, -1]
+material = { law = "neo-hooke", young = 4e6, poisson = 0.4 }
+density = 1200.0
+[[joint]]
+name = "shaft"
+kind = "hinge"
+between = ["ground", "crank"]
+at = [0, 0, 0]
+axis = [0, 1, 0]
+motor = { angle = { table = [[0, 0], [1, "degrees(6)"]] } }
+[[joint]]
+name = "big-end"
+kind = "cylindrical"
+between = ["crank", "rod"]
+at = [0.05, 0, 0]
+axis = [0, 1, 0]
+[[joint]]
+name = "small-end"
+kind = "ball"
+between = ["rod", "ram"]
+at = [0, 0, "-sqrt(0.15^2 - 0.05^2)"]
+[[joint]]
+name = "guide"
+kind = "slider"
+between = ["ground", "ram"]
+at = [0, 0, "-sqrt(0.15^2 - 0.05^2)"]
+axis = [0, 0, 1]
+"#;
+    let mut simulation = simulation(text);
+    while !simulation.finished() {
+        simulation.advance().unwrap();
+    }
+    let counts = simulation.solver_statistics();
+    assert!(counts.factorisations > 20, "{counts:?}");
+    assert_eq!(counts.pivoting_fallbacks, 0, "of {}", counts.factorisations);
+}
+
 /// Nodes close and open while the equations are solved by iteration.
 #[test]
 fn iteration_gives_the_motion_of_factorisation() {
