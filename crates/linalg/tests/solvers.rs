@@ -42,7 +42,7 @@ fn random_matrix(random: &mut Random, n: usize, kind: MatrixKind) -> SparseMatri
     let stencils = random_stencils(random, n, 2 * n);
     let mut a = SparseMatrix::zeros(pattern(n, &stencils));
     for j in 0..n as u32 {
-        let rows: Vec<u32> = a.pattern.column(j as usize).iter().copied().collect();
+        let rows: Vec<u32> = a.pattern.column(j as usize).to_vec();
         for i in rows {
             let symmetric = kind != MatrixKind::General;
             if symmetric && i < j {
@@ -59,7 +59,7 @@ fn random_matrix(random: &mut Random, n: usize, kind: MatrixKind) -> SparseMatri
     }
     if kind == MatrixKind::SymmetricPositiveDefinite {
         for j in 0..n as u32 {
-            let sum: f64 = a.pattern.column(j as usize).iter().map(|&i| a.get(i as u32, j).abs()).sum();
+            let sum: f64 = a.pattern.column(j as usize).iter().map(|&i| a.get(i, j).abs()).sum();
             let k = a.pattern.position(j, j).unwrap();
             a.values[k] = sum + 0.1;
         }
@@ -105,7 +105,7 @@ fn saddle_point(random: &mut Random, n: usize, m: usize, stiffness: f64, symmetr
     }
     if symmetric {
         for j in 0..(n + m) as u32 {
-            let rows: Vec<u32> = a.pattern.column(j as usize).iter().copied().collect();
+            let rows: Vec<u32> = a.pattern.column(j as usize).to_vec();
             for i in rows.into_iter().filter(|&i| i < j) {
                 let (p, q) = (a.pattern.position(i, j).unwrap(), a.pattern.position(j, i).unwrap());
                 a.values[p] = a.values[q];

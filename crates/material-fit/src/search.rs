@@ -73,7 +73,7 @@ pub fn fit(curves: &Curves, family: &Family, poisson: f64) -> Result<Fit, FitErr
     }
     let size = size_of(curves);
     let nothing = FitError::NoParameters { law };
-    if !(size.shear > 0.0) {
+    if size.shear.is_nan() || size.shear <= 0.0 {
         return Err(nothing);
     }
     let parameters = |x: &[f64]| (family.parameters)(x, SOME_BULK * size.shear);

@@ -29,10 +29,7 @@ impl<T: Real, const R: usize, const C: usize> Default for Bsr<T, R, C> {
 /// Runs `task` with the widest vectors that the processor has. No sum is reordered for it and nothing is contracted: the bits are the same on every processor.
 #[inline(always)]
 pub(crate) fn with_wide_vectors(task: impl FnOnce()) {
-    pulp::Arch::new().dispatch(
-        #[inline(always)]
-        || task(),
-    );
+    pulp::Arch::new().dispatch(task);
 }
 
 /// `task(i, y_i)` for each row of blocks, in tasks of fixed size.
