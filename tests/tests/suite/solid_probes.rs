@@ -14,6 +14,8 @@ fn built(rest: &str) -> Result<Built, String> {
 [scene]
 title = "block"
 kind = "quasi-static"
+[solver]
+polish = true
 [time]
 end = 1.0
 step = 0.25
