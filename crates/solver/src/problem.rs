@@ -185,9 +185,6 @@ impl StepProblem<'_> {
         let norms = timings.measure(Phase::Assembly, || self.evaluate(want_tangent));
         timings.split(Phase::Assembly, Phase::Contact, self.system.tally.contact_time);
         *self.timings = timings;
-        if let Ok(norms) = &norms {
-            self.forcing.note(norms, self.system.tally.gap_measure);
-        }
         norms
     }
 
@@ -423,7 +420,6 @@ impl NewtonProblem for StepProblem<'_> {
     fn assemble(&mut self) -> Result<ResidualNorms, StepError> {
         if let Known::All(norms) = self.known {
             self.known = Known::WithoutCouplings;
-            self.forcing.note(&norms, self.system.tally.gap_measure);
             return Ok(norms);
         }
         self.measured(true)

@@ -210,6 +210,9 @@ pub(crate) fn attempt(
         }
         start_auxiliaries(model, &input.step, iterate)?;
     }
+    // Where forces do not depend on the end of the step, the first iterate is the solution, and what is left of the residual is their round-off.
+    let polish = if input.step.rule.force.rule.reads_end() { input.newton.polish } else { 0 };
+    let newton = NewtonOptions { polish, ..input.newton };
     // After a set came back, only accurate solutions are judged.
     let (mut loose, mut accurate) = (has_contact, false);
     let mut known = Known::Nothing;
@@ -217,22 +220,22 @@ pub(crate) fn attempt(
     for _ in 0..MAX_ROUNDS + EARLY_CHECKS as usize {
         let options = if loose {
             NewtonOptions {
-                relative_tolerance: LOOSE_TOLERANCE.max(input.newton.relative_tolerance),
+                relative_tolerance: LOOSE_TOLERANCE.max(newton.relative_tolerance),
                 polish: 0,
                 // In statics only a solution tells what a set leads to: at the start of a step, as after a change of the set, a load that is light
                 // against the stiffness leaves a residual within the loose tolerance and pressures that say nothing yet.
                 min_iterations: u32::from(
                     (update.changes > 0 || trace.newton.len() == rows_before) && !input.step.rule.has_inertia(),
                 ),
-                max_iterations: if early > 0 { 1 } else { input.newton.max_iterations },
-                ..input.newton
+                max_iterations: if early > 0 { 1 } else { newton.max_iterations },
+                ..newton
             }
         } else {
-            input.newton
+            newton
         };
         let mut problem = StepProblem::new(model, system, input.step, &mut iterate, timings, &mut trace.solves);
         problem.known = known;
-        problem.forcing.ends_at_tolerance = !loose && input.newton.polish == 0;
+        problem.forcing.ends_at_tolerance = !loose && newton.polish == 0;
         let options = NewtonOptions { tangent_at_solution: problem.counts_directions(), ..options };
         let result = solve(&mut problem, &options);
         let unstable = if result.is_ok() && !loose { problem.unstable_directions() } else { 0 };
