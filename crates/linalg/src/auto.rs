@@ -2,8 +2,8 @@
 
 use crate::iterative::{Curvature, IterativeSolver};
 use crate::{
-    Accuracy, DenseSolver, EquationPlace, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, SolveReport,
-    SolverOptions, SolverStatistics, SparsityPattern,
+    DenseSolver, EquationPlace, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, SolveReport, SolverOptions,
+    SolverStatistics, SparsityPattern,
 };
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ enum Choice {
 /// the factorisation until the next [`LinearSolver::forget`]. [`LinearSolver::factorise`] always factorises. The choice depends on the data only, hence it is the same in every run.
 ///
 /// The iteration ends at the forcing term of Eisenstat and Walker (SIAM J. Sci. Comput. 17, 1996), `0.9 (|b| / |b_before|)^2` at most 1e-2, from the
-/// right-hand sides since `forget`, or at what is enough for the caller if that is more than a tenth of it; with multipliers at a hundredth of what is enough, or at 1e-8 or what is enough,
+/// right-hand sides since `forget`, or at the tolerance of the caller if that is more than a tenth of it; with multipliers at a hundredth of the caller's tolerance, or at 1e-8 or the tolerance,
 /// whichever is smaller, if that is more.
 #[derive(Debug, Default)]
 pub struct AutoSolver {
@@ -125,10 +125,10 @@ impl AutoSolver {
         values: &[f64],
         rhs: &[f64],
         solution: &mut [f64],
-        accuracy: Accuracy,
+        tolerance: f64,
         curvature: Curvature,
     ) -> Result<Option<u32>, LinalgError> {
-        if self.iterates { self.iterative.solve(values, rhs, solution, accuracy.enough, curvature) } else { Ok(None) }
+        if self.iterates { self.iterative.solve(values, rhs, solution, tolerance, curvature) } else { Ok(None) }
     }
 }
 
@@ -171,10 +171,14 @@ impl LinearSolver for AutoSolver {
         values: &[f64],
         rhs: &[f64],
         solution: &mut [f64],
-        accuracy: Accuracy,
+        tolerance: f64,
     ) -> Result<Option<u32>, LinalgError> {
-        let iterations = self.iterate(values, rhs, solution, accuracy, Curvature::Any)?;
-        if iterations.is_some() { Ok(iterations) } else { self.direct()?.solve_nearby(values, rhs, solution, accuracy) }
+        let iterations = self.iterate(values, rhs, solution, tolerance, Curvature::Any)?;
+        if iterations.is_some() {
+            Ok(iterations)
+        } else {
+            self.direct()?.solve_nearby(values, rhs, solution, tolerance)
+        }
     }
 
     fn solve_definite(
@@ -182,9 +186,9 @@ impl LinearSolver for AutoSolver {
         values: &[f64],
         rhs: &[f64],
         solution: &mut [f64],
-        accuracy: Accuracy,
+        tolerance: f64,
     ) -> Result<bool, LinalgError> {
-        Ok(self.iterate(values, rhs, solution, accuracy, Curvature::Positive)?.is_some())
+        Ok(self.iterate(values, rhs, solution, tolerance, Curvature::Positive)?.is_some())
     }
 
     fn is_definite(&mut self, values: &[f64]) -> Option<bool> {

@@ -7,8 +7,7 @@ use crate::refinement::{Refinement, check_finite, check_length};
 use crate::scaling::Equilibration;
 use crate::vector::{norm_inf, norm2, pseudo_random};
 use crate::{
-    Accuracy, LinalgError, LinearSolver, MatrixKind, Place, SolveReport, SolverOptions, SolverStatistics,
-    SparsityPattern,
+    LinalgError, LinearSolver, MatrixKind, Place, SolveReport, SolverOptions, SolverStatistics, SparsityPattern,
 };
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -275,9 +274,8 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
         values: &[f64],
         rhs: &[f64],
         solution: &mut [f64],
-        accuracy: Accuracy,
+        tolerance: f64,
     ) -> Result<Option<u32>, LinalgError> {
-        let tolerance = accuracy.tolerance();
         let Some(pattern) = self.pattern.as_ref().filter(|_| self.factorised) else { return Ok(None) };
         let limit = self.factorisation.applications_per_factorisation().min(self.options.max_nearby_iterations);
         if limit < FEWEST_NEARBY_ITERATIONS {

@@ -41,4 +41,4 @@ pub use multifrontal::MultifrontalSolver;
 pub use pattern::{NONE, SparsityPattern};
 pub use recording::{Recorder, RecordingSolver, SolvedSystem};
 pub use scatter::ScatterMap;
-pub use solver::{Accuracy, LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics};
+pub use solver::{LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics};

@@ -1,8 +1,6 @@
 //! A solver that hands the systems it solves to a recorder.
 
-use crate::{
-    Accuracy, EquationPlace, LinalgError, LinearSolver, MatrixKind, SolveReport, SolverStatistics, SparsityPattern,
-};
+use crate::{EquationPlace, LinalgError, LinearSolver, MatrixKind, SolveReport, SolverStatistics, SparsityPattern};
 use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
@@ -81,9 +79,9 @@ impl LinearSolver for RecordingSolver {
         values: &[f64],
         rhs: &[f64],
         solution: &mut [f64],
-        accuracy: Accuracy,
+        tolerance: f64,
     ) -> Result<Option<u32>, LinalgError> {
-        self.inner.solve_nearby(values, rhs, solution, accuracy)
+        self.inner.solve_nearby(values, rhs, solution, tolerance)
     }
 
     fn solve_definite(
@@ -91,9 +89,9 @@ impl LinearSolver for RecordingSolver {
         values: &[f64],
         rhs: &[f64],
         solution: &mut [f64],
-        accuracy: Accuracy,
+        tolerance: f64,
     ) -> Result<bool, LinalgError> {
-        self.inner.solve_definite(values, rhs, solution, accuracy)
+        self.inner.solve_definite(values, rhs, solution, tolerance)
     }
 
     fn is_definite(&mut self, values: &[f64]) -> Option<bool> {

@@ -126,27 +126,6 @@ impl Default for SolverOptions {
     }
 }
 
-/// How accurate a solution by iteration is to be, by relative residuals.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Accuracy {
-    /// The forcing term of an inexact Newton method: a smaller residual would not show in its next one.
-    pub forcing: f64,
-    /// Enough for its tolerance: after a solution with this residual it is at its end, as far as the linear equations decide.
-    pub enough: f64,
-}
-
-impl Accuracy {
-    /// To this relative residual.
-    pub fn of(tolerance: f64) -> Self {
-        Self { forcing: tolerance, enough: tolerance }
-    }
-
-    /// The larger of the two.
-    pub fn tolerance(self) -> f64 {
-        self.forcing.max(self.enough)
-    }
-}
-
 /// A solver for `A x = b` with a pattern that seldom changes.
 ///
 /// The three phases are called in order; `factorise` may be repeated with new values, `solve` with new right-hand sides.
@@ -178,9 +157,9 @@ pub trait LinearSolver: Send + Debug {
     fn solve(&mut self, rhs: &[f64], solution: &mut [f64]) -> Result<SolveReport, LinalgError>;
 
     /// Solves `A x = b` for other values than those factorised, which are the preconditioner of an iteration that ends when the equilibrated residual
-    /// has fallen to [`Accuracy::tolerance`] times the equilibrated right-hand side, both in the Euclidean norm; the residual of the solution is computed
+    /// has fallen to `tolerance` times the equilibrated right-hand side, both in the Euclidean norm; the residual of the solution is computed
     /// once more at the end and may be twice that. Returns the number of iterations. A solver with a preconditioner of its own, made from any of the values since
-    /// [`Self::forget`], may go by what is enough and a forcing term of its own instead ([`crate::AutoSolver`]).
+    /// [`Self::forget`], stops at the forcing term of an inexact Newton method instead if that is larger, at most 1e-2 ([`crate::AutoSolver`]).
     ///
     /// `None`, and a meaningless `solution`, if there are no factors of this pattern, if that many iterations would cost more than a
     /// factorisation of the new values, or if the solver does not offer it (default): the caller then factorises.
@@ -193,7 +172,7 @@ pub trait LinearSolver: Send + Debug {
         _values: &[f64],
         _rhs: &[f64],
         _solution: &mut [f64],
-        _accuracy: Accuracy,
+        _tolerance: f64,
     ) -> Result<Option<u32>, LinalgError> {
         Ok(None)
     }
@@ -209,7 +188,7 @@ pub trait LinearSolver: Send + Debug {
         _values: &[f64],
         _rhs: &[f64],
         _solution: &mut [f64],
-        _accuracy: Accuracy,
+        _tolerance: f64,
     ) -> Result<bool, LinalgError> {
         Ok(false)
     }

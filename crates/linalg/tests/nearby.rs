@@ -4,7 +4,7 @@ use crate::common::Random;
 use crate::common::tangents::{Setting, block_pair};
 use std::sync::Arc;
 use stoss_linalg::{
-    Accuracy, AutoSolver, DenseSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, Place, SolverOptions,
+    AutoSolver, DenseSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, Place, SolverOptions,
     SparseMatrix, SparsityPattern,
 };
 
@@ -45,7 +45,7 @@ fn factorised(a: &SparseMatrix, kind: MatrixKind) -> MultifrontalSolver {
 
 fn nearby(solver: &mut dyn LinearSolver, a: &SparseMatrix, b: &[f64], tolerance: f64) -> Option<(u32, Vec<f64>)> {
     let mut x = vec![f64::NAN; b.len()];
-    solver.solve_nearby(&a.values, b, &mut x, Accuracy::of(tolerance)).unwrap().map(|iterations| (iterations, x))
+    solver.solve_nearby(&a.values, b, &mut x, tolerance).unwrap().map(|iterations| (iterations, x))
 }
 
 fn difference(x: &[f64], y: &[f64]) -> f64 {
@@ -140,11 +140,11 @@ fn bad_input_is_an_error() {
     let (a, b) = system(true);
     let mut solver = factorised(&a, MatrixKind::General);
     let mut x = vec![0.0; b.len()];
-    let error = solver.solve_nearby(&a.values[1..], &b, &mut x, Accuracy::of(1e-6)).unwrap_err();
+    let error = solver.solve_nearby(&a.values[1..], &b, &mut x, 1e-6).unwrap_err();
     assert!(matches!(error, LinalgError::Length { what: "values", .. }), "{error}");
     let mut spoilt = b.clone();
     spoilt[5] = f64::NAN;
-    let error = solver.solve_nearby(&a.values, &spoilt, &mut x, Accuracy::of(1e-6)).unwrap_err();
+    let error = solver.solve_nearby(&a.values, &spoilt, &mut x, 1e-6).unwrap_err();
     assert!(matches!(error, LinalgError::NonFinite { place: Place::RightHandSide, index: 5 }), "{error}");
 }
 

@@ -60,12 +60,12 @@ impl StepProblem<'_> {
 
     /// Solves with the symmetric tangent by iteration; false if the solver does not iterate, or met a direction in which the energy does not rise.
     pub fn solve_definite(&mut self) -> Result<bool, LinalgError> {
-        let accuracy = self.forcing.accuracy();
+        let tolerance = self.accuracy.tolerance();
         self.system.place_equations(self.model, &self.iterate.q);
         let System { solver, matrix, rhs, increment, .. } = &mut *self.system;
         let (pattern, values) = (&matrix.pattern, matrix.values());
         self.timings.measure(Phase::Factorisation, || solver.analyse(pattern, MatrixKind::Symmetric))?;
-        let solved = self.timings.measure(Phase::Solve, || solver.solve_definite(values, rhs, increment, accuracy))?;
+        let solved = self.timings.measure(Phase::Solve, || solver.solve_definite(values, rhs, increment, tolerance))?;
         if solved {
             *self.solves += 1;
             self.solved_shifted = false;

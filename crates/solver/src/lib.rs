@@ -16,6 +16,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod accuracy;
 mod anchor;
 mod anchored;
 mod assembly;
@@ -33,7 +34,6 @@ mod downhill;
 mod embedding;
 mod error;
 mod failure;
-mod forcing;
 mod groups;
 mod held;
 mod inertia;

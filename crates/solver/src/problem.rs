@@ -1,14 +1,14 @@
 //! One step as a problem for Newton's method.
 
+use crate::accuracy::Accuracy;
 use crate::assembly::{Base, System, has_condensed, with_nodes};
 use crate::diagnosis::{blocked, linear_error};
-use crate::forcing::Forcing;
 use crate::iterate::Iterate;
 use crate::system::FeSystem;
 use crate::{Coupling, Load, Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
 use stoss_integrators::{Buffers, Step, evaluate, evaluate_constraints};
-use stoss_linalg::{Accuracy, LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
+use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
 use stoss_newton::{LineSearch, NewtonProblem, Potential, ResidualNorms};
 use stoss_term::{Auxiliary, Rule, Term as _};
 
@@ -36,7 +36,7 @@ pub(crate) struct StepProblem<'a> {
     /// Shift of the last tangent that needed one in this solution.
     pub last_shift: f64,
     pub known: Known,
-    pub forcing: Forcing,
+    pub accuracy: Accuracy,
     /// [`potential_energy`] at the iterate, once it was asked for there.
     energy: Option<f64>,
 }
@@ -82,7 +82,7 @@ impl<'a> StepProblem<'a> {
             part: 0.0,
             last_shift: 0.0,
             known: Known::Nothing,
-            forcing: Forcing::default(),
+            accuracy: Accuracy::default(),
             energy: None,
         }
     }
@@ -372,14 +372,14 @@ impl StepProblem<'_> {
 fn solve_linear(
     solver: &mut dyn LinearSolver,
     pattern: &Arc<SparsityPattern>,
-    (kind, accuracy): (MatrixKind, Accuracy),
+    (kind, tolerance): (MatrixKind, f64),
     values: &[f64],
     rhs: &[f64],
     increment: &mut [f64],
     timings: &mut Timings,
 ) -> Result<(), LinalgError> {
     timings.measure(Phase::Factorisation, || solver.analyse(pattern, kind))?;
-    let nearby = timings.measure(Phase::Solve, || solver.solve_nearby(values, rhs, increment, accuracy))?;
+    let nearby = timings.measure(Phase::Solve, || solver.solve_nearby(values, rhs, increment, tolerance))?;
     if nearby.is_none() {
         timings.measure(Phase::Factorisation, || solver.factorise(values))?;
         timings.measure(Phase::Solve, || solver.solve(rhs, increment))?;
@@ -414,7 +414,7 @@ impl NewtonProblem for StepProblem<'_> {
     type Error = StepError;
 
     fn aim(&mut self, relative: f64) {
-        self.forcing.aim(relative);
+        self.accuracy.aim(relative);
     }
 
     fn assemble(&mut self) -> Result<ResidualNorms, StepError> {
@@ -426,7 +426,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn solve(&mut self) -> Result<f64, StepError> {
-        let accuracy = self.forcing.accuracy();
+        let tolerance = self.accuracy.tolerance();
         self.system.place_equations(self.model, &self.iterate.q);
         let kind = if self.is_symmetric() { MatrixKind::Symmetric } else { MatrixKind::General };
         let s = &mut *self.system;
@@ -438,7 +438,7 @@ impl NewtonProblem for StepProblem<'_> {
         let (solver, pattern) = (&mut s.solver, &s.matrix.pattern);
         let (rhs, increment) = (&s.rhs, &mut s.increment);
         let timings = &mut *self.timings;
-        let mut solved = solve_linear(&mut **solver, pattern, (kind, accuracy), values, rhs, increment, timings);
+        let mut solved = solve_linear(&mut **solver, pattern, (kind, tolerance), values, rhs, increment, timings);
         if let Err(LinalgError::Singular { row }) = solved
             && s.soften_singular()
         {
@@ -446,7 +446,7 @@ impl NewtonProblem for StepProblem<'_> {
             s.rows.dependent = Some(linear_error(self.model, s, self.iterate, false, error).to_string());
             let System { solver, matrix, rhs, increment, .. } = &mut *s;
             let (pattern, values) = (&matrix.pattern, matrix.values());
-            solved = solve_linear(&mut **solver, pattern, (kind, accuracy), values, rhs, increment, self.timings);
+            solved = solve_linear(&mut **solver, pattern, (kind, tolerance), values, rhs, increment, self.timings);
             *self.solves += 1;
         }
         *self.solves += 1;

@@ -235,7 +235,7 @@ pub(crate) fn attempt(
         };
         let mut problem = StepProblem::new(model, system, input.step, &mut iterate, timings, &mut trace.solves);
         problem.known = known;
-        problem.forcing.ends_at_tolerance = !loose && newton.polish == 0;
+        problem.accuracy.ends_at_tolerance = !loose && newton.polish == 0;
         let options = NewtonOptions { tangent_at_solution: problem.counts_directions(), ..options };
         let result = solve(&mut problem, &options);
         let unstable = if result.is_ok() && !loose { problem.unstable_directions() } else { 0 };

@@ -2,7 +2,7 @@
 
 use super::{Body, CUBE, System, clamped, cube, prepared, relative_residual, system};
 use crate::iterative::{Curvature, IterativeSolver};
-use crate::{Accuracy, AutoSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, SolverOptions};
+use crate::{AutoSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, SolverOptions};
 
 /// Iterations and solution to 1e-8.
 fn solve(system: &System, kind: MatrixKind) -> (u32, Vec<f64>) {
@@ -177,7 +177,7 @@ fn what_nothing_holds_and_what_is_indefinite_is_left_to_the_direct_solver() {
     let mut auto = AutoSolver::new();
     auto.place(&mut floating.places.iter().copied());
     auto.analyse(floating.pattern(), MatrixKind::Symmetric).unwrap();
-    assert_eq!(auto.solve_nearby(&floating.matrix.values, &floating.rhs, &mut x, Accuracy::of(1e-6)), Ok(None));
+    assert_eq!(auto.solve_nearby(&floating.matrix.values, &floating.rhs, &mut x, 1e-6), Ok(None));
     assert!(matches!(auto.factorise(&floating.matrix.values), Err(LinalgError::Singular { row: Some(_) })));
 
     // A block with less than nothing on its diagonal: each translation of the whole has a negative energy.
@@ -190,11 +190,11 @@ fn what_nothing_holds_and_what_is_indefinite_is_left_to_the_direct_solver() {
     auto.place(&mut negative.places.iter().copied());
     auto.analyse(negative.pattern(), MatrixKind::Symmetric).unwrap();
     let (values, rhs) = (&negative.matrix.values, &negative.rhs);
-    assert_eq!(auto.solve_definite(values, rhs, &mut x, Accuracy::of(1e-6)), Ok(false));
+    assert_eq!(auto.solve_definite(values, rhs, &mut x, 1e-6), Ok(false));
     auto.factorise(values).unwrap();
     assert_eq!(auto.negative_eigenvalues(), Some(6));
     // Whoever does not ask for the sign gets the solution.
-    assert!(auto.solve_nearby(values, rhs, &mut x, Accuracy::of(1e-8)).unwrap().is_some());
+    assert!(auto.solve_nearby(values, rhs, &mut x, 1e-8).unwrap().is_some());
 }
 
 /// A column whose softest motion has a small negative stiffness, under a load that has nothing of that motion.
