@@ -6,9 +6,10 @@
 use crate::MortarError;
 use crate::positions::Positions;
 use crate::surfaces::{corners, master_facet, region};
+use std::collections::HashMap;
 use stoss_contact::{ContactSurface, SurfaceTree};
 use stoss_geometry::Aabb;
-use stoss_segmentation::{FacetSegmentation, GapRange, MasterFacet, SlaveFrame, segment_facet};
+use stoss_segmentation::{FacetSegmentation, GapRange, MasterFacet, SlaveFrame, segment_facet_within};
 
 /// Master facets that each slave facet may meet, ascending.
 #[derive(Clone, Debug, Default)]
@@ -61,16 +62,20 @@ impl Candidates {
         nodes
     }
 
-    /// Segments of a slave facet at positions `q`.
+    /// Segments of a slave facet at positions `q`; `planes` of symmetry that nodes lie in, a bit each.
     pub fn segment(
         &self,
         slave: &ContactSurface,
         master: &ContactSurface,
         facet: u32,
+        planes: &HashMap<u32, u8>,
         q: Positions<'_>,
     ) -> Result<FacetSegmentation, MortarError> {
         let near: Vec<MasterFacet> = self.0[facet as usize].iter().map(|&f| master_facet(master, f, q)).collect();
-        segment_facet(corners(slave, facet, q), &near, GapRange::ALL)
+        let of = |node: u32| if planes.is_empty() { 0 } else { planes.get(&node).copied().unwrap_or_default() };
+        SlaveFrame::new(corners(slave, facet, q))
+            .map(|frame| frame.with_planes(&slave.facets()[facet as usize].map(of)))
+            .and_then(|frame| segment_facet_within(frame, &near, of, GapRange::ALL))
             .map_err(|source| MortarError::Segmentation { facet, source })
     }
 }

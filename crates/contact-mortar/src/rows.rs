@@ -18,6 +18,8 @@ pub(crate) struct Row {
     pub area: f64,
     /// Whether the node has other rows.
     pub shared: bool,
+    /// Components across planes of symmetry that the node lies in: with the facets behind the planes its normal has none.
+    pub across: [bool; 3],
 }
 
 /// Rows of all slave nodes against a master of so many smooth parts, in the order of the nodes.
@@ -52,6 +54,7 @@ pub(crate) fn rows(surface: &ContactSurface, normals: &[Vector3<f64>], smooth_pa
                 facets: facets.clone(),
                 area,
                 shared: false,
+                across: [false; 3],
             }));
         }
         let shared = rows.len() - first_row > 1;

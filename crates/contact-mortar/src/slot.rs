@@ -25,6 +25,16 @@ pub(crate) struct GapWeights {
     pub weights: Vec<f64>,
     /// `d weights / d x`, row-major, one column a component; empty if the weights are fixed.
     pub derivative: Vec<f64>,
+    /// [`Row::across`] of the normal that the facets make together.
+    across: [bool; 3],
+}
+
+impl GapWeights {
+    /// What is left of a direction beside the mirror images of the facets.
+    fn within(&self, mut direction: Vector3<f64>) -> Vector3<f64> {
+        (0..3).filter(|&i| self.across[i]).for_each(|i| direction[i] = 0.0);
+        direction
+    }
 }
 
 /// The weighted gap of one row at one configuration.
@@ -132,7 +142,8 @@ impl Slot {
         }
         let nodes = slot.nodes.len();
         slot.positive = vec![0.0; nodes];
-        slot.whole = GapWeights { facet: row.facets[0].0, weights: vec![0.0; nodes], ..GapWeights::default() };
+        let weights = vec![0.0; nodes];
+        slot.whole = GapWeights { facet: row.facets[0].0, weights, across: row.across, ..GapWeights::default() };
         for (&(f, a), map) in row.facets.iter().zip(&maps) {
             let corners = Nodal::from_fn(slave.facets()[f as usize].kind(), |k| map.corners[k]);
             slot.whole.corners.push(corners);
@@ -224,7 +235,7 @@ impl Slot {
         for corners in &group.corners {
             c -= area_vector(&corners.map(|k| q.of(self.nodes[k])));
         }
-        (gap, c, origin)
+        (gap, group.within(c), origin)
     }
 
     /// Unit normal at `q` from master to slave, zero if there is none.
@@ -279,7 +290,7 @@ impl Slot {
         let value = n.dot(&gap);
         out.value += value;
         // d Phi = n . dg + b . dc
-        let b = (gap - n * value) / length;
+        let b = group.within(gap - n * value) / length;
         let own = 3 * self.nodes.len();
         let mut by_gap = self.by_gap_at_fixed_weights(group);
         if !group.derivative.is_empty() {
@@ -301,6 +312,7 @@ impl Slot {
                 }
             }
         }
+        (0..3).filter(|&i| group.across[i]).for_each(|i| by_c.row_mut(i).fill(0.0));
         for (k, g) in out.gradient[..own].iter_mut().enumerate() {
             *g += n.dot(&by_gap.column(k)) + b.dot(&by_c.column(k));
         }

@@ -8,6 +8,7 @@ use crate::slot::Slot;
 use crate::weights::{FacetWeights, Integration, Without};
 use crate::{Faces, MortarError};
 use nalgebra::Vector3;
+use std::collections::HashMap;
 use stoss_contact::{ContactError, ContactSurface, in_order};
 use stoss_reference_element::MAX_NODES;
 use stoss_segmentation::{FacetSegmentation, GapRange, Segment};
@@ -26,6 +27,8 @@ pub(crate) struct Surfaces {
     pub smooth_part_count: usize,
     /// Unit normals of the slave facets in the reference configuration.
     pub normals: Vec<Vector3<f64>>,
+    /// Planes of symmetry that nodes (global numbers) lie in, a bit each; those that lie in none are left out.
+    pub planes: HashMap<u32, u8>,
     /// Slave nodes without a multiplier, by local number.
     pub without: Vec<bool>,
     pub integration: Integration,
@@ -118,7 +121,9 @@ impl Surfaces {
         let mut facets: Vec<Option<FacetWeights>> = vec![None; needs.len() * self.smooth_part_count];
         let asked: Vec<usize> = (0..needs.len()).filter(|&f| needs[f] != Need::Nothing).collect();
         let compute = |&f: &usize, (segments, facets): &mut (Option<FacetSegmentation>, Vec<Option<FacetWeights>>)| {
-            let found = candidates.segment(slave, master, f as u32, q).map_err(|error| segmentation_error(&error))?;
+            let found = candidates
+                .segment(slave, master, f as u32, &self.planes, q)
+                .map_err(|error| segmentation_error(&error))?;
             facets.extend((0..self.smooth_part_count).map(|part| {
                 let is_of_part = |segment: &&Segment| self.smooth_parts[segment.master_facet as usize] == part;
                 let own: Vec<Segment> = found.segments.iter().filter(is_of_part).cloned().collect();

@@ -52,15 +52,19 @@ proptest! {
         }
     }
 
-    /// In statics the tangent is exact, with a law for the penetration, too.
+    /// In statics the tangent is exact, with a law for the penetration and at planes of symmetry, too.
     #[test]
     fn tangents_of_statics_are_derivatives(
-        surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), kind in 0usize..3, lift in -0.2f64..0.1, soft in any::<bool>(),
+        surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), dual in any::<bool>(), kind in 0usize..3, lift in -0.2f64..0.1, soft in any::<bool>(), mirrored in any::<[bool; 2]>(),
     ) {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 0.3, &e);
         let overclosure = soft.then_some(7.0);
-        let mut method = method(surfaces, MortarOptions { overclosure, ..options(dual) }).with_factors(factors(kind));
+        let mut method = method(surfaces, MortarOptions { overclosure, ..options(dual) })
+            .with_factors(factors(kind))
+            .with_symmetry((0..SLAVE as u32).map(|n| {
+                (n, u8::from(mirrored[0] && n % 3 == 0) + 2 * u8::from(mirrored[1] && n % 2 == 0))
+            }));
         if let Some([rows, forces]) = tangent_errors(&mut method, GradientRule::EndPoint, &q_n, &q, &p) {
             prop_assert!(rows < 1e-6 && forces < 1e-6, "dual {dual} factors {kind}: {rows:e} {forces:e}");
         }

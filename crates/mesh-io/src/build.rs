@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use stoss_reference_element::{CellKind, FacetKind, FacetNodes};
+use stoss_reference_element::{CellKind, FaceKind, FacetKind, FacetNodes};
 
 use crate::MeshIoError;
 use crate::contents::{Contents, Source, entry};
@@ -21,12 +21,35 @@ struct Numbers {
 pub(crate) struct Builder {
     pub contents: Contents,
     scopes: Vec<Numbers>,
+    /// Copies of the nodes of plane elements in the middle of the layer and on its other side.
+    copies: HashMap<u32, [Option<u32>; 2]>,
 }
 
 impl Builder {
     /// A builder with the scope 0.
     pub fn new(contents: Contents) -> Builder {
-        Builder { contents, scopes: vec![Numbers::default()] }
+        Builder { contents, scopes: vec![Numbers::default()], copies: HashMap::new() }
+    }
+
+    /// What was collected. Plane elements are a layer from z = -1 to z = 1, and sets of their nodes have all copies of them.
+    pub fn finish(mut self) -> Contents {
+        if self.contents.is_plane {
+            self.contents.notes.push("a section: its plane elements are a layer from z = -1 to z = 1 here".to_owned());
+        }
+        for (&node, copies) in &self.copies {
+            self.contents.nodes[node as usize][2] = -1.0;
+            for (copy, z) in copies.iter().zip([0.0, 1.0]) {
+                if let Some(copy) = copy {
+                    self.contents.nodes[*copy as usize][2] = z;
+                }
+            }
+        }
+        for set in self.contents.node_sets.values_mut() {
+            let more: Vec<u32> =
+                set.iter().filter_map(|node| self.copies.get(node)).flatten().flatten().copied().collect();
+            set.extend(more);
+        }
+        self.contents
     }
 
     /// A new scope for what comes next.
@@ -73,9 +96,25 @@ impl Builder {
         name: &str,
         place: Place,
     ) -> Result<u32, MeshIoError> {
+        let local = self.nodes_of(number, kind.name(), kind.node_count(), nodes, place)?;
+        if self.contents.is_plane {
+            return Err(self.mixed(number, place));
+        }
+        self.push(number, kind, &local, name, place)
+    }
+
+    /// Indices of the nodes of an element, `count` different ones.
+    fn nodes_of(
+        &mut self,
+        number: u64,
+        kind: &str,
+        count: usize,
+        nodes: &[u64],
+        place: Place,
+    ) -> Result<Vec<u32>, MeshIoError> {
         let scope = self.scopes.len() - 1;
-        if nodes.len() != kind.node_count() {
-            let remedy = format!("has {} nodes, but a {kind} needs {}", nodes.len(), kind.node_count());
+        if nodes.len() != count {
+            let remedy = format!("has {} nodes, but a {kind} needs {count}", nodes.len());
             return Err(self.contents.error(place, format_args!("element {number}"), remedy));
         }
         let mut local = Vec::with_capacity(nodes.len());
@@ -83,13 +122,24 @@ impl Builder {
             local.push(self.node_number(scope, *node, place)?);
             if nodes[..i].contains(node) {
                 let remedy = format!(
-                    "element {number} uses this node twice: collapsed elements are not supported, a {kind} has {} different nodes",
-                    nodes.len()
+                    "element {number} uses this node twice: collapsed elements are not supported, a {kind} has {count} different nodes"
                 );
                 return Err(self.contents.error(place, node, remedy));
             }
         }
-        if let Some(&same) = self.last().by_nodes.get(local.as_slice()) {
+        Ok(local)
+    }
+
+    /// Adds an element of these nodes.
+    fn push(
+        &mut self,
+        number: u64,
+        kind: CellKind,
+        local: &[u32],
+        name: &str,
+        place: Place,
+    ) -> Result<u32, MeshIoError> {
+        if let Some(&same) = self.last().by_nodes.get(local) {
             self.last().elements.insert(number, same);
             return Ok(same);
         }
@@ -99,12 +149,66 @@ impl Builder {
             return Err(self.contents.error(place, number, remedy));
         }
         let index = self.contents.element_source.len() as u32;
-        self.contents.elements.push(kind, &local);
+        self.contents.elements.push(kind, local);
         self.last().elements.insert(number, index);
         self.last().by_nodes.insert(local.into(), index);
         self.contents.element_source.push(Source { number, place });
         self.contents.count_cell(name, place);
         Ok(index)
+    }
+
+    /// Adds a plane element of the plane z = 0 as a layer ([`FaceKind::layer`]), its nodes in the order of its kind, counter-clockwise about z.
+    pub fn plane_element(
+        &mut self,
+        number: u64,
+        kind: FaceKind,
+        nodes: &[u64],
+        name: &str,
+        place: Place,
+    ) -> Result<u32, MeshIoError> {
+        let plane = self.nodes_of(number, kind.name(), kind.node_count(), nodes, place)?;
+        if !(self.contents.is_plane || self.contents.elements.is_empty()) {
+            return Err(self.mixed(number, place));
+        }
+        let x = |k: usize| self.contents.nodes[plane[k] as usize];
+        if let Some(off) = (0..plane.len()).find(|&k| x(k)[2] != 0.0) {
+            let remedy = format!(
+                "a file without solid elements is a section in the plane z = 0, but this node is at z = {}: draw it there, or mesh the volumes",
+                x(off)[2]
+            );
+            let value = format_args!("node {} of element {number}", nodes[off]).to_string();
+            return Err(self.contents.error(place, value, remedy));
+        }
+        let corners = kind.corner_count();
+        let twice_the_area: f64 =
+            (0..corners).map(|k| (x(k), x((k + 1) % corners))).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum();
+        if twice_the_area < 0.0 {
+            let remedy = "its nodes go clockwise about z: turn the surface over";
+            return Err(self.contents.error(place, format_args!("element {number}"), remedy));
+        }
+        let layer: Vec<u32> = kind.layer_nodes().map(|(k, zeta)| self.copy(plane[k], zeta)).collect();
+        let element = self.push(number, kind.layer(), &layer, name, place)?;
+        self.contents.is_plane = true;
+        Ok(element)
+    }
+
+    fn mixed(&self, number: u64, place: Place) -> MeshIoError {
+        let remedy = "the file has plane elements and solid ones: write them to two files";
+        self.contents.error(place, format_args!("element {number}"), remedy)
+    }
+
+    /// A node of the layer, above a node of plane elements, which is itself the one below.
+    fn copy(&mut self, node: u32, zeta: f64) -> u32 {
+        let copies = self.copies.entry(node).or_default();
+        if zeta < 0.0 {
+            return node;
+        }
+        *copies[usize::from(zeta > 0.0)].get_or_insert_with(|| {
+            let index = self.contents.nodes.len() as u32;
+            self.contents.nodes.push(self.contents.nodes[node as usize]);
+            self.contents.node_source.push(self.contents.node_source[node as usize]);
+            index
+        })
     }
 
     /// Index of an element, if Stoss computes with its type.
@@ -131,6 +235,18 @@ impl Builder {
 
     pub fn add_to_element_set(&mut self, name: &str, element: u32) {
         entry(&mut self.contents.element_sets, name).insert(element);
+    }
+
+    /// Adds an edge of plane elements of scope 0 by its ends: a face of their layer.
+    pub fn add_edge(&mut self, name: &str, ends: &[u64], place: Place) -> Result<(), MeshIoError> {
+        let mut corners = [0; 4];
+        for k in 0..2 {
+            let node = self.node_number(0, ends[k], place)?;
+            (corners[k], corners[3 - k]) = (node, self.copy(node, 1.0));
+        }
+        let edge = FacetNodes::from_fn(FacetKind::Quad4, |k| corners[k]);
+        entry(&mut self.contents.faces, name).push((edge, place));
+        Ok(())
     }
 
     /// Adds a face of scope 0 by its three or four corners, which must be those of a facet of an element.

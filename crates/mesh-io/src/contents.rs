@@ -44,6 +44,8 @@ pub struct Contents {
     pub(crate) nodes: Vec<[f64; 3]>,
     pub(crate) node_source: Vec<Source>,
     pub(crate) elements: Elements,
+    /// Whether there are plane elements among them, each a layer from z = -1 to z = 1.
+    pub(crate) is_plane: bool,
     pub(crate) element_source: Vec<Source>,
     /// The type of each element by its name in the format, where the format has variants of a cell.
     pub(crate) element_types: Vec<&'static str>,
@@ -83,6 +85,11 @@ impl Contents {
     /// Name and version of the format.
     pub fn format(&self) -> &str {
         &self.format
+    }
+
+    /// Whether there are plane elements: each is a layer of its plane from z = -1 to z = 1 here.
+    pub fn is_plane(&self) -> bool {
+        self.is_plane
     }
 
     /// What a user should know: elements that are taken for others, groups that are left out.

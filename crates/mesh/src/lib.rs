@@ -26,6 +26,7 @@ mod mesh;
 mod pieces;
 mod quality;
 mod region;
+pub mod slice;
 pub mod surface;
 mod transform;
 mod validity;

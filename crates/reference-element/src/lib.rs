@@ -28,6 +28,7 @@ mod cells;
 mod face;
 mod facet;
 pub mod hex8;
+mod layer;
 mod line;
 mod piece;
 pub mod quad4;

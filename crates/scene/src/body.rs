@@ -257,29 +257,29 @@ pub struct Rotation {
     pub about: [f64; 3],
 }
 
-/// One rotation or a list of them; see [`Rotations::as_slice`].
+/// One value or a list of them; see [`OneOrMany::as_slice`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "{T}s"))]
 #[serde(untagged)]
-pub enum Rotations {
-    /// A single rotation.
-    One(Rotation),
-    /// Rotations in the order in which they are applied.
-    Many(Vec<Rotation>),
+pub enum OneOrMany<T> {
+    /// A single one.
+    One(T),
+    /// Several, in their order.
+    Many(Vec<T>),
 }
 
-impl Default for Rotations {
+impl<T> Default for OneOrMany<T> {
     fn default() -> Self {
         Self::Many(Vec::new())
     }
 }
 
-impl Rotations {
-    /// The rotations in the order in which they are applied.
-    pub fn as_slice(&self) -> &[Rotation] {
+impl<T> OneOrMany<T> {
+    /// The values in their order.
+    pub fn as_slice(&self) -> &[T] {
         match self {
-            Self::One(rotation) => std::slice::from_ref(rotation),
-            Self::Many(rotations) => rotations,
+            Self::One(value) => std::slice::from_ref(value),
+            Self::Many(values) => values,
         }
     }
 
@@ -288,6 +288,9 @@ impl Rotations {
         self.as_slice().is_empty()
     }
 }
+
+/// Rotations in the order in which they are applied.
+pub type Rotations = OneOrMany<Rotation>;
 
 #[cfg(test)]
 mod tests {

@@ -487,6 +487,22 @@ pub struct Prescribe {
 }
 
 impl Prescribe {
+    /// A set that is held, along no component yet.
+    pub fn fixed(set: String) -> Self {
+        Self {
+            name: None,
+            set: Some(set),
+            rigid: None,
+            components: Vec::new(),
+            normal: None,
+            displacement: None,
+            fixed: true,
+            rotation: None,
+            translation: None,
+            ramp_until: None,
+        }
+    }
+
     /// Whether it is along a `normal` that is not a coordinate axis.
     pub fn is_inclined(&self) -> bool {
         self.normal.is_some_and(|normal| normal.iter().filter(|&&n| n != 0.0).count() > 1)

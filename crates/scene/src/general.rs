@@ -2,8 +2,8 @@
 
 #[cfg(feature = "schema")]
 use crate::Dimension;
-use crate::Units;
 use crate::names::named;
+use crate::{Component, OneOrMany, Units};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -54,6 +54,18 @@ named! {
     }
 }
 
+named! {
+    /// What the plane meshes of a scene are sections of (theory/elements#sections). Bodies are plane meshes then: files of plane elements, or the generators `rectangle` and `disc`.
+    PlaneSection {
+        /// Bodies of revolution about the y axis without torsion: x is the radius. Forces, areas, masses and energies of the scene and of its results are those of one radian.
+        Axisymmetric = "axisymmetric",
+        /// Long bodies that do not move along z. Forces and the like are those of a unit of thickness.
+        PlaneStrain = "plane-strain",
+        /// Thin plates with free faces. Forces and the like are those of a unit of thickness.
+        PlaneStress = "plane-stress",
+    }
+}
+
 /// `[scene]`: title, kind of analysis and units of the scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -63,6 +75,13 @@ pub struct Header {
     pub title: String,
     /// Kind of analysis: `dynamic` or `quasi-static`.
     pub kind: Kind,
+    /// What the meshes are sections of: `axisymmetric`, `plane-strain` or `plane-stress`; they are solids if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub section: Option<PlaneSection>,
+    /// Planes of symmetry of the whole model, `"x"` for x = 0, `"y"`, `"z"`, or a list of them: deformable bodies are held in them, and faces that lie there are cut faces, no surfaces. Results are those of what is
+    /// modelled. None if left out.
+    #[serde(default, skip_serializing_if = "OneOrMany::is_empty")]
+    pub symmetry: OneOrMany<Component>,
     /// System of units of all numbers in the scene: used for the labels of tables, charts and pictures, and for a warning where densities, moduli, sizes or gravity are unusual. Numbers are not
     /// converted. No labels if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -56,7 +56,9 @@ mod vector;
 mod watch;
 
 pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape, SectionStiffness, TubeSection};
-pub use body::{Body, Cell, Damping, Integration, Mass, Rotation, Rotations, RoundShape, RoundSurface, Volumetric};
+pub use body::{
+    Body, Cell, Damping, Integration, Mass, OneOrMany, Rotation, Rotations, RoundShape, RoundSurface, Volumetric,
+};
 pub use catalogue::{Parameter, given};
 pub use chosen::{Chosen, Rows};
 pub use conditions::{
@@ -69,7 +71,8 @@ pub use coupling::Coupling;
 pub use event::{Event, EventCondition, Stage};
 pub use friction::{Friction, MidpointFriction, Slip, Stick, Sticking};
 pub use general::{
-    Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time,
+    Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, PlaneSection, Solver, Stabilise,
+    Time,
 };
 pub use general_contact::{GeneralContact, GeneralFriction, GeneralPair, Initial};
 pub use gravity::Gravity;
@@ -80,8 +83,8 @@ pub use joint::{
 pub use left_out::{LeftOut, Omission};
 pub use material::{Inelasticity, Material};
 pub use mesh::{
-    Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,
-    Part, Refinement,
+    Ball, Block, Cylinder, Disc, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile,
+    MeshSource, Part, Rectangle, Refinement,
 };
 pub use names::known;
 pub use part::PartKind;
@@ -208,6 +211,9 @@ impl Scene {
     /// General contact, if it is on: as given in the scene; with its defaults if a contact has `edges = "general"`, or if there is no `[[contact]]`, several parts have surfaces, some of them
     /// deformable, and all schemes support it.
     pub fn general_contact(&self) -> Option<GeneralContact> {
+        if self.header.section.is_some() {
+            return None;
+        }
         if let Some(table) = &self.general_contact {
             return table.enabled.then(|| table.clone());
         }

@@ -71,14 +71,37 @@ pub enum Generator {
     /// A solid cylinder about the y-axis, from y = 0, or a part of it. Sets: `outer`, `front`, `back` (y); of a part also `top` (z = 0), `left`
     /// (x = 0).
     Cylinder(Cylinder),
+    /// A rectangle of the x-y plane, for scenes with a `section`. Sets: `left`, `right` (x), `bottom`, `top` (y).
+    Rectangle(Rectangle),
+    /// A disc of the x-y plane about the origin, or a part of it, for scenes with a `section`. Sets: `outer`; of a part also `top` (y = 0), `left` (x = 0).
+    Disc(Disc),
     /// An L in the x-y plane, its outer corner at the origin. Sets: `left`, `front`, `bottom`, `top`, `end-x`, `end-y`, `notch`.
     LShape(LShape),
 }
 
 impl Generator {
     /// Names of all generators.
-    pub const NAMES: &'static [&'static str] =
-        &["block", "hollow-ball", "hollow-torus", "hexahedron", "indenter", "ball", "cylinder", "l-shape"];
+    pub const NAMES: &'static [&'static str] = &[
+        "block",
+        "hollow-ball",
+        "hollow-torus",
+        "hexahedron",
+        "indenter",
+        "ball",
+        "cylinder",
+        "rectangle",
+        "disc",
+        "l-shape",
+    ];
+
+    /// Whether the mesh is plane, for scenes with a `section`.
+    pub fn is_plane(&self) -> bool {
+        matches!(self, Self::Rectangle(_) | Self::Disc(_))
+    }
+}
+
+fn uniform_2() -> [f64; 2] {
+    [1.0; 2]
 }
 
 fn uniform() -> [f64; 3] {
@@ -256,6 +279,43 @@ pub struct Cylinder {
     /// Numbers of elements of a quarter: horizontally (x), vertically (z), from the square in the middle to the surface, and along y.
     pub divisions: [usize; 4],
     /// A finer mesh at the lowest line; none if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refinement: Option<Refinement>,
+}
+
+/// Parameters of the generator `rectangle`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Rectangle {
+    /// Smallest coordinates x and y.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    pub min: [f64; 2],
+    /// Largest coordinates.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    pub max: [f64; 2],
+    /// Numbers of elements along x and y.
+    pub divisions: [usize; 2],
+    /// Grading along each axis, as for `block`.
+    #[serde(default = "uniform_2")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    pub grading: [f64; 2],
+}
+
+/// Parameters of the generator `disc`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Disc {
+    /// Radius.
+    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    pub radius: f64,
+    /// Part that is meshed, with y for z: `full` if left out; `half` (y <= 0), `quarter` (also x >= 0).
+    #[serde(default = "Part::default_part")]
+    pub part: Part,
+    /// Numbers of elements of a quarter: along x, along y, from the square in the middle to the rim.
+    pub divisions: [usize; 3],
+    /// A finer mesh at the lowest point; none if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub refinement: Option<Refinement>,
 }

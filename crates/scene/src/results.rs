@@ -91,6 +91,25 @@ impl Quantity {
         )
     }
 
+    /// True if it is a sum over the model, as forces and energies are: in scenes of plane sections that of a unit of thickness or of a radian.
+    pub fn is_integral(self) -> bool {
+        matches!(
+            self,
+            Self::Reaction
+                | Self::ReactionMoment
+                | Self::SupportForce
+                | Self::ContactForce
+                | Self::ContactMoment
+                | Self::JointForce
+                | Self::JointMoment
+                | Self::Energy
+                | Self::KineticEnergy
+                | Self::StrainEnergy
+                | Self::LinearMomentum
+                | Self::AngularMomentum
+        )
+    }
+
     /// True if it belongs to a joint.
     pub fn is_of_joint(self) -> bool {
         matches!(self, Self::JointForce | Self::JointMoment | Self::JointAngle | Self::JointDisplacement)

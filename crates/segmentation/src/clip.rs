@@ -3,6 +3,9 @@
 //! The master polygon is taken as shifted by the infinitesimal vector `(e, e^2)`: no corner is on a line, no edges
 //! overlap. Signs that exact arithmetic finds to be zero are those of the shifted polygon. The vertices' coordinates
 //! are those of the polygons as they are.
+//!
+//! Where both polygons have a side in the same plane of symmetry, both surfaces go on behind it: there the slave's side is the boundary, and the master's sides across the plane are
+//! taken as far as that, a little less or more than to their corners.
 
 use crate::pieces::Piece;
 use crate::plane::{cross, orient, sub};
@@ -42,8 +45,10 @@ impl Signs {
         for i in 0..s.count {
             for j in 0..m.count {
                 let (s_next, m_next) = (s.points[(i + 1) % s.count], m.points[(j + 1) % m.count]);
-                signs.master_in[i][j] = is_left(s.points[i], s_next, m.points[j], 1.0);
-                signs.slave_in[j][i] = is_left(m.points[j], m_next, s.points[i], -1.0);
+                let beyond = s.planes_of_side(i) & m.planes[j] != 0;
+                let behind = m.planes_of_side(j) & s.planes[i] != 0;
+                signs.master_in[i][j] = !beyond && is_left(s.points[i], s_next, m.points[j], 1.0);
+                signs.slave_in[j][i] = behind || is_left(m.points[j], m_next, s.points[i], -1.0);
             }
         }
         signs
@@ -96,7 +101,9 @@ pub(crate) fn clip(s: &Piece, m: &Piece, out: &mut [ClipVertex; 8]) -> usize {
             return count;
         }
     }
-    debug_assert!(false, "the intersection of convex polygons has at most eight vertices");
+    // Where planes of symmetry meet at a small angle, projection may move a side beyond the line in which they meet.
+    let planes = s.planes.iter().chain(&m.planes).fold(0, |all, planes| all | planes);
+    debug_assert!(planes != 0, "the intersection of convex polygons has at most eight vertices");
     0
 }
 
@@ -139,7 +146,10 @@ pub(crate) fn crossing(s: &Piece, slave: usize, m: &Piece, master: usize) -> Cro
         raw.clamp(0.0, 1.0)
     };
     let p = std::array::from_fn(|i| a[i] + s_fraction * (b[i] - a[i]));
-    let master_fraction = fraction_of(p, c, d).clamp(0.0, 1.0);
+    let master_fraction = fraction_of(p, c, d);
+    // At a plane of symmetry the side goes on behind its corner.
+    let goes_on = m.planes[master] | m.planes[(master + 1) % m.count] != 0;
+    let master_fraction = if goes_on { master_fraction } else { master_fraction.clamp(0.0, 1.0) };
     Crossing { slave_corners, slave_fraction: s_fraction, master_corners, master_fraction }
 }
 

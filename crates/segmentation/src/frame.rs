@@ -59,6 +59,13 @@ impl SlaveFrame {
         Ok(frame)
     }
 
+    /// Tells which planes of symmetry the corners lie in, a bit each.
+    #[must_use]
+    pub fn with_planes(mut self, planes: &Nodal<u8>) -> Self {
+        self.pieces.iter_mut().flatten().for_each(|piece| piece.set_planes(*planes.padded()));
+        self
+    }
+
     /// Corners of the slave facet.
     pub fn corners(&self) -> &Nodal<Vector3<f64>> {
         &self.corners

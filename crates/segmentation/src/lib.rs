@@ -54,5 +54,5 @@ pub use error::SegmentationError;
 pub use facet::{FacetSegmentation, HiddenFacet, MasterFacet};
 pub use frame::SlaveFrame;
 pub use map::FacetMap;
-pub use segment::{Foot, MAX_VERTICES, Provenance, Segment, Vertex, segment_pair};
-pub use surface::{GapRange, segment_facet};
+pub use segment::{Foot, MAX_VERTICES, Provenance, Segment, Vertex, segment_pair, segment_pair_within};
+pub use surface::{GapRange, segment_facet, segment_facet_within};

@@ -13,9 +13,21 @@ pub(crate) struct Piece {
     /// Their images.
     pub points: [[f64; 2]; MAX_NODES],
     pub map: FacetMap,
+    /// Planes of symmetry that the corners lie in, a bit each.
+    pub planes: [u8; MAX_NODES],
 }
 
 impl Piece {
+    /// Notes the planes that the corners of the facet lie in.
+    pub fn set_planes(&mut self, of_facet: [u8; MAX_NODES]) {
+        self.planes = self.corners.map(|k| of_facet[k as usize]);
+    }
+
+    /// Planes that both corners of a side lie in.
+    pub fn planes_of_side(&self, side: usize) -> u8 {
+        self.planes[side] & self.planes[(side + 1) % self.count]
+    }
+
     fn triangle(order: [u8; 3], images: &Images) -> Option<Self> {
         let p = order.map(|k| images[k as usize]);
         (orient(p[0], p[1], p[2]) > 0.0).then_some(Self {
@@ -23,6 +35,7 @@ impl Piece {
             corners: [order[0], order[1], order[2], order[0]],
             points: [p[0], p[1], p[2], p[0]],
             map: FacetMap::Affine { kind: images.kind(), corners: order },
+            planes: [0; MAX_NODES],
         })
     }
 
@@ -59,7 +72,8 @@ pub(crate) fn split(images: &Images, orientation: Orientation) -> ([Option<Piece
     let p = order.map(|k| images[k as usize]);
     let turn = Nodal::from_fn(kind, |k| orient(p[kind.previous(k)], p[k], p[kind.next(k)]));
     if turn.iter().all(|&o| o > 0.0) {
-        let whole = Piece { count, corners: *order.padded(), points: *p.padded(), map: FacetMap::whole(kind) };
+        let (corners, points, planes) = (*order.padded(), *p.padded(), [0; MAX_NODES]);
+        let whole = Piece { count, corners, points, map: FacetMap::whole(kind), planes };
         return ([Some(whole), None], false);
     }
     // A diagonal cuts off the corners in the middle of its triangles, and their turns are the triangles' areas.

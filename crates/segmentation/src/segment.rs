@@ -189,6 +189,21 @@ pub fn segment_pair(
     master: &Nodal<Vector3<f64>>,
     out: &mut Vec<Segment>,
 ) -> Result<(), SegmentationError> {
+    segment_pair_within(frame, master_facet, master, &master.map(|_| 0), out)
+}
+
+/// As [`segment_pair`] for surfaces that end at planes of symmetry and go on behind them: `planes` are those that the master's corners lie in, a bit each, as in [`SlaveFrame::with_planes`].
+/// A slave's side in such a plane bounds the segment in place of the master's.
+///
+/// # Errors
+/// As [`segment_pair`].
+pub fn segment_pair_within(
+    frame: &SlaveFrame,
+    master_facet: u32,
+    master: &Nodal<Vector3<f64>>,
+    planes: &Nodal<u8>,
+    out: &mut Vec<Segment>,
+) -> Result<(), SegmentationError> {
     if !master.iter().all(|x| x.iter().all(|c| c.is_finite())) {
         return Err(SegmentationError::NotFinite { side: "master" });
     }
@@ -203,7 +218,8 @@ pub fn segment_pair(
         }
     }
     // The master looks the other way: its corners run clockwise in the plane.
-    let (master_pieces, _) = split(&images, Orientation::Backward);
+    let (mut master_pieces, _) = split(&images, Orientation::Backward);
+    master_pieces.iter_mut().flatten().for_each(|piece| piece.set_planes(*planes.padded()));
     let (slave_kind, master_kind) = (frame.kind(), master.kind());
     for s in frame.pieces.iter().flatten() {
         for m in master_pieces.iter().flatten() {
@@ -224,7 +240,8 @@ pub fn segment_pair(
                     ClipVertex::Slave(i) => {
                         let k = s.corners[i];
                         // A point that is known to lie in the closed facet: round-off may not take it out.
-                        let xi = master_kind.clamp(inverse(m.map, &images, s.points[i]));
+                        let xi = inverse(m.map, &images, s.points[i]);
+                        let xi = if s.planes[i] == 0 { master_kind.clamp(xi) } else { xi };
                         (Provenance::Slave(k), slave_kind.vertices()[k as usize], xi)
                     }
                     ClipVertex::Master(j) => {

@@ -1,7 +1,7 @@
 //! One slave facet against a master surface.
 
 use crate::folded::remove_hidden_parts;
-use crate::{FacetSegmentation, MasterFacet, Segment, SegmentationError, SlaveFrame, segment_pair};
+use crate::{FacetSegmentation, MasterFacet, Segment, SegmentationError, SlaveFrame, segment_pair_within};
 use nalgebra::Vector3;
 use stoss_reference_element::Nodal;
 
@@ -33,16 +33,28 @@ impl GapRange {
 /// as those on the far side of a body are.
 ///
 /// # Errors
-/// Those of [`SlaveFrame::new`] and [`segment_pair`].
+/// Those of [`SlaveFrame::new`] and [`crate::segment_pair`].
 pub fn segment_facet(
     slave: impl Into<Nodal<Vector3<f64>>>,
     candidates: &[MasterFacet],
     range: GapRange,
 ) -> Result<FacetSegmentation, SegmentationError> {
-    let frame = SlaveFrame::new(slave)?;
+    segment_facet_within(SlaveFrame::new(slave)?, candidates, |_| 0, range)
+}
+
+/// As [`segment_facet`] for surfaces that end at planes of symmetry: those that a node of the master lies in, a bit each, as in [`SlaveFrame::with_planes`].
+///
+/// # Errors
+/// Those of [`segment_pair_within`].
+pub fn segment_facet_within(
+    frame: SlaveFrame,
+    candidates: &[MasterFacet],
+    planes: impl Fn(u32) -> u8,
+    range: GapRange,
+) -> Result<FacetSegmentation, SegmentationError> {
     let mut segments = Vec::new();
     for facet in candidates {
-        segment_pair(&frame, facet.id, &facet.corners, &mut segments)?;
+        segment_pair_within(&frame, facet.id, &facet.corners, &facet.nodes.map(&planes), &mut segments)?;
     }
     segments.retain(|segment| range.meets(segment));
     let mut found = FacetSegmentation { frame, segments, hidden: Vec::new() };

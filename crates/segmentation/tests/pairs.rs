@@ -7,7 +7,7 @@ use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_reference_cases::facets::{Quad, RandomQuad, SQUARE, common_area, flat, reversed};
 use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
-use stoss_segmentation::{LOCAL, MASTER, Provenance, Segment, SlaveFrame, segment_pair};
+use stoss_segmentation::{LOCAL, MASTER, Provenance, Segment, SlaveFrame, segment_pair, segment_pair_within};
 
 fn cases() -> u32 {
     std::env::var("STOSS_FUZZ_PAIRS").ok().and_then(|s| s.parse().ok()).unwrap_or(256)
@@ -16,9 +16,15 @@ fn cases() -> u32 {
 type Facet = Nodal<Vector3<f64>>;
 
 fn segments(s: impl Into<Facet>, m: impl Into<Facet>) -> (SlaveFrame, Vec<Segment>) {
-    let frame = SlaveFrame::new(s).unwrap();
+    let (s, m) = (s.into(), m.into());
+    segments_within(s, m, [s.map(|_| 0), m.map(|_| 0)])
+}
+
+/// With the planes of symmetry that the corners of both lie in.
+fn segments_within(s: Facet, m: Facet, [slave, master]: [Nodal<u8>; 2]) -> (SlaveFrame, Vec<Segment>) {
+    let frame = SlaveFrame::new(s).unwrap().with_planes(&slave);
     let mut out = Vec::new();
-    segment_pair(&frame, 0, &m.into(), &mut out).unwrap();
+    segment_pair_within(&frame, 0, &m, &master, &mut out).unwrap();
     (frame, out)
 }
 
@@ -64,6 +70,26 @@ fn as_quad(f: &Facet) -> Quad {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(cases()))]
 
+    /// Two facets with a side each in the plane x = 0, one above the other, whose normals are tilted out of it: up to there the segment is bounded by the side of the slave, whether projection moves that of
+    /// the master to this side of it or to the other.
+    #[test]
+    fn at_a_plane_of_symmetry_the_slave_ends(
+        tilts in prop::array::uniform2(-0.3f64..0.3), gap in -0.3f64..0.3, lengths in prop::array::uniform2(0.5f64..2.0), shift in -0.4f64..0.4, warp in prop::array::uniform8(-0.05f64..0.05),
+    ) {
+        let facet = |length: f64, tilt: f64, height: f64, y: f64, warp: &[f64]| -> Facet {
+            let at = |x: f64, side: f64, w: f64| Vector3::new(x, y + side + w, height + tilt * x);
+            Nodal::from([at(0.0, -1.0, warp[0]), at(length, -1.0, warp[1]), at(length, 1.0, warp[2]), at(0.0, 1.0, warp[3])])
+        };
+        let s = facet(lengths[0], tilts[0], 0.0, 0.0, &warp[..4]);
+        let m = turned(facet(lengths[1], tilts[1], gap, shift, &warp[4..]));
+        let in_plane = |f: &Facet| f.map(|x| u8::from(x.x == 0.0));
+        let planes = [in_plane(&s), in_plane(&m)];
+        let (_, found) = segments_within(s, m, planes);
+        let at_plane = |v: &&stoss_segmentation::Vertex| v.slave[0] == -1.0;
+        prop_assert_eq!(found.iter().flat_map(Segment::vertices).filter(at_plane).count(), 2);
+        check_derivatives_within(&s, &m, planes)?;
+    }
+
     #[test]
     fn area_is_that_of_the_polygons(s in facet(0.8, true), m in facet(0.8, true), back in any::<bool>()) {
         let m = if back { m } else { turned(m) };
@@ -105,7 +131,11 @@ fn at(w: [f64; MAX_NODES], x: &Facet) -> Vector3<f64> {
 }
 
 fn check_derivatives(s: &Facet, m: &Facet) -> Result<(), TestCaseError> {
-    let (frame, base) = segments(*s, *m);
+    check_derivatives_within(s, m, [s.map(|_| 0), m.map(|_| 0)])
+}
+
+fn check_derivatives_within(s: &Facet, m: &Facet, planes: [Nodal<u8>; 2]) -> Result<(), TestCaseError> {
+    let (frame, base) = segments_within(*s, *m, planes);
     let h = 1e-6;
     for segment in &base {
         let derivative = segment.vertex_derivatives(&frame, m);
@@ -118,7 +148,7 @@ fn check_derivatives(s: &Facet, m: &Facet) -> Result<(), TestCaseError> {
                     Nodal::from_fn(x.kind(), |i| if i == k / 3 { x[i] + Vector3::ith(k % 3, d) } else { x[i] })
                 };
                 let (s, m) = if k < MASTER { (nudged(s, k), *m) } else { (*s, nudged(m, k - MASTER)) };
-                (segments(s, m), s, m)
+                (segments_within(s, m, planes), s, m)
             };
             let (((fp, plus), _, mp), ((fm, minus), _, mm)) = (moved(h), moved(-h));
             // Same polygons, or the set of vertices changes here and there is no derivative.

@@ -21,6 +21,7 @@ pub struct SlidingSupport {
     displacement: Table,
     times: [f64; 2],
     has_rates: bool,
+    is_side: bool,
     /// Forces at the end of the last accepted step, for the work of a motion in statics.
     forces: Vec<f64>,
 }
@@ -53,8 +54,14 @@ impl SlidingSupport {
             displacement,
             times: [0.0; 2],
             has_rates: false,
+            is_side: false,
             forces: vec![0.0; nodes.len()],
         })
+    }
+
+    /// The support as a side of a section, whose forces are no reactions.
+    pub fn of_section(self) -> Self {
+        Self { is_side: true, ..self }
     }
 
     /// Whether the prescribed displacement changes with time.
@@ -200,6 +207,7 @@ impl Bilateral for SlidingSupport {
             direction: self.direction,
             place: reference + self.displacement.value(time, 0),
             rate: self.displacement.slope(time, 0),
+            is_side: self.is_side,
         })
     }
 }

@@ -101,6 +101,8 @@ pub struct SupportedNode {
     pub place: f64,
     /// Rate of `place` just after the time, a length per time.
     pub rate: f64,
+    /// Whether it is a side of a section: what lies behind is modelled no less than the node, and the force is no reaction.
+    pub is_side: bool,
 }
 
 /// How the surfaces of a discretisation are covered by what it integrates over.

@@ -52,6 +52,7 @@ mod rims;
 mod round_faces;
 mod schemes;
 mod second_coordinates;
+mod sections;
 mod sets;
 mod slow_contact;
 mod smoothed;

@@ -25,6 +25,7 @@ use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickne
 use crate::weights::Integration;
 use crate::{Faces, MortarError};
 use nalgebra::Vector3;
+use std::collections::HashMap;
 use stoss_contact::{ContactError, ContactSurface, SurfaceTree};
 use stoss_reference_element::FacePiece;
 use stoss_segmentation::FacetSegmentation;
@@ -134,6 +135,7 @@ impl MortarContact {
                 smooth_parts,
                 smooth_part_count,
                 normals,
+                planes: HashMap::new(),
                 without,
                 integration,
             },
@@ -185,6 +187,19 @@ impl MortarContact {
     #[must_use]
     pub fn with_stiffness(mut self, stiffness: f64) -> Self {
         self.stiffness = stiffness;
+        self
+    }
+
+    /// Tells which planes of symmetry nodes (global numbers) lie in: the bodies go on behind them, mirrored. A bit for each plane, the first three for those across x, y, z, in which the normals of
+    /// rows lie. Segments end at the sides of slave facets there, and not at those of master facets, which projection moves off the plane.
+    #[must_use]
+    pub fn with_symmetry(mut self, planes: impl IntoIterator<Item = (u32, u8)>) -> Self {
+        self.surfaces.planes = planes.into_iter().collect();
+        let nodes = self.surfaces.slave.nodes();
+        for row in &mut self.surfaces.rows {
+            let planes = self.surfaces.planes.get(&nodes[row.local]).copied().unwrap_or_default();
+            row.across = [0, 1, 2].map(|axis| planes & (1 << axis) != 0);
+        }
         self
     }
 

@@ -22,16 +22,16 @@ impl Reader<'_> {
                     if pending.is_empty() {
                         *place = lines.place();
                     }
-                    if pending.len() > kind.kind.node_count() {
+                    if pending.len() > kind.node_count() {
                         return Err(lines.error(field, format_args!(
                             "element {} has more than {2} nodes, and {1} has {2}: give the type that it is, or one element a line",
-                            pending[0], kind.name, kind.kind.node_count()
+                            pending[0], kind.name, kind.node_count()
                         )));
                     }
                     pending.push(lines.parse(Some(field), "an element or node number")?);
                 }
                 if let [number, nodes @ ..] = pending.as_slice()
-                    && nodes.len() == kind.kind.node_count()
+                    && nodes.len() == kind.node_count()
                 {
                     let solid = Solid { number: *number, kind: *kind, nodes: kind.ours(nodes), place: *place };
                     self.solid(solid, set.as_deref());

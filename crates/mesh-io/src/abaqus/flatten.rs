@@ -63,7 +63,7 @@ impl Reader<'_> {
             flatten.builder.contents.refuse_others(None)?;
             return Err(error);
         }
-        let mut contents = flatten.builder.contents;
+        let mut contents = flatten.builder.finish();
         // What no element belongs to is no matter: an element type without elements.
         contents.others.retain(|o| o.count > 0);
         Ok(contents)
@@ -113,7 +113,10 @@ impl Flatten {
             self.builder.node(number, y, place)?;
         }
         for Solid { number, kind, nodes, place } in &instance.part.elements {
-            self.builder.element(*number, kind.kind, nodes, kind.name, *place)?;
+            match kind.plane {
+                Some(face) => self.builder.plane_element(*number, face, nodes, kind.name, *place)?,
+                None => self.builder.element(*number, kind.kind, nodes, kind.name, *place)?,
+            };
             self.builder.contents.element_types.push(kind.name);
         }
         Ok(())
@@ -183,16 +186,21 @@ impl Flatten {
                     continue;
                 }
                 let number = piece.face.strip_prefix('S').and_then(|number| number.parse::<usize>().ok());
+                // The edges of a plane element are the faces of its layer behind the first two.
+                let first = if contents.is_plane { 2 } else { 0 };
                 let mut facets = Vec::with_capacity(elements.len());
                 for e in elements {
                     let kind = contents.elements.kind(e as usize);
-                    let faces = kind.faces().len();
+                    let faces = kind.faces().len() - first;
                     let Some(local) = number.filter(|n| (1..=faces).contains(n)) else {
                         let element = contents.element_source[e as usize].number;
-                        let remedy = format!("element {element} is a {kind}, whose faces are S1 to S{faces}");
-                        return Err(contents.error(piece.place, &piece.face, remedy));
+                        let what = match contents.is_plane {
+                            true => format!("element {element} is plane, with edges S1 to S{faces}"),
+                            false => format!("element {element} is a {kind}, whose faces are S1 to S{faces}"),
+                        };
+                        return Err(contents.error(piece.place, &piece.face, what));
                     };
-                    facets.push((e, local - 1));
+                    facets.push((e, first + local - 1));
                 }
                 entry(&mut contents.facet_sets, &name).extend(facets);
             }

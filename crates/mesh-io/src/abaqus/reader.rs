@@ -303,7 +303,7 @@ impl<'a> Reader<'a> {
             self.names().elements.open(name, keyword.place, false);
         }
         if let (false, Some(kind)) = (self.at_assembly(), SolidType::find(&kind)) {
-            let pending = Vec::with_capacity(1 + kind.kind.node_count());
+            let pending = Vec::with_capacity(1 + kind.node_count());
             return Ok(Section::Element { kind, set, pending, place: keyword.place });
         }
         // To the end of the file, so that all of them are counted: what refers to their sets finds them.

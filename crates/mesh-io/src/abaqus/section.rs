@@ -46,7 +46,7 @@ impl Section {
             Section::Element { kind, pending, place, .. } if !pending.is_empty() => Err(contents.error(
                 *place,
                 format_args!("element {}", pending[0]),
-                format_args!("has {} nodes, but {} needs {}", pending.len() - 1, kind.name, kind.kind.node_count()),
+                format_args!("has {} nodes, but {} needs {}", pending.len() - 1, kind.name, kind.node_count()),
             )),
             _ => Ok(()),
         }

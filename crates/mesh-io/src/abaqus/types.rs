@@ -1,33 +1,64 @@
 //! Types of elements: which cell each is read as, and what a user should know of it.
 
-use stoss_reference_element::{CellKind, Integration};
+use stoss_reference_element::{CellKind, FaceKind, Integration};
 
 /// A type of solid elements by its name in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct SolidType {
     pub name: &'static str,
+    /// The cell, of a plane element that of a layer on it.
     pub kind: CellKind,
+    /// The face that a plane element is.
+    pub plane: Option<FaceKind>,
 }
+
+/// Plane elements: of bodies of revolution, in plane strain, in plane stress. Their nodes are numbered as ours.
+const PLANE: [(FaceKind, &[&str]); 4] = [
+    (FaceKind::Tri3, &["CAX3", "CPE3", "CPS3", "CAX3H", "CPE3H"]),
+    (
+        FaceKind::Quad4,
+        &[
+            "CAX4", "CPE4", "CPS4", "CAX4R", "CPE4R", "CPS4R", "CAX4H", "CPE4H", "CAX4RH", "CPE4RH", "CAX4I", "CPE4I",
+            "CPS4I",
+        ],
+    ),
+    (FaceKind::Tri6, &["CAX6", "CPE6", "CPS6", "CAX6M", "CPE6M", "CPS6M", "CAX6H", "CPE6H", "CAX6MH", "CPE6MH"]),
+    (FaceKind::Quad8, &["CAX8", "CPE8", "CPS8", "CAX8R", "CPE8R", "CPS8R", "CAX8H", "CPE8H", "CAX8RH", "CPE8RH"]),
+];
 
 impl SolidType {
     /// The type of this name in upper case, if Stoss computes with it.
     pub fn find(name: &str) -> Option<SolidType> {
-        CellKind::ALL.into_iter().find_map(|kind| {
+        let solid = CellKind::ALL.into_iter().find_map(|kind| {
             let name = kind.table().abaqus.iter().find(|known| **known == name)?;
-            Some(SolidType { name, kind })
+            Some(SolidType { name, kind, plane: None })
+        });
+        solid.or_else(|| {
+            PLANE.into_iter().find_map(|(face, names)| {
+                let name = names.iter().find(|known| **known == name)?;
+                Some(SolidType { name, kind: face.layer(), plane: Some(face) })
+            })
         })
+    }
+
+    /// Number of nodes of an element.
+    pub fn node_count(self) -> usize {
+        self.plane.map_or(self.kind.node_count(), FaceKind::node_count)
     }
 
     /// The nodes of an element in our order.
     pub fn ours(self, theirs: &[u64]) -> Box<[u64]> {
-        self.kind.table().from_abaqus.iter().map(|&i| theirs[usize::from(i)]).collect()
+        match self.plane {
+            Some(_) => theirs.into(),
+            None => self.kind.table().from_abaqus.iter().map(|&i| theirs[usize::from(i)]).collect(),
+        }
     }
 
     /// How the element is computed here, where that is not what its name says: "C3D20R is read as hex20; ...".
     pub fn note(self) -> Option<String> {
-        let SolidType { name, kind } = self;
+        let SolidType { name, kind, .. } = self;
         // What follows the number of nodes: letters for variants of the element.
-        let letters = name.trim_start_matches("C3D").trim_start_matches(|c: char| c.is_ascii_digit());
+        let letters = name.get(3..).unwrap_or_default().trim_start_matches(|c: char| c.is_ascii_digit());
         if letters.is_empty() {
             return None;
         }
@@ -101,7 +132,7 @@ mod tests {
         // Every name of every cell is found, and no two cells share one.
         for kind in CellKind::ALL {
             for name in kind.table().abaqus {
-                assert_eq!(SolidType::find(name), Some(SolidType { name, kind }));
+                assert_eq!(SolidType::find(name), Some(SolidType { name, kind, plane: None }));
             }
         }
         assert_eq!(SolidType::find("C3D5"), None);

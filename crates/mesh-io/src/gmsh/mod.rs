@@ -6,6 +6,7 @@
 //! | physical volume | element set |
 //! | physical surface | facet set, outward; node set if it lies between elements |
 //! | physical curve or point | node set |
+//! | triangles (3, 6 nodes), quadrilaterals (4, 8, 9) of a file without solid elements | a section: elements that are a layer on them; physical surfaces are element sets, curves facet sets |
 //!
 //! A group without a name is called `volume-7`, `surface-7`, `curve-7` or `point-7` after its number. Elements without a
 //! physical group belong to no set. Points, curves and surfaces without a group are ignored; so are all sections but
@@ -21,6 +22,8 @@ pub(crate) use cells::{face_type, theirs};
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
+
+use stoss_reference_element::FaceKind;
 
 use crate::build::Builder;
 use crate::include::Include;
@@ -46,6 +49,17 @@ struct State {
     groups: HashMap<(usize, i64), Vec<i64>>,
     /// Surfaces (by their corners) and node groups wait until all nodes are known: (dimension, group, nodes, place).
     lower: Vec<(usize, i64, Vec<u64>, Place)>,
+    /// Surface elements, with their groups: the mesh of a file without solid ones.
+    surfaces: Vec<Surface>,
+}
+
+/// An element of a surface.
+struct Surface {
+    number: u64,
+    kind: FaceKind,
+    nodes: Vec<u64>,
+    groups: Vec<i64>,
+    place: Place,
 }
 
 impl State {
@@ -55,6 +69,7 @@ impl State {
             names: HashMap::new(),
             groups: HashMap::new(),
             lower: Vec::new(),
+            surfaces: Vec::new(),
         }
     }
 
@@ -86,7 +101,13 @@ impl State {
                     self.builder.add_to_element_set(&name, element);
                 }
             }
-            cells::Role::Face(face) => keep(2, &nodes[..face.corner_count()]),
+            cells::Role::Face(face) => {
+                keep(2, &nodes[..face.corner_count()]);
+                if self.builder.contents.elements.is_empty() {
+                    let (nodes, groups) = (nodes.to_vec(), groups.to_vec());
+                    self.surfaces.push(Surface { number, kind: face, nodes, groups, place });
+                }
+            }
             cells::Role::Nodes { dimension } => keep(dimension, nodes),
             cells::Role::Other => {
                 let (what, remedy) = cells::other(kind);
@@ -100,25 +121,47 @@ impl State {
     }
 
     fn finish(mut self) -> Result<Contents, MeshIoError> {
-        self.refuse_ambiguous_names()?;
+        let is_plane = self.builder.contents.elements.is_empty() && !self.surfaces.is_empty();
+        if is_plane {
+            self.plane_elements()?;
+        }
+        self.refuse_ambiguous_names(if is_plane { 1 } else { 2 })?;
         for (dimension, group, nodes, place) in std::mem::take(&mut self.lower) {
             let name = self.group_name(dimension, group);
-            if dimension == 2 {
+            if is_plane && dimension == 1 {
+                self.builder.add_edge(&name, &nodes, place)?;
+            } else if dimension == 2 {
                 self.builder.add_face(&name, &nodes, place)?;
             } else {
                 nodes.iter().try_for_each(|&n| self.builder.add_to_node_set(&name, n, place))?;
             }
         }
-        Ok(self.builder.contents)
+        Ok(self.builder.finish())
+    }
+
+    /// The surfaces of a file without solid elements are the elements.
+    fn plane_elements(&mut self) -> Result<(), MeshIoError> {
+        for Surface { number, kind, nodes, groups, place } in std::mem::take(&mut self.surfaces) {
+            let name = format!("{kind} (type {})", face_type(kind));
+            let element = self.builder.plane_element(number, kind, &nodes, &name, place)?;
+            for group in groups {
+                let name = self.group_name(2, group);
+                self.builder.add_to_element_set(&name, element);
+            }
+        }
+        self.lower.retain(|(dimension, ..)| *dimension < 2);
+        Ok(())
     }
 
     /// A curve or a point must not share its name with a surface or a volume: which nodes the name means would be a guess.
-    fn refuse_ambiguous_names(&self) -> Result<(), MeshIoError> {
-        let above: HashSet<&String> = self.names.iter().filter(|((d, _), _)| *d >= 2).map(|(_, name)| name).collect();
-        for &(dimension, group, _, place) in self.lower.iter().filter(|l| l.0 < 2) {
+    /// In a plane mesh the same holds of points and curves: groups below dimension `sides` are nodes.
+    fn refuse_ambiguous_names(&self, sides: usize) -> Result<(), MeshIoError> {
+        let above: HashSet<&String> =
+            self.names.iter().filter(|((d, _), _)| *d >= sides).map(|(_, name)| name).collect();
+        for &(dimension, group, _, place) in self.lower.iter().filter(|l| l.0 < sides) {
             let name = self.group_name(dimension, group);
             if above.contains(&name) {
-                let remedy = "this name is also that of a surface or a volume: rename one of the groups";
+                let remedy = "this name is also that of a group of more dimensions: rename one of the groups";
                 return Err(self.builder.contents.error(place, name, remedy));
             }
         }

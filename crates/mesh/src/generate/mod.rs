@@ -9,6 +9,8 @@
 //! | [`HollowBall`], [`HollowTorus`] | `outer`, `inner` |
 //! | [`Ball`] | `outer`; of a part also `top` (z = 0), `left` (x = 0), `front` (y = 0) |
 //! | [`Cylinder`] | `outer`, `front`, `back` (ends along y); of a part also `top` (z = 0), `left` (x = 0) |
+//! | [`Rectangle`] | `left`, `right` (x), `bottom`, `top` (y): a layer for [`Mesh::slice`](crate::Mesh::slice) |
+//! | [`Disc`] | `outer`; of a part also `top` (y = 0), `left` (x = 0): a layer as well |
 //! | [`LBlock`] | `left`, `front`, `bottom`, `top`, `end-x`, `end-y`, `notch`; elements `corner`, `arm-x`, `arm-y` |
 //!
 //! Unstructured meshing is not here; use a mesher and `stoss-mesh-io`.
@@ -23,6 +25,7 @@ mod block;
 pub(crate) mod cube;
 mod grid;
 mod l_block;
+mod plane;
 mod round;
 mod torus;
 pub(crate) mod validate;
@@ -30,6 +33,7 @@ pub(crate) mod validate;
 pub use ball::HollowBall;
 pub use block::{Block, Hexahedron, Indenter};
 pub use l_block::LBlock;
+pub use plane::{Disc, Rectangle};
 pub use round::{Ball, Cylinder, Part, Refinement};
 pub use torus::HollowTorus;
 

@@ -165,7 +165,9 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let schemes = schemes.chain(stages.iter().flatten().filter_map(|stage| stage.integrator.as_ref()));
     let surfaces = world.parts.iter().filter(|part| part.has_surface).count();
     let deformable = world.parts.iter().filter(|part| part.kind == PartKind::Body).count();
+    let section = header.as_ref().and_then(|header| header.section);
     world.has_general_contact = match &general_contact {
+        _ if section.is_some() => false,
         None => true,
         Some(Some(table)) => table.enabled,
         Some(None) => {
@@ -198,6 +200,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let parameters = root.default("parameters", BTreeMap::new(), parameters::values);
     let sweep = root.optional("sweep", sweep::sweep);
     root.finish();
+    super::section::check(root, section, &parts.bodies, &held)?;
 
     Some(Scene {
         parameters: parameters?,

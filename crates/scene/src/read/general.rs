@@ -3,15 +3,26 @@
 use super::node::Node;
 use super::table::Table;
 use crate::{
-    Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, Solver, Stabilise, Time, Units,
+    Automatic, Component, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, OneOrMany, PlaneSection,
+    Solver, Stabilise, Time, Units,
 };
 use std::collections::BTreeMap;
 use stoss_integrators::SCHEMES;
+use toml::de::DeValue;
 
 /// `[scene]`; the kind is returned apart, for it is needed even if the title is bad.
 pub(super) fn header(table: &Table<'_>) -> (Option<Header>, Option<Kind>) {
     let title = table.required("title", "title = \"Ball on plate\"", Node::text);
     let kind = table.required("kind", "kind = \"dynamic\"", |n| n.choice(Kind::NAMES, Kind::from_name));
+    let section = table.optional("section", |n| n.choice(PlaneSection::NAMES, PlaneSection::from_name));
+    let symmetry = table.default("symmetry", OneOrMany::default(), |n| {
+        let DeValue::Array(_) = n.value else { return Some(OneOrMany::One(component(n)?)) };
+        let planes = n.list(component)?;
+        if let Some(k) = (1..planes.len()).find(|&k| planes[..k].contains(&planes[k])) {
+            return n.fail(format!("has {} twice", planes[k]), "write each plane once");
+        }
+        Some(OneOrMany::Many(planes))
+    });
     let units = table.optional("units", |n| n.choice(Units::NAMES, Units::from_name));
     let format = table.optional("format", |n| {
         let format = n.count()?;
@@ -22,8 +33,21 @@ pub(super) fn header(table: &Table<'_>) -> (Option<Header>, Option<Kind>) {
         Some(format)
     });
     table.finish();
-    let header = (|| Some(Header { title: title?, kind: kind?, units: units?, format: format? }))();
+    let header = (|| {
+        Some(Header {
+            title: title?,
+            kind: kind?,
+            section: section?,
+            symmetry: symmetry?,
+            units: units?,
+            format: format?,
+        })
+    })();
     (header, kind)
+}
+
+fn component(n: &Node<'_>) -> Option<Component> {
+    n.choice(Component::NAMES, Component::from_name)
 }
 
 /// More steps than this are a mistake in `step` or `end`.

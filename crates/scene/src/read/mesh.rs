@@ -3,8 +3,8 @@
 use super::node::Node;
 use super::table::Table;
 use crate::{
-    Ball, Block, Cylinder, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile, MeshSource,
-    Part, Refinement,
+    Ball, Block, Cylinder, Disc, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile,
+    MeshSource, Part, Rectangle, Refinement,
 };
 
 /// More elements in one mesh than this are a mistake in `divisions`.
@@ -32,6 +32,8 @@ pub(super) fn mesh(node: &Node<'_>) -> Option<MeshSource> {
                 "indenter" => Some(indenter),
                 "ball" => Some(ball),
                 "cylinder" => Some(cylinder),
+                "rectangle" => Some(rectangle),
+                "disc" => Some(disc),
                 "l-shape" => Some(l_shape),
                 _ => None,
             });
@@ -76,21 +78,21 @@ fn divisions<const N: usize>(
     })
 }
 
-fn product(counts: [f64; 3]) -> f64 {
+fn product<const N: usize>(counts: [f64; N]) -> f64 {
     counts.iter().product()
 }
 
 /// Gradings, 1 where there is a single element.
-fn grading(table: &Table<'_>, divisions: Option<[usize; 3]>) -> Option<[f64; 3]> {
-    table.default("grading", [1.0; 3], |n| {
-        let grading: [f64; 3] = n.array(|n| {
+fn grading<const N: usize>(table: &Table<'_>, divisions: Option<[usize; N]>) -> Option<[f64; N]> {
+    table.default("grading", [1.0; N], |n| {
+        let grading: [f64; N] = n.array(|n| {
             let value = n.positive()?;
             if !(1e-6..=1e6).contains(&value) {
                 return n.fail("must lie between 1e-6 and 1e6", "choose a weaker grading");
             }
             Some(value)
         })?;
-        if let Some(i) = (0..3).find(|&i| grading[i] != 1.0 && divisions.is_some_and(|d| d[i] == 1)) {
+        if let Some(i) = (0..N).find(|&i| grading[i] != 1.0 && divisions.is_some_and(|d| d[i] == 1)) {
             return n.fail(
                 format!("entry {} must be 1 where there is a single element", i + 1),
                 "set it to 1 or use more divisions",
@@ -115,14 +117,30 @@ fn block(table: &Table<'_>) -> Option<Generator> {
         (false, true, false) => table.missing("max", "max = [1, 1, 1]"),
         (false, false, true) => table.missing("min", "min = [0, 0, 0]"),
     };
-    if let (Some(Some(min)), Some(Some(max))) = (min, max)
-        && let Some(i) = (0..3).find(|&i| min[i] >= max[i])
-    {
-        let axis = ["x", "y", "z"][i];
-        return table.fail("max", format!("must exceed `min` = {min:?} in {axis}"), "exchange or correct the corners");
+    if let (Some(Some(min)), Some(Some(max))) = (min, max) {
+        ordered(table, min, max)?;
     }
     size_or_corners?;
     Some(Generator::Block(Block { size: size?, min: min?, max: max?, divisions: divisions?, grading: grading? }))
+}
+
+/// Reports corners that do not span a box.
+fn ordered<const N: usize>(table: &Table<'_>, min: [f64; N], max: [f64; N]) -> Option<()> {
+    if let Some(i) = (0..N).find(|&i| min[i] >= max[i]) {
+        let axis = ["x", "y", "z"][i];
+        return table.fail("max", format!("must exceed `min` = {min:?} in {axis}"), "exchange or correct the corners");
+    }
+    Some(())
+}
+
+fn rectangle(table: &Table<'_>) -> Option<Generator> {
+    let min = table.required("min", "min = [0, 0]", |n| n.array(Node::number));
+    let max = table.required("max", "max = [1, 1]", |n| n.array(Node::number));
+    let divisions = divisions(table, "divisions = [4, 4]", [1; 2], product);
+    let grading = grading(table, divisions);
+    let (min, max): ([f64; 2], [f64; 2]) = (min?, max?);
+    ordered(table, min, max)?;
+    Some(Generator::Rectangle(Rectangle { min, max, divisions: divisions?, grading: grading? }))
 }
 
 /// Reports `smaller` unless it is below `larger`.
@@ -235,16 +253,29 @@ fn ball(table: &Table<'_>) -> Option<Generator> {
     Some(Generator::Ball(Ball { radius: radius?, part: part?, divisions: divisions?, refinement: refinement? }))
 }
 
-fn cylinder(table: &Table<'_>) -> Option<Generator> {
-    let radius = table.required("radius", "radius = 1", Node::positive);
-    let length = table.required("length", "length = 1", Node::positive);
-    let part = table.default("part", Part::default_part(), |n| {
+/// A part of what is round in a plane.
+fn round_part(table: &Table<'_>) -> Option<Part> {
+    table.default("part", Part::default_part(), |n| {
         let part = n.choice(Part::NAMES, Part::from_name)?;
         if part == Part::Eighth {
             return n.fail("is a part of a ball only", "choose \"quarter\", \"half\" or \"full\"");
         }
         Some(part)
-    });
+    })
+}
+
+fn disc(table: &Table<'_>) -> Option<Generator> {
+    let radius = table.required("radius", "radius = 1", Node::positive);
+    let part = round_part(table);
+    let divisions = divisions(table, "divisions = [6, 6, 6]", [1; 3], |[x, y, out]| 4.0 * (x * y + (x + y) * out));
+    let refinement = refinement(table, radius, divisions.map(|d| d[0]));
+    Some(Generator::Disc(Disc { radius: radius?, part: part?, divisions: divisions?, refinement: refinement? }))
+}
+
+fn cylinder(table: &Table<'_>) -> Option<Generator> {
+    let radius = table.required("radius", "radius = 1", Node::positive);
+    let length = table.required("length", "length = 1", Node::positive);
+    let part = round_part(table);
     let divisions = divisions(table, "divisions = [6, 4, 6, 1]", [1; 4], |[across, up, out, along]| {
         4.0 * (across * up + (across + up) * out) * along
     });

@@ -24,6 +24,7 @@ mod parameters;
 mod prescribe;
 mod results;
 mod rigid;
+mod section;
 mod set_parser;
 mod sets;
 mod string;

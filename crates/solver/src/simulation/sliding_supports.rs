@@ -123,11 +123,11 @@ impl Simulation {
         self.forces.contact = force;
     }
 
-    /// Reaction forces of the last step at prescribed components and sliding supports (`3 * nodes`; empty without either).
+    /// Reaction forces of the last step at prescribed components and sliding supports (`3 * nodes`; empty without either), but for sides of sections.
     /// In dynamics they are taken where the scheme evaluates its forces, for instance at the midpoint.
     pub fn reactions(&self) -> Cow<'_, [f64]> {
         let mut all = Cow::Borrowed(self.forces.reactions.as_slice());
-        for (c, slot, held) in self.supported_nodes(0.0) {
+        for (c, slot, held) in self.supported_nodes(0.0).filter(|(.., held)| !held.is_side) {
             let all = all.to_mut();
             if all.is_empty() {
                 all.resize(self.state.q.len(), 0.0);

@@ -4,7 +4,9 @@ use super::fibres;
 use super::mesh_files::MeshFiles;
 use super::placed::{Placed, Shape};
 use super::round;
+use super::section::{self, Section};
 use super::state_output;
+use super::symmetry;
 use super::trace::{Needs, Traces};
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
@@ -17,7 +19,7 @@ use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{MassKind, SolidBody, SolidError, SolidOptions, Volumetric as SolidVolumetric};
 use stoss_mesh::generate::{
-    Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Refinement,
+    Ball, Block, Cylinder, Disc, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Rectangle, Refinement,
 };
 use stoss_mesh::{Mesh, MeshError, Region, Rotation};
 use stoss_reference_element::{CellKind, Integration as CellIntegration};
@@ -30,8 +32,9 @@ pub(super) fn bodies(
     mesh_files: &mut MeshFiles,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
-) -> (Vec<Placed>, Vec<String>) {
+) -> (Vec<Placed>, Vec<String>, Section) {
     let needs = Needs::of(scene);
+    let mut section = Section::default();
     let mut placed = Vec::new();
     let mut lines = Vec::new();
     for (b, body) in scene.bodies.iter().enumerate() {
@@ -49,7 +52,7 @@ pub(super) fn bodies(
             }
         };
         let mut notes = Vec::new();
-        let mesh = mesh(scene, b, mesh_files, &mut notes, problems);
+        let mesh = mesh(scene, b, mesh_files, &mut section, &mut notes, problems);
         let (Some(law), Some(mesh)) = (law, mesh) else { continue };
         let kinds = mesh.elements.kinds();
         if body.integration == Integration::Reduced
@@ -139,7 +142,7 @@ pub(super) fn bodies(
         }
         placed.push(Placed { name: body.name.clone(), shape: Shape::Solid { mesh, law, traces }, first_node });
     }
-    (placed, lines)
+    (placed, lines, section)
 }
 
 /// Elements hex20 that have neighbours in one direction at most: with reduced integration nothing beside them takes their modes without stiffness.
@@ -236,6 +239,16 @@ fn generate(generator: &Generator) -> Result<Mesh, MeshError> {
             refinement: g.refinement.map(refinement),
         }
         .generate(),
+        Generator::Rectangle(g) => {
+            Rectangle { min: g.min, max: g.max, divisions: g.divisions, grading: g.grading }.generate()
+        }
+        Generator::Disc(g) => Disc {
+            radius: g.radius,
+            part: part(g.part),
+            divisions: g.divisions,
+            refinement: g.refinement.map(refinement),
+        }
+        .generate(),
         Generator::LShape(g) => {
             LBlock { length: g.length, width: g.width, thickness: g.thickness, divisions: g.divisions }.generate()
         }
@@ -260,12 +273,18 @@ fn mesh(
     scene: &Scene,
     b: usize,
     mesh_files: &mut MeshFiles,
+    section: &mut Section,
     notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {
     let body = &scene.bodies[b];
     let key = format!("body[{b}]");
     let mut mesh = source_mesh(&body.mesh, &format!("{key}.mesh"), mesh_files, notes, problems)?;
+    #[cfg(feature = "mesh-files")]
+    if let MeshSource::File(source) = &body.mesh {
+        let is_plane = mesh_files.is_plane(&source.file);
+        section::fits(scene, is_plane, &format!("{key}.mesh"), &source.file, problems)?;
+    }
     if let Some(cell) = body.cell {
         let turned = match cell {
             Cell::Kind(kind) => mesh.with_cells(kind),
@@ -284,12 +303,14 @@ fn mesh(
             .ok()?;
     }
     place(&key, &body.rotation, body.position, problems, |rotation, by| mesh.transform(rotation, by))?;
+    let mesh = section.slice(scene, &key, mesh, problems)?;
+    let mut mesh = symmetry::cut(scene, &key, mesh, problems)?;
     if let Err(error) = mesh.check_allowing_coincident() {
         problems.add(format!("{key}.mesh"), "", error.to_string(), "correct the mesh");
         return None;
     }
     for (s, set) in scene.sets.iter().enumerate().filter(|(_, set)| set.body == body.name) {
-        let Some(region) = region(set, mesh.bounding_box()) else { continue };
+        let Some(region) = region(&section::across(scene, set), mesh.bounding_box()) else { continue };
         if let Err(error) = mesh.add_region_sets(set.local_name(), &region) {
             set_refused(s, set, &error, &mesh.set_names(), problems);
         }
@@ -389,7 +410,9 @@ fn read(
             return None;
         }
     };
-    mesh.nodes.iter_mut().flatten().for_each(|x| *x *= scale);
+    // Across a section there is nothing to scale.
+    let axes = if contents.is_plane() { 2 } else { 3 };
+    mesh.nodes.iter_mut().for_each(|x| x[..axes].iter_mut().for_each(|x| *x *= scale));
     if let Some(coincident) = mesh.coincident_nodes() {
         notes.push(format!(
             "{} nodes coincide with another one, in {} pieces: elements that do not share nodes are not joined",

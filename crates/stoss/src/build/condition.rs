@@ -217,12 +217,16 @@ pub(super) fn prescriptions(
     (places, inclined)
 }
 
-pub(super) fn loads(scene: &Scene, placed: &[Placed], model: &mut Model, problems: &mut Problems<'_>) {
+/// Adds the loads; those that are forces act on what is modelled of a section, `extent`.
+pub(super) fn loads(scene: &Scene, placed: &[Placed], extent: f64, model: &mut Model, problems: &mut Problems<'_>) {
     for (l, item) in scene.loads.iter().enumerate() {
         let key = format!("load[{l}]");
         let Some((kind, series)) = item.kind() else { continue };
         let magnitude = table(format!("{key}.{}", kind.name()), &series.rows(), kind.columns(), problems);
-        let load = load_kind(scene, placed, model, &key, item, kind, problems);
+        let mut load = load_kind(scene, placed, model, &key, item, kind, problems);
+        if let (Some(LoadKind::Dead { patterns }), SceneLoad::Force | SceneLoad::TotalForce) = (&mut load, kind) {
+            patterns.iter_mut().flatten().for_each(|(_, force)| *force *= extent);
+        }
         if let (Some(magnitude), Some(load)) = (magnitude, load) {
             model.loads.push(Load { name: format!("{key} {}", kind.name()), kind: load, magnitude });
         }
@@ -300,6 +304,17 @@ fn to_resultant_one(pattern: &mut [(u32, f64)]) {
     if area > 0.0 {
         pattern.iter_mut().for_each(|(_, force)| *force /= area);
     }
+}
+
+/// What each of some nodes gets of a force on a node: all of it, but of the nodes of a slice over the same place of its section equal parts.
+fn shares(scene: &Scene, model: &Model, nodes: &[u32]) -> Vec<f64> {
+    if scene.header.section.is_none() {
+        return vec![1.0; nodes.len()];
+    }
+    let place = |n: &u32| [0, 1].map(|i| model.reference[3 * *n as usize + i].to_bits());
+    let mut counts: BTreeMap<[u64; 2], f64> = BTreeMap::new();
+    nodes.iter().for_each(|n| *counts.entry(place(n)).or_default() += 1.0);
+    nodes.iter().map(|n| 1.0 / counts[&place(n)]).collect()
 }
 
 /// The centrifugal force of a body.
@@ -390,7 +405,9 @@ fn load_kind(
         let is_rigid = scene.rigids.iter().any(|item| Some(item.name.as_str()) == name);
         let part = model.parts.iter().find(|part| is_rigid && Some(part.name()) == name);
         let nodes = part.map_or(nodes, |part| vec![part.own_vectors().start]);
-        let patterns = (0..3).map(|i| nodes.iter().map(|&n| (3 * n + i, 1.0)).collect()).collect();
+        let shares = shares(scene, model, &nodes);
+        let patterns =
+            (0..3).map(|i| nodes.iter().zip(&shares).map(|(&n, share)| (3 * n + i, *share)).collect()).collect();
         return Some(LoadKind::Dead { patterns });
     }
     if kind == SceneLoad::Moment {

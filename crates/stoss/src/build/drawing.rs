@@ -39,6 +39,8 @@ pub struct DrawnPoint {
 /// What is drawn beside the solids, by global numbers of nodes; empty for a scene of solids alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
+    /// What is modelled of a scene of plane sections ([`super::Built::extent`]).
+    pub extent: Option<f64>,
     /// Surfaces.
     pub surfaces: Vec<DrawnSurface>,
     /// Lines.
@@ -85,6 +87,7 @@ impl Drawing {
             nodes: joined.nodes.iter().map(|&node| place(node)).collect(),
         };
         Self {
+            extent: self.extent,
             surfaces: self.surfaces.iter().map(surface).collect(),
             lines: self.lines.iter().map(line).collect(),
             points: self.points.iter().map(point).collect(),

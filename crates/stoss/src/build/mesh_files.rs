@@ -46,6 +46,11 @@ impl MeshFiles {
         Ok(entry.insert(contents.map_err(|error| (error.to_string(), "correct the file or name another"))?))
     }
 
+    /// Whether a file that was read has plane elements.
+    pub fn is_plane(&self, file: &str) -> bool {
+        self.contents.get(file).is_some_and(Contents::is_plane)
+    }
+
     /// The surface in a file.
     pub fn surface(&mut self, file: &str) -> Result<stoss_mesh::SurfaceMesh, (String, &'static str)> {
         let path = self.folder.join(file);

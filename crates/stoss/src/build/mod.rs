@@ -53,12 +53,14 @@ mod probe;
 mod reference_gap;
 mod round;
 mod schedule;
+mod section;
 #[cfg(feature = "general")]
 mod separate;
 mod sets;
 mod sliding_support;
 mod state_output;
 mod supports;
+mod symmetry;
 mod tie;
 mod trace;
 mod unsupported;
@@ -84,6 +86,7 @@ pub(crate) use placed::Placed;
 #[cfg(feature = "output")]
 pub(crate) use plausible::{DENSITY, MODULUS};
 use schedule::Named;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 use stoss_integrators::{SCHEMES, Scheme};
@@ -115,6 +118,8 @@ pub struct Built {
     pub drawing: Drawing,
     /// The contacts, with what the scene leaves to defaults.
     pub contacts: Vec<ContactPlan>,
+    /// What is modelled of a scene of plane sections, in units of thickness or in radians: forces, areas, masses and energies of the simulation are those of the results times this. 1 without sections.
+    pub extent: f64,
 }
 
 /// A joint of a scene in its model.
@@ -167,7 +172,15 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let mut model = Model::default();
     let mut mesh_files = MeshFiles::new(folder);
     let mut warnings = Vec::new();
-    let (mut placed, mut bodies) = body::bodies(scene, laws, &mut model, &mut mesh_files, &mut problems, &mut warnings);
+    let (mut placed, mut bodies, section) =
+        body::bodies(scene, laws, &mut model, &mut mesh_files, &mut problems, &mut warnings);
+    let own_prescriptions = scene.prescriptions.len();
+    let supports = [section::supports(scene, &placed), symmetry::supports(scene, &placed, &mut problems)].concat();
+    let mut supported = Cow::Borrowed(scene);
+    if !supports.is_empty() {
+        supported.to_mut().prescriptions.extend(supports);
+    }
+    let scene = supported.as_ref();
     let mut parts = multibody::parts(scene, &mut model, &mut mesh_files, &mut problems);
     placed.append(&mut parts.placed);
     bodies.append(&mut parts.lines);
@@ -187,11 +200,14 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         let apart =
             separate::separate(scene, &mut placed, &ties, phases.first(), &mut model, &mut problems, &mut bodies);
         massless::surfaces(scene, &placed, &phases, &mut model, &mut problems, &mut warnings);
-        condition::loads(scene, &placed, &mut model, &mut problems);
+        condition::loads(scene, &placed, section.extent(), &mut model, &mut problems);
         condition::gravity(scene, &mut model, &mut problems);
         plans = contacts(scene, &placed, laws, &ties, &phases, &mut model, &mut problems, &mut warnings);
         model.contacts.append(&mut ties.pairs);
-        let supports = sliding_support::add(scene, inclined, &places, &ties.tied, &mut model, &mut problems);
+        let inclined = section::without_tied(inclined, own_prescriptions, &ties.tied);
+        let supports =
+            sliding_support::add(scene, inclined, own_prescriptions, &places, &ties.tied, &mut model, &mut problems);
+        parts.drawing.extent = scene.header.section.map(|_| section.extent());
         #[cfg(any(feature = "general", feature = "multibody"))]
         parts.drawing.joined.extend(joined::surroundings(scene, &placed, &model.reference));
         let round = scene.bodies.iter().filter(|body| !body.round.is_empty());
@@ -218,7 +234,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         warnings.extend(round::warnings(scene));
         warnings.extend(supports::warnings(scene, &placed, &model));
         warnings.extend(condition::warnings(scene));
-        probes = probe::probes(scene, &placed, &parts, &model, &mut problems);
+        probes = probe::probes(scene, &placed, &parts, &model, section.extent(), &mut problems);
         state_output::check_fields(scene, &model, &mut problems);
         state_output::check_limit(scene, &model, &mut problems);
         warnings.extend(probe::warnings(scene, &placed, &probes));
@@ -257,6 +273,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
             drawing: parts.drawing,
             joints: joints(scene, &parts.joints),
             contacts: plans,
+            extent: section.extent(),
         }),
         Err(error) => {
             let remedy = "correct the scene; with several prescriptions, let each component of a node appear once";
@@ -275,7 +292,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
 pub(crate) fn placed_parts(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Vec<Placed> {
     let mut problems = Problems { scene, list: Vec::new() };
     let (mut model, mut files) = (Model::default(), MeshFiles::new(folder));
-    let (mut placed, _) = body::bodies(scene, laws, &mut model, &mut files, &mut problems, &mut Vec::new());
+    let (mut placed, ..) = body::bodies(scene, laws, &mut model, &mut files, &mut problems, &mut Vec::new());
     placed.append(&mut multibody::parts(scene, &mut model, &mut files, &mut problems).placed);
     placed
 }

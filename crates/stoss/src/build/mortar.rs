@@ -1,7 +1,7 @@
 //! Mortar contact of a scene.
 
 use super::pair::PairInput;
-use super::{ContactPlan, Problems};
+use super::{ContactPlan, Problems, symmetry};
 use crate::scene::{Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Slip};
 use crate::solver::{Coupling, Model};
 use stoss_contact::friction::Stick;
@@ -73,7 +73,8 @@ pub(super) fn contact(
     };
     let [slave, master] = pair.pieces;
     match MortarContact::new(&item.label(), slave, master, &model.reference, options) {
-        Ok(mut method) => {
+        Ok(method) => {
+            let mut method = method.with_symmetry(symmetry::planes(pair.scene, pair.placed));
             let acting: Vec<Support> = pair.acting(&label, model).map(|(_, support)| support).collect();
             let is_held = |support: &Support| {
                 let held = |&n: &u32| support.prescribed(n) == [true; 3] && model.embedding.carriers(n).is_some();

@@ -45,6 +45,8 @@ pub struct Probe {
     pub target: ProbeTarget,
     /// What.
     pub quantity: Quantity,
+    /// What integrals over the model are divided by ([`super::Built::extent`]).
+    pub extent: f64,
 }
 
 impl Probe {
@@ -62,10 +64,14 @@ impl Probe {
 
     /// The numbers of [`Self::columns`] at the last completed step.
     pub fn values(&self, simulation: &Simulation) -> Vec<f64> {
+        let extent = if self.quantity.is_integral() { self.extent } else { 1.0 };
         match &self.target {
-            ProbeTarget::Extreme(extreme) => extreme.value(simulation).to_vec(),
+            ProbeTarget::Extreme(extreme) => {
+                let [value, node] = extreme.value(simulation);
+                vec![value / extent, node]
+            }
             ProbeTarget::Material(body, point) => self.material(simulation, *body, point),
-            _ => self.value(simulation)[..self.quantity.columns()].to_vec(),
+            _ => self.value(simulation)[..self.quantity.columns()].iter().map(|value| value / extent).collect(),
         }
     }
 
@@ -395,6 +401,7 @@ pub(super) fn probes(
     placed: &[Placed],
     parts: &Parts,
     model: &Model,
+    extent: f64,
     problems: &mut Problems<'_>,
 ) -> Vec<Probe> {
     let mut out = Vec::new();
@@ -444,7 +451,7 @@ pub(super) fn probes(
             }
             target => target,
         };
-        out.push(Probe { name: item.name.clone(), target, quantity: item.quantity });
+        out.push(Probe { name: item.name.clone(), target, quantity: item.quantity, extent });
     }
     out
 }

@@ -14,10 +14,11 @@ const SAME: f64 = 1e-6;
 /// Parts of the time between two rows of tables at which displacements are compared: rotations are not linear in between.
 const SAMPLES: usize = 8;
 
-/// Adds supports behind the contacts and ties of a model. For each the number in the scene and what it is in the model.
+/// Adds supports behind the contacts and ties of a model; from the prescription `own` on they are sides of sections. For each the number in the scene and what it is in the model.
 pub(super) fn add(
     scene: &Scene,
     inclined: Vec<InclinedPrescription>,
+    own: usize,
     of_prescriptions: &[Option<usize>],
     tied: &BTreeSet<u32>,
     model: &mut Model,
@@ -49,7 +50,7 @@ pub(super) fn add(
         model.contacts.push(Coupling {
             name,
             acts: true,
-            term: Box::new(support),
+            term: Box::new(if item < own { support } else { support.of_section() }),
             complementarity: 1.0,
             restitution: None,
         });

@@ -262,7 +262,10 @@ pub(super) fn with(
     } else {
         ContactFields::default()
     };
-    let reactions = simulation.reactions();
+    let mut reactions = simulation.reactions();
+    if let Some(extent) = drawing.extent {
+        reactions.to_mut().iter_mut().for_each(|force| *force /= extent);
+    }
     let candidates: [(SceneField, &str, usize, &[f64]); 20] = [
         (SceneField::Displacement, "displacement", 3, &displacement),
         (SceneField::Velocity, "velocity", 3, &state.v),

@@ -184,41 +184,42 @@ impl Tables {
         has_frame: bool,
     ) -> Result<(), OutputError> {
         let b = &record.balance;
+        let extent = settings.extent;
         self.balance
             .integer(record.step)
             .numbers(&[record.time, record.dt])
-            .numbers(&b.linear_momentum)
-            .numbers(&b.angular_momentum)
-            .numbers(&[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()]);
+            .per(extent, &b.linear_momentum)
+            .per(extent, &b.angular_momentum)
+            .per(extent, &[b.kinetic, b.strain, b.potential, b.contact, b.dissipation, b.external_work, b.total()]);
         if simulation.model().has_gaps() {
             let losses = [b.closing_loss, b.contact_remainder, b.impact_loss, b.impact_deformable];
-            self.balance.numbers(&losses).integer(b.impacts).number(b.impact_capped);
+            self.balance.per(extent, &losses).integer(b.impacts).per(extent, &[b.impact_capped]);
         }
         if settings.has_friction() {
-            self.balance.numbers(&[b.friction_work, b.friction_stored]);
+            self.balance.per(extent, &[b.friction_work, b.friction_stored]);
         }
         if has_damping(simulation) {
-            self.balance.number(b.damping);
+            self.balance.per(extent, &[b.damping]);
         }
         let materials = mechanisms(simulation);
         if materials.plastic {
-            self.balance.numbers(&[b.plastic_loss, b.hardening]);
+            self.balance.per(extent, &[b.plastic_loss, b.hardening]);
         }
         if materials.viscous {
-            self.balance.number(b.viscous_loss);
+            self.balance.per(extent, &[b.viscous_loss]);
         }
         if materials.softening {
-            self.balance.number(b.softening_loss);
+            self.balance.per(extent, &[b.softening_loss]);
         }
         if settings.schedule.is_stabilised() {
-            self.balance.number(b.stabilisation);
+            self.balance.per(extent, &[b.stabilisation]);
         }
         self.balance.end_row()?;
         if record.step > 0 {
             let (terms, table) = &mut self.terms;
             table.integer(record.step).number(record.time);
             terms.values(&record.books).for_each(|value| {
-                table.number(value);
+                table.number(value / extent);
             });
             table.end_row()?;
         }
@@ -244,18 +245,18 @@ impl Tables {
             for count in [c.active, c.closed, c.released, c.repaired] {
                 table.integer(count as u64);
             }
-            table.numbers(&[c.min_gap, c.max_pressure]).numbers(&c.force_on_slave).number(c.coverage.defect);
+            table.numbers(&[c.min_gap, c.max_pressure]).per(extent, &c.force_on_slave).number(c.coverage.defect);
             for &PairPlace { place, has_friction, is_general } in &self.pairs {
                 let pair = &c.pairs[place];
                 let work = &mut friction_work[place];
                 *work += pair.friction_work;
                 table.integer(pair.active as u64).numbers(&[pair.min_gap, pair.max_pressure]);
                 if !is_general {
-                    table.numbers(&pair.force).numbers(&pair.moment);
+                    table.per(extent, &pair.force).per(extent, &pair.moment);
                 }
-                table.number(pair.area);
+                table.per(extent, &[pair.area]);
                 if has_friction {
-                    table.number(*work);
+                    table.per(extent, &[*work]);
                 }
             }
             table.end_row()?;

@@ -30,6 +30,8 @@ pub struct FolderSettings {
     pub checkpoint_every: u64,
     /// Fields of the frames; `None`: all.
     pub fields: Option<Vec<Field>>,
+    /// What sums over the model are divided by in tables and frames ([`crate::Built::extent`]).
+    pub extent: f64,
     /// Probes.
     pub probes: Vec<Probe>,
     /// What drifts of linear momentum, angular momentum and energy are relative to; `None`: the largest magnitude in the run.

@@ -94,6 +94,14 @@ impl CsvTable {
         self
     }
 
+    /// Appends numbers over `extent` to the row.
+    pub fn per(&mut self, extent: f64, values: &[f64]) -> &mut Self {
+        for value in values {
+            self.number(value / extent);
+        }
+        self
+    }
+
     /// Appends a name to the row; empty for none.
     pub fn text(&mut self, value: &str) -> &mut Self {
         self.separate();

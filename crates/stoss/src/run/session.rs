@@ -312,8 +312,10 @@ fn settings(scene: &Scene, built: &Built) -> Result<FolderSettings, RunError> {
         fields: scene.output.fields.clone(),
         probes: probes.clone(),
         scales: scene.expect.as_ref().map_or([None; 3], |expect| {
-            [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale]
+            let scales = [expect.linear_momentum_scale, expect.angular_momentum_scale, expect.energy_scale];
+            scales.map(|scale| Some(scale? * built.extent))
         }),
+        extent: built.extent,
         contact_bodies: contact_bodies(scene, drawing),
         parts: parts.clone(),
         promises: (1..=schedule.len() as u32)
