@@ -119,7 +119,7 @@ fn what_is_left_out_is_said_and_files_stay() {
     assert_eq!(code, Some(0), "{text}");
     let parts = [
         "missing, so that the verdict of a run is at best doubtful:",
-        "left-out.inp:46: *EQUATION: its equations are left out",
+        "left-out.inp:47: *EQUATION: its nodes are not coupled",
         "not as in the deck:",
         "left-out.inp:36: *PLASTIC, HARDENING=COMBINED: of *PLASTIC only isotropic",
         "next: stoss check left-out.toml",
@@ -378,4 +378,34 @@ fn adjusted_surfaces_touch_without_strain() {
         let end: f64 = probes.lines().next_back().unwrap().split(',').next_back().unwrap().parse().unwrap();
         assert!((end / (-pressure * length / young) - 1.0).abs() < 1e-3, "{gap} {adjust}: {end}");
     }
+}
+
+/// The force of a bolt with pretension is that of its node, whatever it stretches; then its shortening, and a motion of the plate to which a reference node couples it, determine the strain.
+#[test]
+fn a_bolt_with_pretension_and_a_coupled_plate() {
+    let folder = Folder::new("bolt.inp");
+    let probes = r#"
+[[probe]]
+name = "base"
+set = "Bolt-1.Base"
+quantity = "reaction"
+[[probe]]
+name = "u"
+set = "Bolt-1.Cut"
+quantity = "displacement"
+"#;
+    let stress = |e: f64| 100.0 * (e + 0.5 * e * e) * (1.0 + e);
+    let row = folder.run("bolt.inp", probes);
+    // Both halves are stretched alike: 0.1 is what the cut lost, and 0.05 what the plate moved.
+    assert!((value(&row, "base.z") + stress(0.5 * 0.15)).abs() < 1e-9, "{row:?}");
+    assert!((value(&row, "u.z") - 0.075).abs() < 1e-12);
+    let rows = std::fs::read_to_string(folder.path("out/probes.csv")).unwrap();
+    let at_one: Vec<f64> = rows
+        .lines()
+        .filter_map(|line| line.split(',').map(|v| v.parse().ok()).collect::<Option<Vec<f64>>>())
+        .find(|row| row[1] == 1.0)
+        .unwrap();
+    assert!((at_one[4] + 3.0).abs() < 1e-9, "{at_one:?}");
+    let stretch = at_one[7];
+    assert!((stress(stretch) - 3.0).abs() < 1e-8, "{at_one:?}");
 }

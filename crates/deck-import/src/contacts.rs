@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use stoss_mesh::Facet;
-use stoss_mesh_io::deck::{ContactPair, DeckPlace, Interaction};
+use stoss_mesh_io::deck::{ChangeKind, ContactPair, DeckPlace, Interaction};
 
 use crate::adjust::{Moved, Which};
 use crate::context::Context;
@@ -160,18 +160,89 @@ impl Context<'_> {
                     self.list.add(Severity::Missing, pair.place, "*CONTACT PAIR", consequence, "");
                 }
                 pairs.iter().for_each(|[slave, master]| self.scene.tie(slave, master, &[]));
+                self.report_changes_of_tie(pair);
                 continue;
             }
             self.adjust(pair, &surfaces);
-            let keys = self.contact_keys(pair, interaction);
+            let variants = self.variants(pair, interaction);
             let pairs = self.between_bodies(&surfaces, names, false);
             if pairs.is_empty() {
                 let consequence = "both surfaces belong to one connected body: the contact is left out";
                 let remedy = "see [general_contact], which includes contact of a body with itself";
                 self.list.add(Severity::Missing, pair.place, "*CONTACT PAIR", consequence, remedy);
             }
-            pairs.iter().for_each(|[slave, master]| self.scene.contact(slave, master, &keys));
+            for (keys, active) in &variants {
+                pairs.iter().for_each(|[slave, master]| self.scene.contact(slave, master, keys, active));
+            }
         }
+    }
+
+    /// Entries for changes of a pair that is tied: a tie acts at all times.
+    fn report_changes_of_tie(&mut self, pair: &ContactPair) {
+        let deck = self.deck;
+        for change in deck.steps.iter().flat_map(|step| &step.changes) {
+            let is_own = match &change.kind {
+                ChangeKind::Friction(..) => false,
+                ChangeKind::Behavior(name, _) => {
+                    pair.interaction.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(name))
+                }
+                ChangeKind::Contact { slave, master, .. } => {
+                    slave.eq_ignore_ascii_case(&pair.slave) && master.eq_ignore_ascii_case(&pair.master)
+                }
+            };
+            if is_own {
+                let consequence = "the surfaces are tied, and a [[tie]] acts at all times: nothing changes";
+                self.list.add(
+                    Severity::Missing,
+                    change.place,
+                    "change of a tied contact pair",
+                    consequence,
+                    "use a [[contact]] in place of the tie",
+                );
+            }
+        }
+    }
+
+    /// The keys of a contact in the stages in which it acts with them: one contact for each of what steps make of it.
+    fn variants(&mut self, pair: &ContactPair, interaction: Option<&Interaction>) -> Vec<(Vec<String>, Vec<bool>)> {
+        let mut own = interaction.cloned();
+        let mut acts = true;
+        let mut by_stage = Vec::new();
+        let deck = self.deck;
+        let mut stages = self.timeline.stages.iter().filter_map(|stage| stage.step).peekable();
+        for (s, step) in deck.steps.iter().enumerate() {
+            for change in &step.changes {
+                let is_own = |name: &str| pair.interaction.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(name));
+                match (&change.kind, &mut own) {
+                    (ChangeKind::Friction(name, friction), Some(own)) if is_own(name) => own.friction = Some(*friction),
+                    (ChangeKind::Behavior(name, behavior), Some(own)) if is_own(name) => {
+                        own.behavior = Some(behavior.clone());
+                    }
+                    (ChangeKind::Contact { slave, master, acts: now }, _)
+                        if slave.eq_ignore_ascii_case(&pair.slave) && master.eq_ignore_ascii_case(&pair.master) =>
+                    {
+                        acts = *now;
+                    }
+                    _ => {}
+                }
+            }
+            if stages.next_if_eq(&s).is_some() {
+                by_stage.push((acts, own.clone()));
+            }
+        }
+        if by_stage.is_empty() {
+            by_stage = vec![(acts, own); self.timeline.stages.len()];
+        }
+        let count = by_stage.len();
+        let mut all: Vec<(Option<Interaction>, Vec<bool>)> = Vec::new();
+        for (stage, (acts, own)) in by_stage.into_iter().enumerate().filter(|(_, (acts, _))| *acts) {
+            let known = all.iter().position(|(other, _)| *other == own).unwrap_or_else(|| {
+                all.push((own, vec![false; count]));
+                all.len() - 1
+            });
+            all[known].1[stage] = acts;
+        }
+        all.into_iter().map(|(own, active)| (self.contact_keys(pair, own.as_ref()), active)).collect()
     }
 
     /// Moves slave nodes onto the master surface, as `ADJUST` says.

@@ -6,6 +6,7 @@ use crate::axes::LocalAxes;
 use crate::bodies::Bodies;
 use crate::history::amplitude;
 use crate::left_out::List;
+use crate::references::References;
 use crate::set_names::SetNames;
 use crate::sets::{Lookup, Selection};
 use crate::severity::Severity;
@@ -19,6 +20,7 @@ pub(crate) struct Context<'a> {
     pub lookup: &'a Lookup<'a>,
     pub timeline: &'a Timeline,
     pub axes: &'a LocalAxes,
+    pub references: References,
     pub sets: SetNames<'a>,
     pub scene: Tables,
     pub list: List,
@@ -29,7 +31,7 @@ impl Context<'_> {
     pub fn nodes_outside(&self, found: &Selection<u32>, target: &Target) -> usize {
         let all = if let Target::Set(name) = target { self.lookup.node_set_size(name) } else { found.members.len() };
         let own = found.members.iter().filter(|node| self.bodies.owner(**node).is_some()).count();
-        all.saturating_sub(own)
+        all.saturating_sub(own + self.references.of(target).len())
     }
 
     /// The number of the amplitude of a line, none if the line names none. Nothing, with an entry, if it names one that was not read.

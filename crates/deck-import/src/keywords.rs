@@ -36,13 +36,13 @@ const TABLE: &[Row] = &[
         &["EQUATION", "EQUATIONF", "MPC", "NETWORKMPC"],
         MISSING,
         "its equations are left out: the nodes are not coupled",
-        "use [[tie]], [[joint]] or [[prescribe]] in its place, or mesh the parts together",
+        "see [[equation]], [[tie]] and [[joint]]",
     ),
     (
         &["COUPLING", "KINEMATICCOUPLING", "DISTRIBUTINGCOUPLING", "RIGIDBODY"],
         MISSING,
         "its nodes are not coupled to the reference node, and loads and supports of the reference node are left out",
-        "see [[joint]], `moment` of [[load]], and `rotation` of [[prescribe]]",
+        "see [[coupling]], [[joint]] and `moment` of [[load]]",
     ),
     (&["KINEMATIC", "DISTRIBUTING"], NOTE, "it belongs to the coupling before it", ""),
     (

@@ -1,6 +1,6 @@
 //! The list of what a scene lacks of its deck.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
@@ -53,6 +53,8 @@ pub(crate) struct List {
     files: Vec<String>,
     /// Whether a material of the deck has thermal strains.
     expands: bool,
+    /// Types of elements that are no solids and were mapped.
+    pub handled_elements: BTreeSet<String>,
 }
 
 /// The last part of a path: readers know the folder of their deck.
@@ -63,8 +65,14 @@ fn file_name(path: &Path) -> String {
 impl List {
     pub fn new(deck: &Deck) -> Self {
         let files: Vec<String> = deck.files().iter().map(|path| file_name(path)).collect();
-        let expands = deck.left_out.iter().any(|left| left.what == "*EXPANSION");
-        Self { entries: Vec::new(), file: file_name(deck.contents.path()), files, expands }
+        let expands = deck.expands;
+        Self {
+            entries: Vec::new(),
+            file: file_name(deck.contents.path()),
+            files,
+            expands,
+            handled_elements: BTreeSet::new(),
+        }
     }
 
     /// "part.inp:12".
@@ -115,7 +123,11 @@ impl List {
 
     /// All entries with those of the reader, the worst first and then in the order of the deck.
     pub fn finish(mut self, deck: &Deck) -> Vec<LeftOut> {
-        for other in deck.contents.other_elements() {
+        let is_handled =
+            |what: &str| what.strip_prefix("elements ").is_some_and(|kind| self.handled_elements.contains(kind));
+        let others: Vec<_> =
+            deck.contents.other_elements().into_iter().filter(|other| !is_handled(&other.what)).collect();
+        for other in others {
             let file = file_name(&other.path);
             let number = self.files.iter().position(|name| *name == file).unwrap_or(0);
             let what = match other.what.strip_prefix("elements ") {
@@ -134,7 +146,10 @@ impl List {
             self.add_general(Severity::Note, "mesh", note.clone(), "");
         }
         // Requests of output change no result.
-        for left in deck.left_out.iter().filter(|left| left.changes_results) {
+        // The section of beams that are nothing but a pretension.
+        let no_beams = self.handled_elements.contains("B31");
+        let matters = |what: &str| !(no_beams && what == "*BEAM SECTION");
+        for left in deck.left_out.iter().filter(|left| left.changes_results && matters(&left.what)) {
             self.add_unread(left.place, left.what.clone());
         }
         self.entries.sort_by_key(|(place, entry)| (entry.severity, *place));

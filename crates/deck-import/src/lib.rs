@@ -15,6 +15,10 @@
 //! | `dynamics` | initial velocities and damping |
 //! | `context` | what the next three share |
 //! | `supports`, `loads`, `contacts` | the tables of the scene |
+//! | `references` | nodes of no element: points and rigid bodies |
+//! | `couplings`, `equations`, `connections` | what joins nodes to them and to each other |
+//! | `cut` | bolts that are cut at a section of pretension |
+//! | `reference_loads` | supports and loads of reference nodes |
 //! | `left_out` | the list |
 //! | `keywords` | what it means that a keyword is not read |
 //! | `adjust` | nodes moved onto the master surface |
@@ -28,15 +32,21 @@
 mod adjust;
 mod axes;
 mod bodies;
+mod connections;
 mod contacts;
 mod context;
+mod couplings;
+mod cut;
 mod dynamics;
+mod equations;
 mod history;
 mod keywords;
 mod left_out;
 mod loads;
 mod material;
 mod records;
+mod reference_loads;
+mod references;
 mod set_names;
 mod sets;
 mod severity;
@@ -96,13 +106,15 @@ pub enum ImportError {
 /// # Errors
 /// [`ImportError`].
 pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
-    let solids = deck.contents.solids()?;
+    let mut solids = deck.contents.solids()?;
     // Elements of different kinds beside each other may become bodies that a tie joins; within a body the check of the scene reports them.
     match deck.contents.check_solids() {
         Err(MeshIoError::NonConformingFacet { .. }) => {}
         checked => checked?,
     }
     let mut list = left_out::List::new(deck);
+    let cuts = cut::cuts(deck, &mut solids, &mut list);
+    let solids = solids;
     let lookup = sets::Lookup::new(&deck.contents, &solids);
     let mut bodies = bodies::bodies(deck, &solids, &lookup, &mut list)?;
     let timeline = timeline::Timeline::new(deck, &mut list);
@@ -114,14 +126,19 @@ pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
         lookup: &lookup,
         timeline: &timeline,
         axes: &axes::LocalAxes::new(deck, &lookup, &solids.mesh.nodes),
-        sets: set_names::SetNames::new(deck, &solids, &bodies, names),
+        references: references::References::new(deck, &solids, &bodies),
+        sets: set_names::SetNames::new(deck, &solids, &bodies, names, !cuts.is_empty()),
         scene: write::Tables::default(),
         list,
     };
+    couplings::couplings(&mut context);
+    equations::equations(&mut context, &cuts);
+    connections::connections(&mut context);
     contacts::ties(&mut context);
     contacts::pairs(&mut context);
     supports::supports(&mut context);
     loads::loads(&mut context);
+    reference_loads::reference_loads(&mut context);
     let context::Context { sets, scene, list, .. } = context;
     let (sources, mesh) = sets.finish();
     let left_out = list.finish(deck);

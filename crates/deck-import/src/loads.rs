@@ -41,11 +41,19 @@ impl Context<'_> {
         let deck = self.deck;
         for (s, step) in deck.steps.iter().enumerate() {
             for force in &step.forces {
+                let mut nodes = self.lookup.nodes(&force.nodes);
+                let has_own = nodes.members.iter().any(|node| self.bodies.owner(*node).is_some());
+                if !has_own && !self.references.of(&force.nodes).is_empty() {
+                    continue;
+                }
+                if force.freedom > 2 {
+                    self.list.add_unread(force.place, format!("degree of freedom {} of *CLOAD", force.freedom + 1));
+                    continue;
+                }
                 let amplitude = self.amplitude(force.amplitude.as_ref(), "*CLOAD", force.place, NO_LOAD);
                 let Some(amplitude) = amplitude else { continue };
-                let mut nodes = self.lookup.nodes(&force.nodes);
                 let outside = self.nodes_outside(&nodes, &force.nodes);
-                let is_none = !nodes.members.iter().any(|node| self.bodies.owner(*node).is_some());
+                let is_none = !has_own;
                 if force.value != 0.0 && (is_none || outside > 0) {
                     let consequence = if is_none {
                         format!("{} has no node of a body: the force does not act", text(&force.nodes))
@@ -53,16 +61,16 @@ impl Context<'_> {
                         let number = count(outside, "node", "nodes");
                         format!("{number} of {} in no body: no force acts there", text(&force.nodes))
                     };
-                    let remedy = "if it is a reference node, see [[joint]] and `moment` of [[load]]";
+                    let remedy = "if it is a reference node, see [[coupling]] and `moment` of [[load]]";
                     self.list.add(Severity::Missing, force.place, "*CLOAD", consequence, remedy);
                 }
                 if is_none {
                     continue;
                 }
-                let components = std::array::from_fn(|i| i == force.component);
+                let components = std::array::from_fn(|i| i == force.freedom);
                 self.drop_unknown_axes(&mut nodes, components, "*CLOAD", force.place);
                 let members = nodes.members.clone();
-                lines[force.component].push(DeckLine { step: Some(s), record: values.len() as u32, members });
+                lines[force.freedom].push(DeckLine { step: Some(s), record: values.len() as u32, members });
                 selections.push(nodes);
                 values.push(Value { value: force.value, amplitude, is_rate: false });
             }

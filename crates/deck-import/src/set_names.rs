@@ -47,7 +47,8 @@ fn quoted(name: &str) -> Option<String> {
 }
 
 impl<'a> SetNames<'a> {
-    pub fn new(deck: &Deck, solids: &Solids, bodies: &'a Bodies, names: &'a FileNames) -> Self {
+    /// `is_cut`: the mesh is another one than that of the deck.
+    pub fn new(deck: &Deck, solids: &Solids, bodies: &'a Bodies, names: &'a FileNames, is_cut: bool) -> Self {
         let mesh = solids.mesh.clone();
         let keys = mesh.node_sets.keys().chain(mesh.facet_sets.keys()).chain(mesh.element_sets.keys());
         let mut taken: BTreeSet<String> = keys.map(|name| name.to_uppercase()).collect();
@@ -63,7 +64,7 @@ impl<'a> SetNames<'a> {
                     .filter(|(_, set)| **set == body.elements)
                     .map(|(name, _)| Some(name.clone()));
                 let group = if is_all && deck.contents.other_elements().is_empty() { None } else { groups.next()? };
-                let own = deck.contents.mesh(group.as_deref()).ok()?;
+                let own = deck.contents.mesh(group.as_deref()).ok().filter(|_| !is_cut)?;
                 Some((group, own))
             })
             .collect();

@@ -55,9 +55,18 @@ impl Context<'_> {
     fn record(&mut self, support: &Support) -> Option<(Selection<u32>, Value)> {
         let place = support.place;
         let mut nodes = self.lookup.nodes(&support.nodes);
+        let components: [bool; 3] = std::array::from_fn(|i| support.freedoms[i]);
+        let is_of_references = !self.references.of(&support.nodes).is_empty();
+        if is_of_references && !nodes.members.iter().any(|node| self.bodies.owner(*node).is_some()) {
+            return None;
+        }
+        if let Some(turn) = (3..6).find(|&i| support.freedoms[i]).filter(|_| components == [false; 3]) {
+            self.list.add_unread(place, format!("degree of freedom {} of *BOUNDARY", turn + 1));
+            return None;
+        }
         if !nodes.members.iter().any(|node| self.bodies.owner(*node).is_some()) {
             let consequence = format!("{} has no node of a body: nothing is prescribed", text(&support.nodes));
-            let remedy = "if it is a reference node, see [[joint]] and `rotation` of [[prescribe]]";
+            let remedy = "if it is a reference node, see [[coupling]] and [[joint]]";
             self.list.add(Severity::Missing, place, "*BOUNDARY", consequence, remedy);
             return None;
         }
@@ -72,9 +81,15 @@ impl Context<'_> {
         }
         let is_zero = support.value == 0.0;
         // Of a node that is held in all directions the axes do not matter.
-        if !(is_zero && support.components == [true; 3]) {
-            self.drop_unknown_axes(&mut nodes, support.components, "*BOUNDARY", place);
+        if !(is_zero && components == [true; 3]) {
+            self.drop_unknown_axes(&mut nodes, components, "*BOUNDARY", place);
         }
+        Some((nodes, self.prescribed(support)?))
+    }
+
+    /// What a line prescribes over time; nothing, with an entry, if that does not map.
+    pub(crate) fn prescribed(&mut self, support: &Support) -> Option<Value> {
+        let (place, is_zero) = (support.place, support.value == 0.0);
         let amplitude = match &support.amplitude {
             // Any multiple of zero is zero.
             Some(name) if is_zero => amplitude(self.deck, name),
@@ -98,7 +113,7 @@ impl Context<'_> {
                 return None;
             }
         };
-        Some((nodes, value))
+        Some(value)
     }
 
     fn supports(&mut self) {
@@ -112,7 +127,7 @@ impl Context<'_> {
         let mut lines: [Vec<DeckLine<u32>>; 3] = Default::default();
         for (step, support) in of_model.chain(of_steps) {
             let Some((nodes, value)) = self.record(support) else { continue };
-            for component in (0..3).filter(|&i| support.components[i]) {
+            for component in (0..3).filter(|&i| support.freedoms[i]) {
                 let members = nodes.members.clone();
                 lines[component].push(DeckLine { step, record: values.len() as u32, members });
             }

@@ -1,6 +1,6 @@
 //! The tables of the scene.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use stoss_mesh_io::deck::Deck;
@@ -32,6 +32,12 @@ pub(crate) fn series(columns: &[&History]) -> String {
 /// The tables of the scene that refer to sets, as text.
 #[derive(Debug, Default)]
 pub(crate) struct Tables {
+    /// Points and rigid bodies.
+    parts: Vec<String>,
+    /// Couplings, equations, joints, springs, supports.
+    joined: Vec<String>,
+    /// How many of each kind of those.
+    numbers: BTreeMap<&'static str, usize>,
     ties: Vec<String>,
     contacts: Vec<String>,
     prescriptions: Vec<String>,
@@ -45,8 +51,58 @@ impl Tables {
         self.ties.push(pair("tie", &[], slave, master, keys));
     }
 
-    pub fn contact(&mut self, slave: &str, master: &str, keys: &[String]) {
-        self.contacts.push(pair("contact", &["method = \"mortar\""], slave, master, keys));
+    /// A contact that acts in some stages only gets a name.
+    pub fn contact(&mut self, slave: &str, master: &str, keys: &[String], active: &[bool]) {
+        let name = self.name_of("contact", self.contacts.len(), active);
+        let mut first = vec!["method = \"mortar\""];
+        first.extend(name.lines());
+        self.contacts.push(pair("contact", &first, slave, master, keys));
+    }
+
+    /// A table of a point or rigid body.
+    pub fn part(&mut self, table: &str) {
+        self.parts.push(table.to_owned());
+    }
+
+    /// The next number of a kind of table.
+    fn next(&mut self, kind: &'static str) -> usize {
+        let number = self.numbers.entry(kind).or_default();
+        *number += 1;
+        *number
+    }
+
+    /// A table with a name; of one that does not act in all stages it is noted.
+    fn named(&mut self, table: &'static str, keys: &str, active: &[bool]) {
+        let name = format!("{table}-{}", self.next(table));
+        self.joined.push(format!("[[{table}]]\nname = {}\n{keys}", string(&name)));
+        if active.contains(&false) {
+            self.active.push((name, active.to_vec()));
+        }
+    }
+
+    pub fn coupling(&mut self, kind: &str, set: &str, rigid: &str) {
+        let keys = format!("kind = \"{kind}\"\nset = {}\nrigid = {}\n", string(set), string(rigid));
+        self.named("coupling", &keys, &[]);
+    }
+
+    /// An equation of these terms, with a value over time.
+    pub fn equation(&mut self, terms: &[String], value: Option<&History>, active: &[bool]) {
+        let value = value.filter(|value| !value.is_zero());
+        let value = value.map_or_else(String::new, |value| format!("value = {}\n", series(&[value])));
+        self.named("equation", &format!("terms = [{}]\n{value}", terms.join(", ")), active);
+    }
+
+    pub fn joint(&mut self, kind: &str, keys: &str, active: &[bool]) {
+        self.named("joint", &format!("kind = \"{kind}\"\n{keys}"), active);
+    }
+
+    pub fn spring(&mut self, keys: &str) {
+        self.named("spring", keys, &[]);
+    }
+
+    pub fn support(&mut self, keys: &str) {
+        self.next("support");
+        self.joined.push(format!("[[support]]\n{keys}"));
     }
 
     /// A prescription that acts in some stages only gets a name.
@@ -113,7 +169,13 @@ impl Tables {
             count(timeline.stages.len(), "step", "steps"),
             number(timeline.end())
         ));
+        let number = |kind: &str| self.numbers.get(kind).copied().unwrap_or(0);
         let tables = [
+            (number("coupling"), "coupling", "couplings"),
+            (number("equation"), "equation", "equations"),
+            (number("joint"), "joint", "joints"),
+            (number("spring"), "spring", "springs"),
+            (number("support"), "elastic support", "elastic supports"),
             (self.prescriptions.len(), "prescribed motion", "prescribed motions"),
             (self.loads.len(), "load", "loads"),
             (self.contacts.len(), "contact", "contacts"),
@@ -234,10 +296,15 @@ pub(crate) fn scene(
     for ((own, source), velocity) in bodies.all.iter().zip(sources).zip(velocities) {
         let _ = writeln!(text, "{}", body(own, source, *velocity, timeline.is_dynamic()));
     }
+    for table in &tables.parts {
+        let _ = writeln!(text, "{table}");
+    }
     if bodies.all.len() > 1 && tables.contacts.is_empty() {
         text.push_str("# The deck names no contact.\n[general_contact]\nenabled = false\n\n");
     }
-    for table in [&tables.contacts, &tables.ties, &tables.prescriptions, &tables.loads].into_iter().flatten() {
+    for table in
+        [&tables.joined, &tables.contacts, &tables.ties, &tables.prescriptions, &tables.loads].into_iter().flatten()
+    {
         let _ = writeln!(text, "{table}");
     }
     text.push_str(&stages);

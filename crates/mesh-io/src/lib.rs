@@ -53,7 +53,7 @@ pub use error::{FilePosition, MeshIoError};
 pub use include::Include;
 pub use pvd::{PvdEntry, PvdWriter, read_pvd_from_str};
 pub use registry::{FORMATS, Format, read_contents, read_contents_from_bytes, read_mesh, read_mesh_from_str};
-pub use solids::{OtherElements, Solids};
+pub use solids::{OtherElements, OtherNode, Solids};
 pub use stl::{SurfaceFile, read_surface, read_surface_counted, read_surface_from_bytes};
 pub use survey::{CellCount, MeshSurvey, Survey};
 #[cfg(feature = "vtkhdf")]

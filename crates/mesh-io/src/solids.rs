@@ -34,6 +34,17 @@ pub struct OtherElements {
     pub remedy: String,
 }
 
+/// A node that no element has which Stoss computes with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OtherNode {
+    /// Its number.
+    pub number: u64,
+    /// Its place.
+    pub at: [f64; 3],
+    /// The sets of nodes that it belongs to.
+    pub sets: Vec<String>,
+}
+
 impl Contents {
     /// The elements that Stoss computes with, whatever other elements there are.
     ///
@@ -80,6 +91,23 @@ impl Contents {
     /// The sets of nodes, with the numbers of their nodes: also of those that no element has, such as reference nodes.
     pub fn node_set_sizes(&self) -> impl Iterator<Item = (&str, usize)> {
         self.node_sets.iter().map(|(name, nodes)| (name.as_str(), nodes.len()))
+    }
+
+    /// Nodes that no element has which Stoss computes with, such as reference nodes, in the order of the file.
+    pub fn other_nodes(&self) -> Vec<OtherNode> {
+        let mut is_used = vec![false; self.nodes.len()];
+        (0..self.elements.len()).for_each(|e| self.elements[e].iter().for_each(|&node| is_used[node as usize] = true));
+        let sets_of = |node: u32| {
+            let own = self.node_sets.iter().filter(|(_, nodes)| nodes.contains(&node));
+            own.map(|(name, _)| name.clone()).collect()
+        };
+        let free = (0..self.nodes.len()).filter(|&node| !is_used[node]);
+        free.map(|node| OtherNode {
+            number: self.node_source[node].number,
+            at: self.nodes[node],
+            sets: sets_of(node as u32),
+        })
+        .collect()
     }
 
     /// The instances of a part, by their names; names compare without regard to case.

@@ -3,7 +3,8 @@
 use proptest::prelude::*;
 use stoss_mesh_io::MeshIoError;
 use stoss_mesh_io::deck::{
-    Deck, DeckPlace, Elastic, Friction, LoadKind, Prescribed, Procedure, Target, Times, read_deck, read_deck_from_bytes,
+    ChangeKind, Deck, DeckPlace, Elastic, Following, Friction, LoadKind, Prescribed, Procedure, Target, Times,
+    read_deck, read_deck_from_bytes,
 };
 
 const MESH: &str = "\
@@ -148,9 +149,9 @@ fn what_a_deck_says_is_kept() {
     let velocity = &deck.velocities[0];
     assert_eq!((velocity.component, velocity.value), (2, -2.5));
     assert_eq!(velocity.nodes, Target::Number { number: 7, instance: Some("Block-1".to_owned()) });
-    let supports: Vec<_> = deck.supports.iter().map(|s| (s.nodes.clone(), s.components, s.value)).collect();
+    let supports: Vec<_> = deck.supports.iter().map(|s| (s.nodes.clone(), s.freedoms, s.value)).collect();
     let four = Target::Number { number: 4, instance: None };
-    assert_eq!(supports, [(set("Foot"), [true; 3], 0.0), (four, [false, true, true], 0.5)]);
+    assert_eq!(supports, [(set("Foot"), [true; 6], 0.0), (four, only(&[1, 2]), 0.5)]);
     // places
     assert_eq!(steel.place, DeckPlace { file: 0, line: 17 });
     assert_eq!(deck.place_name(deck.supports[1].place), "part.inp:52");
@@ -164,11 +165,12 @@ fn steps_are_kept() {
     assert_eq!((press.name.as_deref(), press.is_nonlinear, press.increments), (Some("press"), true, Some(50)));
     let times = Times { initial: Some(0.1), period: Some(1.0), smallest: None, largest: Some(0.2), is_fixed: true };
     assert_eq!(press.procedure, Some(Procedure::Static(times)));
-    let supports: Vec<_> = press.supports.iter().map(|s| (s.components, s.value, s.prescribed)).collect();
+    let supports: Vec<_> = press.supports.iter().map(|s| (s.freedoms, s.value, s.prescribed)).collect();
     let velocity = Prescribed::Velocity;
-    assert_eq!(supports, [([true, false, false], 0.0, velocity), ([false, false, true], -4.0, velocity)]);
+    assert_eq!(supports, [(only(&[0, 4, 5]), 0.0, velocity), (only(&[2]), -4.0, velocity)]);
     assert!(press.supports.iter().all(|s| s.amplitude.as_deref() == Some("ramp")));
-    assert_eq!((press.forces.len(), press.forces[0].component, press.forces[0].value), (1, 1, -10.0));
+    let forces: Vec<_> = press.forces.iter().map(|force| force.freedom).collect();
+    assert_eq!((forces, press.forces[0].value), (vec![1, 3], -10.0));
     let loads: Vec<_> = press.loads.iter().map(|load| (load.elements.clone(), load.kind)).collect();
     assert_eq!(
         loads,
@@ -202,8 +204,6 @@ fn what_is_left_out_is_told() {
         ("parameter ORIENTATION of *SOLID SECTION", 33, true),
         ("*INITIAL CONDITIONS, TYPE=TEMPERATURE", 48, true),
         ("degree of freedom 11 of *BOUNDARY", 53, true),
-        ("*EQUATION", 55, true),
-        ("degree of freedom 4 of *CLOAD", 66, true),
         ("load P2NU of *DLOAD", 72, true),
         ("load TRVEC of *DSLOAD", 75, true),
         ("*NODE PRINT", 76, false),
@@ -319,5 +319,63 @@ proptest! {
             Ok(deck) => prop_assert!(deck.left_out.iter().all(|l| l.place.line > 0)),
             Err(error) => prop_assert!(error.to_string().starts_with("part.inp"), "{}", error),
         }
+    }
+}
+
+/// Degrees of freedom by their numbers.
+fn only(freedoms: &[usize]) -> [bool; 6] {
+    std::array::from_fn(|i| freedoms.contains(&i))
+}
+
+/// What joins nodes, and what steps change.
+#[test]
+fn connections_and_changes_are_kept() {
+    let deck = read(&format!(
+        "{MESH}*EQUATION\n3\n1, 1, 1.0, Foot, 2, -2.0\n7, 6, 0.5\n*MPC\nBEAM, 1, 2\n3\n*COUPLING, REF NODE=5, SURFACE=Top, CONSTRAINT NAME=c\n\
+         *KINEMATIC\n1, 3\n*RIGID BODY, NSET=Foot, REF NODE=7, ROT NODE=8\n*ELEMENT, TYPE=SPRINGA, ELSET=rods\n91, 1, 7\n\
+         *SPRING, ELSET=rods\n\n100.0\n*PRE-TENSION SECTION, SURFACE=Top, NODE=7\n0, 0, 2\n\
+         *SURFACE INTERACTION, NAME=dry\n*FRICTION\n0.3\n*AMPLITUDE, NAME=a\n0.0, 0.0, 1.0, 2.0\n\
+         *STEP\n*STATIC\n*CHANGE FRICTION, INTERACTION=dry\n*FRICTION\n0.5\n*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nA, B\n\
+         *CLOAD, AMPLITUDE=a, TIME DELAY=0.5\n1, 4, 3.0\n*END STEP\n"
+    ))
+    .unwrap();
+    let number = |number| Target::Number { number, instance: None };
+    let [equation] = deck.equations.as_slice() else { panic!("{:?}", deck.equations) };
+    let terms: Vec<_> = equation.terms.iter().map(|t| (t.nodes.clone(), t.freedom, t.factor)).collect();
+    assert_eq!(terms, [(number(1), 0, 1.0), (set("Foot"), 1, -2.0), (number(7), 5, 0.5)]);
+    assert_eq!(
+        (deck.multi_points[0].kind.as_str(), deck.multi_points[0].nodes.as_slice()),
+        ("BEAM", [1, 2, 3].as_slice())
+    );
+    let [coupling, rigid] = deck.couplings.as_slice() else { panic!("{:?}", deck.couplings) };
+    assert_eq!(
+        (coupling.node, coupling.following, coupling.freedoms),
+        (5, Some(Following::Kinematic), only(&[0, 1, 2]))
+    );
+    assert_eq!((rigid.node, rigid.rotations, rigid.following), (7, Some(8), Some(Following::Kinematic)));
+    assert_eq!(
+        (deck.connections[0].kind.as_str(), deck.connections[0].nodes.as_slice()),
+        ("SPRINGA", [1, 7].as_slice())
+    );
+    assert_eq!((deck.sections_of_connections[0].value, deck.pretensions[0].normal), (100.0, Some([0.0, 0.0, 2.0])));
+    let step = &deck.steps[0];
+    let kinds: Vec<_> = step.changes.iter().map(|change| change.kind.clone()).collect();
+    let friction = Friction { coefficient: 0.5, stick_slope: None };
+    let removed = ChangeKind::Contact { slave: "A".to_owned(), master: "B".to_owned(), acts: false };
+    assert_eq!(kinds, [ChangeKind::Friction("dry".to_owned(), friction), removed]);
+    assert_eq!(deck.interactions[0].friction.unwrap().coefficient, 0.3);
+    assert_eq!((step.forces[0].freedom, step.forces[0].amplitude.as_deref()), (3, Some("a later by 0.5")));
+    assert_eq!(deck.amplitudes[1].points, [[0.5, 0.0], [1.5, 2.0]]);
+    // Nothing of it is left out.
+    assert!(deck.left_out.iter().all(|left| !left.changes_results), "{:?}", deck.left_out);
+    for bad in [
+        "*EQUATION\n2\n1, 1, 1.0\n",
+        "*EQUATION\n1\n1, 7, 1.0\n",
+        "*MPC\n1, 2\n",
+        "*COUPLING, SURFACE=Top\n",
+        "*RIGID BODY, REF NODE=7\n",
+        "*SPRING, ELSET=rods\n",
+    ] {
+        assert!(read(&format!("{MESH}{bad}")).is_err(), "{bad}");
     }
 }

@@ -14,7 +14,9 @@ pub enum CouplingError {
         coupling: String,
     },
     /// A number is out of its range.
-    #[error("coupling {coupling}: the weight {weight:e} of node {node} must be positive and finite")]
+    #[error(
+        "coupling {coupling}: the weight {weight:e} of node {node} must be finite, and all weights must add up to a positive number"
+    )]
     Weight {
         /// The coupling.
         coupling: String,
@@ -28,16 +30,6 @@ pub enum CouplingError {
     OnALine {
         /// The coupling.
         coupling: String,
-    },
-    /// The body is not where the nodes have their centre.
-    #[error(
-        "coupling {coupling}: the point of the body is {distance:e} from the weighted centre of the nodes; move the point there"
-    )]
-    Centre {
-        /// The coupling.
-        coupling: String,
-        /// The distance.
-        distance: f64,
     },
 }
 
@@ -68,11 +60,11 @@ pub fn kinematic_coupling(
     Ok(ConstraintSet::new(name, body.director_length(), equations.collect()))
 }
 
-/// The body follows the weighted mean motion of the nodes: `sum w_a x_a - c = 0` with weights that are scaled to the sum 1, and `sum w_a (R X_a) x (x_a - c) = 0`, in the body's
-/// axes: `(S_j . D_k - S_k . D_j) / L = 0`, `S_j = sum w_a X_aj x_a`, with the square `L` of the radius of gyration of the nodes over a length. 6 equations; the centre `c` of the body
-/// is at the weighted centre of the nodes.
+/// The body follows the weighted mean motion of the nodes: `sum w_a x_a - c = 0` with weights that are scaled to the sum 1 and the point `c` of the body that is at the weighted centre of the
+/// nodes in the reference configuration, and `sum w_a (R X_a) x (x_a - c) = 0` with the arms `X_a` from there, in the body's axes: `(S_j . D_k - S_k . D_j) / L = 0`, `S_j = sum w_a X_aj x_a`,
+/// with the square `L` of the radius of gyration of the nodes over a length. 6 equations.
 ///
-/// Forces and moments on the body go to the nodes, `w_a (f + t x R X_a)` with some vector `t`; the deformation of the nodes is not constrained. All nodes form one dense contribution: use a few hundred nodes
+/// Weights may be negative, as the integrals of shape functions at corners of quadratic faces are. Forces and moments on the body go to the nodes, `w_a (f + t x R X_a)` with some vector `t`; the deformation of the nodes is not constrained. All nodes form one dense contribution: use a few hundred nodes
 /// at most.
 ///
 /// # Errors
@@ -87,23 +79,20 @@ pub fn distributing_coupling(
     if nodes.is_empty() {
         return Err(CouplingError::NoNodes { coupling: coupling() });
     }
-    if let Some(&(node, weight)) = nodes.iter().find(|(_, w)| !(*w > 0.0 && w.is_finite())) {
+    let total: f64 = nodes.iter().map(|(_, w)| w).sum();
+    let worst = nodes.iter().find(|(_, w)| !w.is_finite());
+    let least = || nodes.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    if let Some(&(node, weight)) = worst.or_else(|| least().filter(|_| total <= 0.0)) {
         return Err(CouplingError::Weight { coupling: coupling(), node, weight });
     }
-    let total: f64 = nodes.iter().map(|(_, w)| w).sum();
     let weights: Vec<(u32, f64)> = nodes.iter().map(|&(node, w)| (node, w / total)).collect();
     let centre = weights.iter().fold(Vector3::zeros(), |c, &(node, w)| c + w * position(reference, node));
-    let own = Vector3::from(body.mass().centre);
     let mut spread = Matrix3::zeros();
     for &(node, w) in &weights {
         let arm = position(reference, node) - centre;
         spread += w * arm * arm.transpose();
     }
     let square = spread.trace();
-    let distance = (centre - own).norm();
-    if square > 0.0 && distance > 1e-8 * square.sqrt() {
-        return Err(CouplingError::Centre { coupling: coupling(), distance });
-    }
     let mut principal: [f64; 3] = spread.symmetric_eigenvalues().into();
     principal.sort_by(f64::total_cmp);
     if principal[1] <= 1e-12 * principal[2] {
@@ -119,7 +108,7 @@ pub fn distributing_coupling(
         }
     }
     let mut builder = QuadraticsBuilder::new();
-    let apart = builder.form(&mean.plus(-1.0, &body.centre()));
+    let apart = builder.form(&mean.plus(-1.0, &body.point(centre.into())));
     for i in 0..3 {
         let unit = builder.form(&Embedded::ground(std::array::from_fn(|k| if k == i { 1.0 } else { 0.0 })));
         builder.function(0.0, &[(1.0, apart, unit)]);

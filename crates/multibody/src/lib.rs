@@ -10,6 +10,7 @@
 //! * [`RigidBody`], [`Beam`], [`ElasticString`], [`PointMass`], [`Spring`], [`ElasticSupport`]: parts;
 //! * [`Joint`], [`JOINTS`], [`CoordinateOptions`]: joints between two [`Frame`]s, with springs, friction, limits and motors;
 //! * [`ConstraintSet`], [`QuadraticsBuilder`]: constraints of your own; [`kinematic_coupling`], [`distributing_coupling`]: nodes to a body;
+//! * [`LinearEquations`]: multi-point constraints;
 //! * [`analyse`]: equations that follow from others.
 //!
 //! # What it is not
@@ -31,6 +32,7 @@ mod frame;
 mod joint;
 mod kernel;
 mod line;
+mod linear;
 mod point_mass;
 mod quadratic;
 mod redundancy;
@@ -55,6 +57,7 @@ pub use joint::{
 };
 pub use kernel::{GradientAt, Kernel};
 pub use line::tributary_lengths;
+pub use linear::{LinearEquationError, LinearEquations, LinearTerms};
 pub use point_mass::PointMass;
 pub use quadratic::{Evaluation, FormId, Quadratics, QuadraticsBuilder};
 pub use redundancy::{Equations, Redundancy, RedundancyError, analyse, velocity_violation};

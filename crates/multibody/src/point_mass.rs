@@ -1,11 +1,11 @@
-//! Point masses.
+//! Point masses, and points without mass.
 
 use crate::Embedded;
-use crate::error::{PartDataError, positive};
+use crate::error::{PartDataError, not_negative, positive};
 use std::ops::Range;
 use stoss_term::{Rule, Term, Vectors};
 
-/// A mass at one vector, its position.
+/// A mass at one vector, its position. Without mass it moves only as what is joined to it says, for instance [`crate::LinearEquations`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointMass {
     name: String,
@@ -20,7 +20,7 @@ impl PointMass {
     /// # Errors
     /// [`PartDataError::Number`].
     pub fn new(name: &str, vector: u32, mass: f64, length: f64) -> Result<Self, PartDataError> {
-        positive("mass of a point", mass)?;
+        not_negative("mass of a point", mass)?;
         positive("length scale of a point mass", length)?;
         Ok(Self { name: name.to_owned(), vector, mass, length })
     }
@@ -55,6 +55,8 @@ impl Vectors for PointMass {
     }
 
     fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
-        visit(self.vector, self.vector, self.mass);
+        if self.mass > 0.0 {
+            visit(self.vector, self.vector, self.mass);
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! Loan, *Matrix Computations*, section 3.4: column pivoting); rows are sparse, so bodies that are not connected do not see each other. A row of which nothing is left follows from
 //! those before it. Its value at the configuration, less the same combination of theirs, must vanish then.
 
-use crate::{ConstraintSet, Joint};
+use crate::{ConstraintSet, Joint, LinearEquations};
 use std::collections::BTreeMap;
 use stoss_term::{Fault, GradientRule, StepConfiguration, Term};
 
@@ -58,6 +58,20 @@ impl Equations for Joint {
     }
 }
 
+impl Equations for LinearEquations {
+    fn is_equation(&self, _slot: usize) -> bool {
+        true
+    }
+
+    fn moves_by_itself(&self, _slot: usize) -> bool {
+        self.moves()
+    }
+
+    fn kind_name(&self) -> &str {
+        "equation"
+    }
+}
+
 /// What [`analyse`] found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Redundancy {
@@ -68,7 +82,7 @@ pub struct Redundancy {
     /// Set and slot of the redundant ones.
     pub redundant: Vec<(usize, usize)>,
     /// Sets without rigidity in parts of the system that are connected and have redundant equations: of these the multipliers are not determined, and all are to be made
-    /// compliant ([`Joint::set_redundant`], [`ConstraintSet::set_redundant`]).
+    /// compliant ([`Joint::set_redundant`], [`ConstraintSet::set_redundant`], [`LinearEquations::set_redundant`]).
     pub involved: Vec<usize>,
     /// Messages, one for each set with redundant equations.
     pub messages: Vec<String>,
@@ -135,7 +149,7 @@ pub fn analyse(
                 found.rank += 1;
             }
             (row, None) => {
-                if row.value.abs() > CONTRADICTION * sets[set].length_scale() {
+                if row.value.abs() > CONTRADICTION * sets[set].length_scale() * sets[set].slot_weight(slot) {
                     return Err(RedundancyError::Contradiction {
                         name: sets[set].name().to_owned(),
                         kind: sets[set].kind_name().to_owned(),

@@ -7,6 +7,7 @@ mod coordinates;
 mod couplings;
 mod dynamics;
 mod joint_forces;
+mod linear_equations;
 mod lines;
 mod parts;
 mod pendulums;

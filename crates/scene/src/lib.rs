@@ -24,6 +24,7 @@ mod chosen;
 mod conditions;
 mod contact_method;
 mod coupling;
+mod equation;
 mod event;
 mod expression;
 mod friction;
@@ -67,7 +68,8 @@ pub use conditions::{
     SetDefinition, SurfaceMass, Table, split_set,
 };
 pub use contact_method::{ContactMethod, METHODS, MethodEntry};
-pub use coupling::Coupling;
+pub use coupling::{Coupling, SetCoupling};
+pub use equation::{Equation, EquationTerm};
 pub use event::{Event, EventCondition, Stage};
 pub use friction::{Friction, MidpointFriction, Slip, Stick, Sticking};
 pub use general::{
@@ -170,6 +172,12 @@ pub struct Scene {
     /// `[[joint]]`.
     #[serde(default, rename = "joint", skip_serializing_if = "Vec::is_empty")]
     pub joints: Vec<Joint>,
+    /// `[[coupling]]`.
+    #[serde(default, rename = "coupling", skip_serializing_if = "Vec::is_empty")]
+    pub couplings: Vec<SetCoupling>,
+    /// `[[equation]]`.
+    #[serde(default, rename = "equation", skip_serializing_if = "Vec::is_empty")]
+    pub equations: Vec<Equation>,
     /// `[[spring]]`.
     #[serde(default, rename = "spring", skip_serializing_if = "Vec::is_empty")]
     pub springs: Vec<Spring>,

@@ -35,6 +35,8 @@ named! {
         JointAngle = "joint_angle",
         /// Relative displacement of a slider (length); of a bolt with pretension, the opening of its cut.
         JointDisplacement = "joint_displacement",
+        /// Multiplier of an equation (force): the force on each of its terms is the multiplier times the factor, positive along its direction; of an equation for each node of sets the sum.
+        EquationForce = "equation_force",
         /// Elevation angle of the velocity above the x-y plane in degrees, positive towards z; of a set that of the mean velocity. Dynamic scenes only.
         Elevation = "elevation",
         /// Angular velocity of a rigid body (radians per time). Dynamic scenes only.
@@ -115,6 +117,11 @@ impl Quantity {
         matches!(self, Self::JointForce | Self::JointMoment | Self::JointAngle | Self::JointDisplacement)
     }
 
+    /// True if it belongs to an equation.
+    pub fn is_of_equation(self) -> bool {
+        self == Self::EquationForce
+    }
+
     /// True if it has a meaning only with inertia.
     pub fn is_dynamic(self) -> bool {
         matches!(
@@ -178,6 +185,7 @@ impl Quantity {
             | Self::KineticEnergy
             | Self::StrainEnergy
             | Self::JointAngle
+            | Self::EquationForce
             | Self::JointDisplacement
             | Self::Elevation
             | Self::VonMises
@@ -336,7 +344,7 @@ named! {
 }
 
 /// `[[probe]]`: a quantity that is written to `probes.csv`, a column for each component. Nodal quantities need `set`, or `body` and `point`, or a rigid body or point mass as `body`; energies
-/// and momenta are those of `body`, or of the whole model; quantities of joints need `joint`; stresses and strains need `body` and `point`. With `reduce` the probe records the
+/// and momenta are those of `body`, or of the whole model; quantities of joints need `joint`, of equations `equation`; stresses and strains need `body` and `point`. With `reduce` the probe records the
 /// extremum over the nodes of `set` or `body`, and a second column `name.node` has the number of that node in the frames.
 ///
 /// ```toml
@@ -367,6 +375,9 @@ pub struct Probe {
     /// Name of a joint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
+    /// Name of an equation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub equation: Option<String>,
     /// Records the extremum over the nodes of `set` or `body`: `max` or `min`. The mean or sum of the quantity if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reduce: Option<Extremum>,

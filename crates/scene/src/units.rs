@@ -220,7 +220,9 @@ impl crate::Quantity {
         match self {
             Self::Displacement | Self::Position | Self::JointDisplacement => Dimension::Length,
             Self::Velocity => Dimension::Velocity,
-            Self::Reaction | Self::SupportForce | Self::ContactForce | Self::JointForce => Dimension::Force,
+            Self::Reaction | Self::SupportForce | Self::ContactForce | Self::JointForce | Self::EquationForce => {
+                Dimension::Force
+            }
             Self::ReactionMoment | Self::ContactMoment | Self::JointMoment => Dimension::Moment,
             Self::JointAngle | Self::Elevation => Dimension::Angle,
             Self::AngularVelocity => Dimension::AngularVelocity,

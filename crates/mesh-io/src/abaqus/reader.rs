@@ -115,9 +115,10 @@ impl<'a> Reader<'a> {
                     self.section = self.keyword(&lines, &keyword)?;
                     let skips = matches!(self.section, Section::Skip);
                     let mut reads_input = !skips;
-                    if let Some(blocks) = self.blocks.as_mut().filter(|_| skips) {
+                    let is_other = matches!(self.section, Section::OtherElement { .. });
+                    if let Some(blocks) = self.blocks.as_mut().filter(|_| skips || is_other) {
                         let block = Block { keyword: keyword.clone(), rows: Vec::new() };
-                        reads_input = block.takes_input();
+                        reads_input = is_other || block.takes_input();
                         blocks.push(block);
                     }
                     if let Some(input) = keyword.value("INPUT").filter(|_| reads_input) {
@@ -125,7 +126,7 @@ impl<'a> Reader<'a> {
                     }
                 }
                 Item::Data(data) => {
-                    if let (Section::Skip, Some(block)) =
+                    if let (Section::Skip | Section::OtherElement { .. }, Some(block)) =
                         (&self.section, self.blocks.as_mut().and_then(|b| b.last_mut()))
                     {
                         block.rows.push((data.to_owned(), lines.place()));

@@ -18,6 +18,12 @@ pub enum JointKind {
     Universal,
     /// The points stay in a plane with the normal `a_1`, which is also one of b: `(x_b - x_a) . a_1 = a_1 . b_2 = a_1 . b_3 = 0`, 3.
     Planar,
+    /// No relative rotation, `a_1 . b_2 = a_1 . b_3 = a_2 . b_3 = 0`, 3; translations are free.
+    Orientation,
+    /// The axis `a_1` is one of b, `a_1 . b_2 = a_1 . b_3 = 0`, 2; the rotation about it and translations are free.
+    Parallel,
+    /// No equation: the rotation about `a_1`, in the plane across it, is measured and can be driven and braked; everything is free.
+    Rotation,
     /// Nothing moves, 6.
     Weld,
     /// The points keep their distance: `(|x_b - x_a|^2 - L^2) / (2 L) = 0`, 1.
@@ -155,6 +161,36 @@ pub const JOINTS: &[JointEntry] = &[
         right: &[(0, 1), (0, 2)],
         common: &[0],
     },
+    JointEntry {
+        name: "orientation",
+        about: "Common orientation: no relative rotation; all translations are free.",
+        directions: Directions::None,
+        coordinates: &[],
+        kind: JointKind::Orientation,
+        points: Points::Across(&[]),
+        right: &[(0, 1), (0, 2), (1, 2)],
+        common: &[0, 1, 2],
+    },
+    JointEntry {
+        name: "parallel",
+        about: "Common direction: the axis keeps its direction on both sides; the rotation about it and all translations are free.",
+        directions: Directions::Axis,
+        coordinates: &[CoordinateKind::Angle],
+        kind: JointKind::Parallel,
+        points: Points::Across(&[]),
+        right: &[(0, 1), (0, 2)],
+        common: &[0],
+    },
+    JointEntry {
+        name: "rotation",
+        about: "Nothing in common: the rotation about the axis of the first side can be driven, limited and braked; all other motions are free. The second side should tilt by less than a right angle against the axis.",
+        directions: Directions::Axis,
+        coordinates: &[CoordinateKind::Angle],
+        kind: JointKind::Rotation,
+        points: Points::Across(&[]),
+        right: &[],
+        common: &[],
+    },
 ];
 
 /// The row of that name, if there is one.
@@ -178,7 +214,7 @@ impl JointEntry {
 
     /// True if it says something of rotations, so that both sides must have an orientation.
     pub fn needs_orientation(&self) -> bool {
-        !self.right.is_empty()
+        !self.right.is_empty() || !self.coordinates.is_empty()
     }
 }
 
@@ -226,7 +262,7 @@ impl JointKind {
 
     /// The invariants of a coordinate: sine and cosine of an angle, or a displacement.
     ///
-    /// With `b_2` at right angles to `a_1` the angle about `a_1` has `s = a_3 . b_2`, `c = a_2 . b_2` in all of these joints. The second one of a universal joint is that of
+    /// With `b_2` at right angles to `a_1` the angle about `a_1` has `s = a_3 . b_2`, `c = a_2 . b_2` in all of these joints; of a rotation that is not about `a_1` alone they are those of the part of `b_2` across `a_1`. The second one of a universal joint is that of
     /// side b against the cross with the pins `a_1` and `b_2`, about `b_2`: `s = a_1 . b_3`, `c = a_1 . b_1`.
     pub(crate) fn invariants(self, coordinate: usize) -> Vec<Function> {
         match (self.coordinates().get(coordinate), coordinate) {
@@ -298,7 +334,9 @@ mod tests {
             JointKind::Weld => 0,
             JointKind::Hinge | JointKind::Slider => 1,
             JointKind::Cylindrical | JointKind::Universal => 2,
-            JointKind::Ball | JointKind::Planar => 3,
+            JointKind::Ball | JointKind::Planar | JointKind::Orientation => 3,
+            JointKind::Parallel => 4,
+            JointKind::Rotation => 6,
             JointKind::Distance { .. } => 5,
         }
     }

@@ -5,8 +5,8 @@ use super::sets::Sets;
 use super::table::Table;
 use super::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
 use super::{
-    beam, body, conditions, event, general, general_contact, joint, left_out, parameters, prescribe, results, rigid,
-    string, support, sweep, tie,
+    beam, body, conditions, equation, event, general, general_contact, joint, left_out, parameters, prescribe, results,
+    rigid, string, support, sweep, tie,
 };
 use crate::general_contact::is_default;
 use crate::source::Source;
@@ -32,13 +32,16 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let tie_tables = root.tables("tie");
     let joint_tables = root.tables("joint");
     let spring_tables = root.tables("spring");
+    let coupling_tables = root.tables("coupling");
+    let equation_tables = root.tables("equation");
     let support_tables = root.tables("support");
     let prescribe_tables = root.tables("prescribe");
     let load_tables = root.tables("load");
     let event_tables = root.tables("event");
 
     let setting = Setting { kind, gravity: has_gravity };
-    let held = held(&prescribe_tables, &event_tables, &stage_tables);
+    let mut held = held(&prescribe_tables, &event_tables, &stage_tables);
+    held.extend(equation::moved(&equation_tables, &coupling_tables, &prescribe_tables));
     let parts = Parts::read(root, setting, &held, &own_laws.materials);
     let owners = parts.known.iter().map(|part| (part.name.clone(), part.has_no_sets().then(|| part.kind.noun())));
     let sets = Sets::new(root, owners.collect(), parts.complete);
@@ -50,6 +53,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         parts: parts.known,
         parts_complete: parts.complete,
         joints: Vec::new(),
+        equations: Vec::new(),
         actions: Vec::new(),
         actions_complete: true,
         probes: Vec::new(),
@@ -96,6 +100,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     for (tables, action) in [
         (&joint_tables, Action::Joint),
         (&spring_tables, Action::Spring),
+        (&equation_tables, Action::Equation),
         (&prescribe_tables, Action::Prescribe),
         (&load_tables, Action::Load),
     ] {
@@ -108,6 +113,9 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
                     if action == Action::Joint {
                         world.joints.push((name.clone(), joint::raw_kind(table)));
                     }
+                    if action == Action::Equation {
+                        world.equations.push(name.clone());
+                    }
                     world.actions.push((name, action));
                 }
                 // A name that may be left out hides nothing unless it is there and no string.
@@ -118,6 +126,15 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     }
     let joints: Vec<_> = joint_tables.iter().map(|table| joint::joint(table.as_ref()?, &world)).collect();
     let springs: Vec<_> = spring_tables.iter().map(|table| joint::spring(table.as_ref()?, &world)).collect();
+
+    let equations: Vec<_> = equation_tables.iter().map(|table| equation::equation(table.as_ref()?, &world)).collect();
+    let mut unique = Unique::new("coupling");
+    let mut couplings = Vec::new();
+    for table in &coupling_tables {
+        let coupling = table.as_ref().and_then(|table| equation::coupling(table, &world));
+        unique.check(table.as_ref(), "name", coupling.as_ref().map(|coupling| coupling.name.as_str()));
+        couplings.push(coupling);
+    }
 
     let mut unique_rigid = Unique::new("prescribed rigid body");
     let mut prescriptions = Vec::new();
@@ -220,6 +237,8 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         general_contact: general_contact?,
         ties: all(ties)?,
         joints: all(joints)?,
+        couplings: all(couplings)?,
+        equations: all(equations)?,
         springs: all(springs)?,
         prescriptions: all(prescriptions)?,
         loads: all(loads)?,
@@ -291,13 +310,16 @@ impl Parts {
         let [body_tables, rigid_tables, beam_tables, string_tables, mass_tables] = tables;
         // A name that no rigid body has may be meant for any of them.
         let rigid_names: Vec<_> = rigid_tables.iter().flatten().filter_map(|table| raw(table, "name")).collect();
-        let misnamed = held.iter().any(|name| !rigid_names.contains(name));
+        let others = [&body_tables, &beam_tables, &string_tables, &mass_tables];
+        let other_names: Vec<_> =
+            others.into_iter().flatten().flatten().filter_map(|table| raw(table, "name")).collect();
+        let misnamed = held.iter().any(|name| !rigid_names.contains(name) && !other_names.contains(name));
         let is_held = |table: &Table<'_>| misnamed || raw(table, "name").is_some_and(|name| held.contains(&name));
         let bodies = names.read(&body_tables, PartKind::Body, |table| body::body(table, setting, own_laws));
         let rigids = names.read(&rigid_tables, PartKind::Rigid, |table| rigid::rigid(table, setting, is_held(table)));
         let beams = names.read(&beam_tables, PartKind::Beam, |table| beam::beam(table, setting));
         let strings = names.read(&string_tables, PartKind::String, |table| string::string(table, setting));
-        let masses = names.read(&mass_tables, PartKind::Mass, |table| string::mass(table, setting));
+        let masses = names.read(&mass_tables, PartKind::Mass, |table| string::mass(table, setting, is_held(table)));
         for string in strings.iter().flatten() {
             let corners = string.corners();
             names.set_ends(&string.name, corners.first().copied().zip(corners.last().copied()).map(<[_; 2]>::from));

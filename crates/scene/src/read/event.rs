@@ -41,9 +41,9 @@ pub(super) fn event(table: &Table<'_>, world: &World<'_>) -> Option<Event> {
 fn released(node: &Node<'_>, world: &World<'_>) -> Option<String> {
     let name = node.text()?;
     match world.actions.iter().find(|(other, _)| *other == name) {
-        Some((_, Action::Joint | Action::Spring | Action::Prescribe)) => Some(name),
+        Some((_, Action::Joint | Action::Spring | Action::Equation | Action::Prescribe)) => Some(name),
         Some((_, action)) => node.fail(
-            format!("is {}: only joints, springs and prescribed motions can be released", action.noun()),
+            format!("is {}: only joints, springs, equations and prescribed motions can be released", action.noun()),
             "name a [[joint]], a [[spring]] or a [[prescribe]] with a `name`",
         ),
         None if !world.actions_complete => Some(name),
@@ -51,7 +51,9 @@ fn released(node: &Node<'_>, world: &World<'_>) -> Option<String> {
             let releasable: Vec<&str> = world
                 .actions
                 .iter()
-                .filter(|(_, action)| matches!(action, Action::Joint | Action::Spring | Action::Prescribe))
+                .filter(|(_, action)| {
+                    matches!(action, Action::Joint | Action::Spring | Action::Equation | Action::Prescribe)
+                })
                 .map(|(name, _)| name.as_str())
                 .collect();
             let message = format!("there is no joint, spring or prescribed motion `{name}`");

@@ -9,6 +9,7 @@ mod catalogue;
 mod conditions;
 mod contact_method;
 mod document;
+mod equation;
 mod event;
 mod friction;
 mod general;

@@ -46,6 +46,7 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
     let body = table.optional("body", |n| part_name(n, world));
     let point = table.optional("point", Node::vector);
     let joint = table.optional("joint", |n| joint(n, quantity, world));
+    let equation = table.optional("equation", |n| equation(n, world));
     let reduce = table.optional("reduce", |n| {
         let reduce = n.choice(Extremum::NAMES, Extremum::from_name)?;
         match quantity {
@@ -70,6 +71,11 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
             let part = body.as_ref().and_then(|body| body.as_deref()).and_then(|name| world.part(name));
             material_place(table, quantity, part.map(|part| part.kind))
         }
+        Some(quantity) if quantity.is_of_equation() => {
+            let keys = ["set", "body", "point", "joint"];
+            let place = refuse(table, &keys, || format!("`{quantity}` belongs to an equation"));
+            if table.has("equation") { place } else { table.missing("equation", "equation = \"lever\"") }
+        }
         Some(quantity) if quantity.is_of_joint() => {
             let place = refuse(table, &["set", "body", "point"], || format!("`{quantity}` belongs to a joint"));
             if table.has("joint") { place } else { table.missing("joint", "joint = \"elbow\"") }
@@ -86,11 +92,18 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
         }
         None => Some(()),
     };
+    let of_equation = match quantity {
+        Some(quantity) if !quantity.is_of_equation() => {
+            refuse(table, &["equation"], || format!("`{quantity}` does not belong to an equation"))
+        }
+        _ => Some(()),
+    };
     table.finish();
     let components = if table.has("reduce") { Some(&[][..]) } else { quantity.map(Quantity::components) };
     let known_as = name.clone().map(|name| (name, components));
     let probe = (|| {
         place?;
+        of_equation?;
         Some(Probe {
             name: name?,
             quantity: quantity?,
@@ -98,6 +111,7 @@ pub(super) fn probe(table: &Table<'_>, world: &World<'_>) -> (Option<Probe>, Opt
             body: body?,
             point: point?,
             joint: joint?,
+            equation: equation?,
             reduce: reduce?,
             component: component?,
         })
@@ -139,6 +153,17 @@ fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Opti
             node.fail("is not a joint of this scene", known(&name, world.joints.iter().map(|(name, _)| name.as_str())))
         }
     }
+}
+
+fn equation(node: &Node<'_>, world: &World<'_>) -> Option<String> {
+    let name = node.text()?;
+    if world.equations.contains(&name) || !world.actions_complete {
+        return Some(name);
+    }
+    if world.equations.is_empty() {
+        return node.fail("the scene has no equation", "add an [[equation]] of this name");
+    }
+    node.fail("is not an equation of this scene", known(&name, world.equations.iter().map(String::as_str)))
 }
 
 /// The key `component` of an extremum: positions and stresses have no length.

@@ -5,7 +5,7 @@ use super::node::Node;
 use super::rigid::joined_name;
 use super::table::Table;
 use super::world::Setting;
-use crate::{ElasticString, Mass, PointMass};
+use crate::{ElasticString, Kind, Mass, PointMass};
 
 /// The string and its name, which is needed even if the rest is bad.
 pub(super) fn string(table: &Table<'_>, setting: Setting) -> (Option<ElasticString>, Option<String>) {
@@ -103,11 +103,13 @@ fn section(table: &Table<'_>, setting: Setting) -> Option<StringSection> {
     Some(StringSection { axial: axial?, young: young?, area: area?, mass: mass?, density: density? })
 }
 
-/// The point mass and its name, which is needed even if the rest is bad.
-pub(super) fn mass(table: &Table<'_>, setting: Setting) -> (Option<PointMass>, Option<String>) {
+/// The point mass and its name, which is needed even if the rest is bad. `is_held`: something else says how it moves, so that it needs no mass.
+pub(super) fn mass(table: &Table<'_>, setting: Setting, is_held: bool) -> (Option<PointMass>, Option<String>) {
     let name = table.required("name", "name = \"bob\"", joined_name);
     let at = table.required("at", "at = [0, 0, 0]", Node::vector);
-    let mass = table.required("mass", "mass = 1.0", Node::positive);
+    let mass = table.required("mass", "mass = 1.0", |n| {
+        if is_held || setting.kind == Some(Kind::QuasiStatic) { n.not_negative() } else { n.positive() }
+    });
     let velocity = table.default("velocity", [0.0; 3], Node::vector);
     let at_rest = setting.at_rest(table, &["velocity"]);
     table.finish();

@@ -99,6 +99,7 @@ pub(super) type KnownProbe = (String, Option<&'static [ProbeComponent]>);
 pub(super) enum Action {
     Joint,
     Spring,
+    Equation,
     Contact,
     Tie,
     Prescribe,
@@ -110,6 +111,7 @@ impl Action {
         match self {
             Self::Joint => "a joint",
             Self::Spring => "a spring",
+            Self::Equation => "an equation",
             Self::Contact => "a contact",
             Self::Tie => "a tie",
             Self::Prescribe => "a prescribed motion",
@@ -127,6 +129,8 @@ pub(super) struct World<'a> {
     pub(super) parts_complete: bool,
     /// Joints and their kinds, if they could be read.
     pub(super) joints: Vec<(String, Option<JointKind>)>,
+    /// Names of equations that could be read.
+    pub(super) equations: Vec<String>,
     pub(super) actions: Vec<(String, Action)>,
     /// False if a name of those could not be read, or is that of another one.
     pub(super) actions_complete: bool,

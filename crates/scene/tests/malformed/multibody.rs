@@ -385,6 +385,29 @@ pub const CASES: &[Case] = &[
     ),
     multi("at = [3, 0, 0]\n\n[[joint]]", "at = [3, 0, 1e-3]\n\n[[joint]]", "at = [3, 0, 1e-3]", "joint[0].at"),
     multi("at = [[3, 0, 0], [1, 1, 0]]", "at = [[3, 0, 0], [0, 0, 0]]", "at = [[3", "joint[6].at"),
+    // [[coupling]] and [[equation]]
+    multi(
+        "set = \"block.top\"\nrigid = \"crate\"",
+        "set = \"crate.top\"\nrigid = \"crate\"",
+        "\"crate.top\"",
+        "coupling[0].set",
+    ),
+    multi(
+        "rigid = \"crate\"\n\n[[equation]]",
+        "rigid = \"bob\"\n\n[[equation]]",
+        "\"bob\"\n\n[[equation]]",
+        "coupling[0].rigid",
+    ),
+    multi("kind = \"distributing\"", "kind = \"loose\"", "\"loose\"", "coupling[0].kind"),
+    multi("factor = -2.5", "factor = 0", "0 }", "equation[0].terms[1].factor"),
+    multi(
+        "component = \"z\", mean",
+        "component = \"z\", direction = [1, 0, 0], mean",
+        "[1, 0, 0], mean",
+        "equation[0].terms[0].direction",
+    ),
+    multi("point = [0.5, 1, 1.25], ", "", "{ body = \"crate\", direction", "equation[0].terms[1].point"),
+    multi("equation = \"lever-rule\"", "equation = \"lever-role\"", "\"lever-role\"", "probe[8].equation"),
     // [[spring]]
     multi("stiffness = 2e4\n", "", "[[spring]]", "spring[0].stiffness"),
     multi("rest_length = 1.2", "rest_length = -1.2", "rest_length", "spring[0].rest_length"),
@@ -559,6 +582,6 @@ pub const CASES: &[Case] = &[
         "point = [0, 0, 0]",
         "probe[7].point",
     ),
-    multi("set = \"mast.end\"\n\n[expect]", "set = \"mast.tip\"\n\n[expect]", "mast.tip", "probe[8].set"),
+    multi("set = \"mast.end\"\n\n[expect]", "set = \"mast.tip\"\n\n[expect]", "mast.tip", "probe[9].set"),
     multi("value = 10", "component = \"x\"\nvalue = 10", "component = \"x\"\nvalue", "expect.probe[0].component"),
 ];

@@ -81,7 +81,12 @@ pub(super) fn contacts(
             chosen = Some(format!("{} ({reason})", item.surfaces()[slave]));
             surfaces.rotate_left(slave);
         }
-        if let Some((_, other)) = seen.iter().find(|(other, _)| *other == surfaces) {
+        // Contacts that take turns, as one with another friction in a later stage.
+        let meets = |other: &crate::scene::Contact| {
+            let names = [item.label(), other.label()];
+            phases.all().any(|phase| names.iter().all(|name| phase.acts(Some(name))))
+        };
+        if let Some((_, other)) = seen.iter().find(|(own, other)| *own == surfaces && meets(other)) {
             let message = format!("is the same contact as `{}`: its constraints would be redundant", other.label());
             problems.add(format!("{key}.name"), item.label(), message, "remove one of the two");
             continue;
@@ -89,7 +94,7 @@ pub(super) fn contacts(
         let [slave, master] = &surfaces;
         warnings.extend(sinking(item, &phases.first_with(&item.label()).support(model), [slave, master], model));
         let is_exact = |contact: &crate::scene::Contact| !matches!(contact.enforcement, Enforcement::Penalty(_));
-        if let Some((_, other)) = seen.iter().find(|([s, m], _)| s == master && m == slave)
+        if let Some((_, other)) = seen.iter().find(|([s, m], other)| s == master && m == slave && meets(other))
             && is_exact(item)
             && is_exact(other)
         {

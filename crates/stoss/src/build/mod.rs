@@ -305,10 +305,12 @@ fn named(scene: &Scene, prescribed: &BTreeMap<usize, Named>, parts: &multibody::
     let contacts = scene.contacts.iter().enumerate().map(|(c, item)| (item.label(), Named::Contact(c)));
     let joints = scene.joints.iter().zip(&parts.joints);
     let joints = joints.filter_map(|(item, place)| Some((item.name.clone(), Named::Contact((*place)?))));
+    let equations = scene.equations.iter().zip(&parts.equations);
+    let equations = equations.filter_map(|(item, place)| Some((item.name.clone(), Named::Contact((*place)?))));
     let springs = scene.springs.iter().zip(&parts.springs);
     let springs = springs.filter_map(|(item, place)| Some((item.name.clone(), Named::Part((*place)?))));
     let gravity = scene.gravity.iter().map(|_| ("gravity".to_owned(), Named::Load(scene.loads.len())));
-    loads.chain(prescriptions).chain(contacts).chain(joints).chain(springs).chain(gravity).collect()
+    loads.chain(prescriptions).chain(contacts).chain(joints).chain(equations).chain(springs).chain(gravity).collect()
 }
 
 /// Joints by name and place in the model's contacts.
@@ -328,6 +330,8 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
             let free = scene.contacts.is_empty()
                 && scene.ties.is_empty()
                 && scene.joints.is_empty()
+                && scene.couplings.is_empty()
+                && scene.equations.is_empty()
                 && scene.rigids.is_empty()
                 && !scene.has_sliding_supports()
                 && scene.beams.is_empty();
@@ -340,7 +344,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
                 problems.add(
                     "time.integrator.scheme".into(),
                     &integrator.scheme,
-                    "does not support constraints, but the scene has contact, ties, joints, rigid bodies, beams, or a prescribed motion along a normal that is no axis of space",
+                    "does not support constraints, but the scene has contact, ties, joints, equations, rigid bodies, beams, or a prescribed motion along a normal that is no axis of space",
                     format!("choose one of {}, or remove them", constrained.join(", ")),
                 );
             }

@@ -14,6 +14,7 @@ pub(super) struct Parts {
     pub placed: Vec<Placed>,
     pub lines: Vec<String>,
     pub drawing: Drawing,
+    pub equations: Vec<Option<usize>>,
     pub joints: Vec<Option<usize>>,
     pub springs: Vec<Option<usize>>,
 }

@@ -31,6 +31,8 @@ pub enum ProbeTarget {
     Supports(Vec<u32>, Vec<usize>),
     /// A joint, by its place among the contacts of the model.
     Joint(usize),
+    /// An equation, by its place among the contacts of the model.
+    Equation(usize),
     /// The whole model.
     Model,
 }
@@ -127,6 +129,7 @@ impl Probe {
                 let carried = self.moment(simulation.contact_force(), &simulation.state().q);
                 added(carried, self.moved(simulation).map(|moved| moved.moment))
             }
+            Quantity::EquationForce => [self.multipliers(simulation), 0.0, 0.0],
             Quantity::JointForce => self.joint(simulation).map_or([f64::NAN; 3], |joint| joint.force.map(|f| -f)),
             Quantity::JointMoment => self.joint(simulation).map_or([f64::NAN; 3], |joint| {
                 // About the point of the first side, on which the opposite force acts.
@@ -180,6 +183,7 @@ impl Probe {
             | ProbeTarget::Material(..)
             | ProbeTarget::Extreme(_)
             | ProbeTarget::Joint(_)
+            | ProbeTarget::Equation(_)
             | ProbeTarget::Model => &[],
         }
     }
@@ -257,6 +261,12 @@ impl Probe {
             }
         }
         sum
+    }
+
+    /// The sum of the multipliers of an equation.
+    fn multipliers(&self, simulation: &Simulation) -> f64 {
+        let ProbeTarget::Equation(place) = self.target else { return f64::NAN };
+        simulation.mean_pressures()[place].iter().sum()
     }
 
     fn mean(&self, vector: &[f64]) -> [f64; 3] {
@@ -424,6 +434,10 @@ pub(super) fn probes(
         } else if let Some(joint) = item.joint.as_deref().and_then(|name| scene.joint_index(name)) {
             let Some(place) = parts.joints.get(joint).copied().flatten() else { continue };
             ProbeTarget::Joint(place)
+        } else if let Some(name) = &item.equation {
+            let equation = scene.equations.iter().position(|equation| equation.name == *name);
+            let Some(place) = equation.and_then(|e| parts.equations.get(e).copied().flatten()) else { continue };
+            ProbeTarget::Equation(place)
         } else if let (true, Some(point), Some(terms)) = (
             moves(item.quantity),
             item.point,

@@ -11,7 +11,7 @@ use stoss_newton::NewtonOptions;
 pub(super) enum Named {
     Load(usize),
     Prescription(usize),
-    /// Contact or joint.
+    /// Contact, joint or equation.
     Contact(usize),
     /// Spring.
     Part(usize),

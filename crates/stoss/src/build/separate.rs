@@ -137,6 +137,13 @@ fn motions(
     })
 }
 
+/// Whether an equation has a term of the part.
+fn in_equations(scene: &Scene, part: &str) -> bool {
+    let mut terms = scene.equations.iter().flat_map(|equation| &equation.terms);
+    let of = |set: &str| split_set(set).is_some_and(|(own, _)| own == part);
+    terms.any(|term| term.set.as_deref().is_some_and(of) || term.body.as_deref() == Some(part))
+}
+
 /// Why a part may not be moved, by what acts in the first stage, as the end of a sentence; nothing if it may.
 fn hold(scene: &Scene, placed: &[Placed], first: &Phase, model: &Model, p: usize) -> Option<&'static str> {
     let Some(mesh) = placed[p].mesh() else { return Some("is rigid") };
@@ -157,6 +164,8 @@ fn hold(scene: &Scene, placed: &[Placed], first: &Phase, model: &Model, p: usize
         Some("is tied")
     } else if joined.flatten().any(|side| is_own(side)) {
         Some("has a joint or a spring")
+    } else if scene.couplings.iter().any(|coupling| is_own(&coupling.set)) || in_equations(scene, &placed[p].name) {
+        Some("has a coupling or an equation")
     } else if scene
         .contacts
         .iter()

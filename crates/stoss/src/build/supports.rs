@@ -52,9 +52,15 @@ pub(super) fn warnings(scene: &Scene, placed: &[Placed], model: &Model) -> Vec<S
             .contacts
             .iter()
             .any(|contact| contact.surfaces().into_iter().filter_map(body).any(|b| members.contains(&b)));
-        // Joints and springs may hold it; whether they do, the solution tells.
+        // Joints, equations and springs may hold it; whether they do, the solution tells.
         let joined = scene.joints.iter().map(|joint| &joint.between).chain(scene.springs.iter().map(|s| &s.between));
-        if joined.flatten().filter_map(|side| body(side)).any(|b| members.contains(&b)) {
+        let coupled = scene.couplings.iter().map(|coupling| coupling.set.as_str());
+        let terms = scene.equations.iter().flat_map(|equation| &equation.terms);
+        let in_terms = terms.filter_map(|term| term.set.as_deref());
+        let named = scene.equations.iter().flat_map(|equation| &equation.terms).filter_map(|term| term.body.as_deref());
+        let named = named.filter_map(|part| scene.body_index(part));
+        let joined = joined.flatten().map(String::as_str).chain(coupled).chain(in_terms).filter_map(body).chain(named);
+        if joined.into_iter().any(|b| members.contains(&b)) {
             continue;
         }
         let left = 6 - held_motions(&model.reference, &prescribed);

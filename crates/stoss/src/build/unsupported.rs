@@ -36,6 +36,8 @@ fn multibody(scene: &Scene) -> Option<Problem> {
         ("string[0]", "[[string]]", scene.strings.is_empty()),
         ("mass[0]", "[[mass]]", scene.masses.is_empty()),
         ("joint[0]", "[[joint]]", scene.joints.is_empty()),
+        ("coupling[0]", "[[coupling]]", scene.couplings.is_empty()),
+        ("equation[0]", "[[equation]]", scene.equations.is_empty()),
         ("support[0]", "[[support]]", scene.supports.is_empty()),
         ("spring[0]", "[[spring]]", scene.springs.is_empty()),
         ("load", "`moment` of [[load]]", scene.loads.iter().all(|load| load.moment.is_none())),

@@ -65,6 +65,7 @@ pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&d
     let [keeps_linear, keeps_angular] = kept(model).map(|keeps| keeps && !slowed(model));
     let mut inclined = scene.prescriptions.iter().filter(|item| item.is_inclined());
     let moved = model.prescriptions.iter().any(stoss_solver::Prescription::moves)
+        || scene.equations.iter().any(crate::scene::Equation::moves)
         || inclined.any(|item| item.rows().iter().any(|row| row[1] != item.rows()[0][1]));
     let gives_nothing = |contact: &Contact| match contact.method.integrates {
         true => contact.integrals != Some(Integrals::Frozen),
@@ -90,8 +91,12 @@ pub(crate) fn changed_by(scene: &Scene, model: &Model) -> [Option<String>; 3] {
     }
     let axes: Vec<&str> =
         ["x", "y", "z"].into_iter().zip(driven(model)).filter(|(_, on)| *on).map(|(a, _)| a).collect();
-    if !kept(model)[0] {
-        let ground = || Some("what is joined to the ground changes it".to_owned());
+    let [keeps_linear, keeps_angular] = kept(model);
+    let ground = || {
+        let equations = if scene.equations.is_empty() { "" } else { ", or an equation between displacements," };
+        Some(format!("what is joined to the ground{equations} changes it"))
+    };
+    if !keeps_linear {
         return [ground(), ground(), None];
     }
     if slowed(model) {
@@ -99,7 +104,8 @@ pub(crate) fn changed_by(scene: &Scene, model: &Model) -> [Option<String>; 3] {
         return [slowed(), slowed(), None];
     }
     if axes.is_empty() {
-        return [None, turned(model).then(|| "moments change it".to_owned()), None];
+        let turned = turned(model).then(|| "moments change it".to_owned());
+        return [None, turned.or_else(|| ground().filter(|_| !keeps_angular)), None];
     }
     let linear = format!("loads or supports change it along {}", axes.join(", "));
     [Some(linear), Some("loads or supports change it".to_owned()), None]

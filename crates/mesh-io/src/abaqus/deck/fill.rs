@@ -2,8 +2,8 @@
 
 use super::rows::Row;
 use super::{
-    Amplitude, Axes, ContactPair, Damping, Deck, DeckPlace, Elastic, Friction, Hyperelastic, InitialVelocity,
-    Interaction, LeftOut, LocalAxes, Material, Procedure, SolidSection, SurfaceBehavior, Tie,
+    Amplitude, Axes, ContactPair, Damping, Deck, DeckPlace, Elastic, Following, Friction, Hyperelastic,
+    InitialVelocity, Interaction, LeftOut, LocalAxes, Material, Procedure, SolidSection, SurfaceBehavior, Tie,
 };
 use crate::abaqus::block::Block;
 use crate::{Contents, MeshIoError};
@@ -75,12 +75,20 @@ pub(super) struct Filler<'a> {
     part: Option<String>,
     /// Within `*STEP` and `*END STEP`.
     pub in_step: bool,
+    /// The interaction that `*CHANGE ...` names, for the keyword after it.
+    pub changed: Option<(String, DeckPlace)>,
 }
 
 /// The deck of a mesh and the other keywords of its file.
 pub(super) fn deck(contents: Contents, blocks: &[Block]) -> Result<Deck, MeshIoError> {
-    let mut filler =
-        Filler { contents: &contents, deck: Deck::default(), owner: Owner::Nothing, part: None, in_step: false };
+    let mut filler = Filler {
+        contents: &contents,
+        deck: Deck::default(),
+        owner: Owner::Nothing,
+        part: None,
+        in_step: false,
+        changed: None,
+    };
     blocks.iter().try_for_each(|block| filler.block(block))?;
     let deck = filler.deck;
     Ok(Deck { contents, ..deck })
@@ -96,8 +104,15 @@ impl Filler<'_> {
             ) => {
                 return self.of_material(block, &name);
             }
-            ("FRICTION" | "SURFACEBEHAVIOR", Owner::Interaction) => return self.of_interaction(block, &name),
+            ("FRICTION" | "SURFACEBEHAVIOR", owner)
+                if self.changed.is_some() || matches!(owner, Owner::Interaction) =>
+            {
+                return self.of_interaction(block, &name);
+            }
             _ => {}
+        }
+        if let Some((_, place)) = self.changed.take() {
+            self.leave(place, "*CHANGE without values".to_owned());
         }
         let owner = std::mem::replace(&mut self.owner, Owner::Nothing);
         match name.as_str() {
@@ -138,7 +153,28 @@ impl Filler<'_> {
             "TRANSFORM" => self.transform(block)?,
             "AMPLITUDE" => self.amplitude(block)?,
             "CONTACTPAIR" => self.contact_pair(block)?,
+            "EXPANSION" => {
+                self.owner = owner;
+                for row in block.rows(self.contents) {
+                    self.deck.expands |= row.optional(0, "a coefficient of expansion")?.is_some_and(|own| own != 0.0);
+                }
+                self.leave(block.place(), format!("*{}", block.keyword.name));
+            }
             "TIE" => self.tie(block)?,
+            "EQUATION" => self.equations(block)?,
+            "MPC" => self.multi_point(block)?,
+            "COUPLING" => self.coupling(block)?,
+            "KINEMATIC" => self.following(block, Following::Kinematic)?,
+            "DISTRIBUTING" => self.following(block, Following::Distributing)?,
+            "DISTRIBUTINGCOUPLING" => self.distributing(block)?,
+            "RIGIDBODY" => self.rigid_body(block)?,
+            "PRE-TENSIONSECTION" | "PRETENSIONSECTION" => self.pretension(block)?,
+            "ELEMENT" => self.connections(block)?,
+            "SPRING" => self.connection_section(block, "*SPRING")?,
+            "DASHPOT" => self.connection_section(block, "*DASHPOT")?,
+            "MASS" => self.connection_section(block, "*MASS")?,
+            "CHANGEFRICTION" | "CHANGESURFACEBEHAVIOR" => self.change(block)?,
+            "MODELCHANGE" => self.model_change(block)?,
             "INITIALCONDITIONS" => self.initial(block)?,
             "STEP" => self.step(block)?,
             "ENDSTEP" => self.in_step = false,
@@ -179,6 +215,11 @@ impl Filler<'_> {
         for parameter in block.keyword.parameters().filter(|p| *p != "INPUT" && !known.contains(p)) {
             self.leave(block.place(), format!("parameter {parameter} of *{}", block.keyword.name));
         }
+    }
+
+    /// Whether a part is open, whose numbers mean other nodes in every instance.
+    pub fn is_in_part(&self) -> bool {
+        self.part.is_some()
     }
 
     /// True, with an entry for the whole keyword, if it has a parameter that is not among the known ones.
@@ -362,7 +403,9 @@ impl Filler<'_> {
             let stick_slope = first.filter(|_| !is_rough).map(|row| row.optional(1, "a stick slope")).transpose()?;
             let friction = Friction { coefficient, stick_slope: stick_slope.flatten() };
             self.other_parameters(block, &["ROUGH"]);
-            if let Some(interaction) = self.deck.interactions.last_mut() {
+            if self.changed.is_some() {
+                self.changed_friction(friction);
+            } else if let Some(interaction) = self.deck.interactions.last_mut() {
                 interaction.friction = Some(friction);
             }
             return Ok(());
@@ -371,8 +414,11 @@ impl Filler<'_> {
         let values: Vec<Vec<f64>> =
             block.rows(self.contents).map(|row| row.numbers()).collect::<Result<_, MeshIoError>>()?;
         self.other_parameters(block, &["PRESSURE-OVERCLOSURE"]);
-        if let Some(interaction) = self.deck.interactions.last_mut() {
-            interaction.behavior = Some(SurfaceBehavior { law, values });
+        let behavior = SurfaceBehavior { law, values };
+        if self.changed.is_some() {
+            self.changed_behavior(behavior);
+        } else if let Some(interaction) = self.deck.interactions.last_mut() {
+            interaction.behavior = Some(behavior);
         }
         Ok(())
     }

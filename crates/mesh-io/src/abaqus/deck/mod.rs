@@ -13,11 +13,23 @@
 //! | `*SURFACE INTERACTION` with `*FRICTION`, `*SURFACE BEHAVIOR`; `*CONTACT PAIR`; `*TIE` | [`Interaction`], [`ContactPair`], [`Tie`] |
 //! | `*INITIAL CONDITIONS, TYPE=VELOCITY` | [`InitialVelocity`] |
 //! | `*BOUNDARY`, `*CLOAD`, `*DLOAD`, `*DSLOAD` | [`Support`], [`Force`], [`ElementLoad`], [`SurfacePressure`] |
+//! | `*EQUATION`, `*MPC` | [`Equation`], [`MultiPoint`] |
+//! | `*COUPLING` with `*KINEMATIC`, `*DISTRIBUTING`; `*DISTRIBUTING COUPLING`, `*RIGID BODY` | [`Coupling`] |
+//! | `*PRE-TENSION SECTION` | [`Pretension`] |
+//! | `*ELEMENT` of springs, dashpots, masses; `*SPRING`, `*DASHPOT`, `*MASS` | [`Connection`], [`ConnectionSection`] |
 //! | `*STEP` with `*STATIC`, `*DYNAMIC` | [`Step`] |
+//! | `*CHANGE FRICTION`, `*CHANGE SURFACE BEHAVIOR`, `*MODEL CHANGE, TYPE=CONTACT PAIR` | [`Change`] |
 
+mod connected;
 mod fill;
+mod joined;
 mod rows;
 mod steps;
+
+pub use connected::{
+    Change, ChangeKind, Connection, ConnectionSection, Coupling, Equation, EquationTerm, Followers, Following,
+    MultiPoint, Pretension,
+};
 
 use std::path::{Path, PathBuf};
 
@@ -262,13 +274,13 @@ pub enum Prescribed {
     Fixed,
 }
 
-/// Prescribed displacements, or their rates. Only of the three translations: nodes of solids have no others.
+/// Prescribed displacements, or their rates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
     /// The nodes.
     pub nodes: Target,
-    /// The components, 0, 1, 2, that are prescribed.
-    pub components: [bool; 3],
+    /// The degrees of freedom that are prescribed: three displacements, three rotations.
+    pub freedoms: [bool; 6],
     /// What the value is.
     pub prescribed: Prescribed,
     /// The value, to be multiplied by the amplitude.
@@ -279,13 +291,13 @@ pub struct Support {
     pub place: DeckPlace,
 }
 
-/// A force on each of some nodes.
+/// A force or moment on each of some nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Force {
     /// The nodes.
     pub nodes: Target,
-    /// Its component: 0, 1, 2.
-    pub component: usize,
+    /// Its degree of freedom: 0, 1, 2 of a force, 3, 4, 5 of a moment.
+    pub freedom: usize,
     /// The value, to be multiplied by the amplitude.
     pub value: f64,
     /// The amplitude.
@@ -411,6 +423,8 @@ pub struct Step {
     pub loads: Vec<ElementLoad>,
     /// Pressures on surfaces.
     pub pressures: Vec<SurfacePressure>,
+    /// What it changes.
+    pub changes: Vec<Change>,
     /// Which keywords of the step have `OP=NEW`.
     pub op_new: OpNew,
     /// Its place.
@@ -462,6 +476,20 @@ pub struct Deck {
     pub pairs: Vec<ContactPair>,
     /// Ties.
     pub ties: Vec<Tie>,
+    /// Equations between degrees of freedom.
+    pub equations: Vec<Equation>,
+    /// Multi-point constraints with a law of their own.
+    pub multi_points: Vec<MultiPoint>,
+    /// Nodes that follow a reference node.
+    pub couplings: Vec<Coupling>,
+    /// Sections of bolts that are tightened.
+    pub pretensions: Vec<Pretension>,
+    /// Springs, dashpots, masses and beams outside of parts.
+    pub connections: Vec<Connection>,
+    /// What they are.
+    pub sections_of_connections: Vec<ConnectionSection>,
+    /// Whether a material has thermal strains: an `*EXPANSION` that is not zero.
+    pub expands: bool,
     /// Velocities at the beginning.
     pub velocities: Vec<InitialVelocity>,
     /// Supports of all steps.

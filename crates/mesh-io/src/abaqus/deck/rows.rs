@@ -56,6 +56,13 @@ impl Block {
         }
     }
 
+    /// The number of a node or element that is the value of a parameter.
+    pub(super) fn node(&self, contents: &Contents, parameter: &str) -> Result<u64, MeshIoError> {
+        let text = self.require(contents, parameter)?;
+        let remedy = format!("expected the number of a node or element for {parameter}");
+        text.parse().map_err(|_| contents.error(self.keyword.place, &text, remedy))
+    }
+
     pub(super) fn error(&self, contents: &Contents, remedy: impl ToString) -> MeshIoError {
         contents.error(self.keyword.place, format!("*{}", self.keyword.name), remedy)
     }
@@ -122,9 +129,25 @@ impl<'a> Row<'a> {
         fields.map(|f| real(f).ok_or_else(|| self.error(f, "expected a finite number"))).collect()
     }
 
+    /// Number of fields.
+    pub fn count(&self) -> usize {
+        fields(self.text).count()
+    }
+
+    /// The number of a node or element, or another whole number.
+    pub fn number(&self, index: usize, what: &str) -> Result<u64, MeshIoError> {
+        let text = self.field(index);
+        text.parse().map_err(|_| self.error(text, format!("expected {what}, a whole number")))
+    }
+
     /// Nodes or elements that the first field means.
     pub fn target(&self) -> Target {
-        let text = fields(self.text).next().unwrap_or_default();
+        self.target_at(0)
+    }
+
+    /// Nodes or elements that a field means.
+    pub fn target_at(&self, index: usize) -> Target {
+        let text = fields(self.text).nth(index).unwrap_or_default();
         match number(text) {
             _ if text.is_empty() => Target::All,
             Some((number, instance)) => Target::Number { number, instance: instance.map(str::to_owned) },

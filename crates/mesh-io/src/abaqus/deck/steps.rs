@@ -23,6 +23,7 @@ impl Filler<'_> {
             forces: Vec::new(),
             loads: Vec::new(),
             pressures: Vec::new(),
+            changes: Vec::new(),
             op_new: OpNew::default(),
             place: block.place(),
         });
@@ -54,16 +55,36 @@ impl Filler<'_> {
     }
 
     /// The step that a keyword of loads belongs to, and its amplitude; nothing if the keyword is left out.
-    fn loading(&mut self, block: &Block, keyword: fn(&mut OpNew) -> &mut bool) -> Option<Option<String>> {
-        if self.is_other(block, &["OP", "AMPLITUDE"]) {
-            return None;
+    fn loading(
+        &mut self,
+        block: &Block,
+        keyword: fn(&mut OpNew) -> &mut bool,
+    ) -> Result<Option<Option<String>>, MeshIoError> {
+        if self.is_other(block, &["OP", "AMPLITUDE", "TIMEDELAY"]) {
+            return Ok(None);
         }
+        let delay = block.number(self.contents, "TIMEDELAY")?;
         let Some(step) = self.deck.steps.last_mut().filter(|_| self.in_step) else {
             self.leave(block.place(), format!("*{} outside of a step", block.keyword.name));
-            return None;
+            return Ok(None);
         };
         *keyword(&mut step.op_new) |= is_new(block);
-        Some(block.keyword.value("AMPLITUDE").map(str::to_owned))
+        let amplitude = block.keyword.value("AMPLITUDE");
+        Ok(Some(amplitude.map(|name| delay.map_or_else(|| name.to_owned(), |delay| self.delayed(name, delay)))))
+    }
+
+    /// The name of the amplitude that begins later by `TIME DELAY`; the name itself if there is no such amplitude.
+    fn delayed(&mut self, name: &str, delay: f64) -> String {
+        let Some(own) = self.deck.amplitudes.iter().find(|own| own.name.eq_ignore_ascii_case(name)) else {
+            return name.to_owned();
+        };
+        let later = format!("{name} later by {delay}");
+        let points = own.points.iter().map(|point| [point[0] + delay, point[1]]).collect();
+        let copy = super::Amplitude { name: later.clone(), points, ..own.clone() };
+        if !self.deck.amplitudes.contains(&copy) {
+            self.deck.amplitudes.push(copy);
+        }
+        later
     }
 
     pub fn boundary(&mut self, block: &Block) -> Result<(), MeshIoError> {
@@ -83,9 +104,9 @@ impl Filler<'_> {
         let amplitude = block.keyword.value("AMPLITUDE").map(str::to_owned);
         let mut supports = Vec::new();
         for row in block.rows(self.contents) {
-            let Some((components, value)) = self.support(block, &row)? else { continue };
+            let Some((freedoms, value)) = self.support(block, &row)? else { continue };
             let (nodes, amplitude, place) = (row.target(), amplitude.clone(), row.place());
-            supports.push(Support { nodes, components, prescribed, value, amplitude, place });
+            supports.push(Support { nodes, freedoms, prescribed, value, amplitude, place });
         }
         match self.deck.steps.last_mut().filter(|_| self.in_step) {
             None => self.deck.supports.extend(supports),
@@ -97,16 +118,17 @@ impl Filler<'_> {
         Ok(())
     }
 
-    /// The components that a line of `*BOUNDARY` prescribes, and their value.
-    fn support(&mut self, block: &Block, row: &Row) -> Result<Option<([bool; 3], f64)>, MeshIoError> {
-        let components = match row.field(1).to_uppercase().as_str() {
-            "ENCASTRE" | "PINNED" => [true; 3],
-            "XSYMM" => [true, false, false],
-            "YSYMM" => [false, true, false],
-            "ZSYMM" => [false, false, true],
-            "XASYMM" => [false, true, true],
-            "YASYMM" => [true, false, true],
-            "ZASYMM" => [true, true, false],
+    /// The degrees of freedom that a line of `*BOUNDARY` prescribes, and their value.
+    fn support(&mut self, block: &Block, row: &Row) -> Result<Option<([bool; 6], f64)>, MeshIoError> {
+        let given = match row.field(1).to_uppercase().as_str() {
+            "ENCASTRE" => &[1, 2, 3, 4, 5, 6][..],
+            "PINNED" => &[1, 2, 3],
+            "XSYMM" => &[1, 5, 6],
+            "YSYMM" => &[2, 4, 6],
+            "ZSYMM" => &[3, 4, 5],
+            "XASYMM" => &[2, 3, 4],
+            "YASYMM" => &[1, 3, 5],
+            "ZASYMM" => &[1, 2, 6],
             _ => {
                 let Some(first) = row.freedom(1)? else {
                     return Err(row.error(row.text, "expected a degree of freedom in the second place: 1, 2 or 3"));
@@ -115,7 +137,7 @@ impl Filler<'_> {
                 if last < first {
                     return Err(row.error(row.text, "the last degree of freedom is below the first"));
                 }
-                if !(1..=3).contains(&first) {
+                if !(1..=6).contains(&first) {
                     self.leave(row.place(), format!("degree of freedom {first} of *{}", block.keyword.name));
                     return Ok(None);
                 }
@@ -123,17 +145,22 @@ impl Filler<'_> {
                 return Ok(Some((std::array::from_fn(|i| (first..=last).contains(&(i as u64 + 1))), value)));
             }
         };
-        Ok(Some((components, 0.0)))
+        Ok(Some((std::array::from_fn(|i| given.contains(&(i as u64 + 1))), 0.0)))
     }
 
     pub fn forces(&mut self, block: &Block) -> Result<(), MeshIoError> {
-        let Some(amplitude) = self.loading(block, |op_new| &mut op_new.forces) else { return Ok(()) };
+        let Some(amplitude) = self.loading(block, |op_new| &mut op_new.forces)? else { return Ok(()) };
         let mut forces = Vec::new();
         for row in block.rows(self.contents) {
-            let Some(component) = self.component(block, &row)? else { continue };
+            let freedom = match row.freedom(1)? {
+                Some(freedom @ 1..=6) => freedom as usize - 1,
+                _ => match self.component(block, &row)? {
+                    Some(component) => component,
+                    None => continue,
+                },
+            };
             let value = row.real(2, "a force")?;
-            let force =
-                Force { nodes: row.target(), component, value, amplitude: amplitude.clone(), place: row.place() };
+            let force = Force { nodes: row.target(), freedom, value, amplitude: amplitude.clone(), place: row.place() };
             forces.push(force);
         }
         if let Some(step) = self.deck.steps.last_mut() {
@@ -143,7 +170,7 @@ impl Filler<'_> {
     }
 
     pub fn loads(&mut self, block: &Block) -> Result<(), MeshIoError> {
-        let Some(amplitude) = self.loading(block, |op_new| &mut op_new.loads) else { return Ok(()) };
+        let Some(amplitude) = self.loading(block, |op_new| &mut op_new.loads)? else { return Ok(()) };
         let mut loads = Vec::new();
         for row in block.rows(self.contents) {
             let label = row.field(1).to_uppercase();
@@ -180,7 +207,7 @@ impl Filler<'_> {
     }
 
     pub fn pressures(&mut self, block: &Block) -> Result<(), MeshIoError> {
-        let Some(amplitude) = self.loading(block, |op_new| &mut op_new.pressures) else { return Ok(()) };
+        let Some(amplitude) = self.loading(block, |op_new| &mut op_new.pressures)? else { return Ok(()) };
         let mut pressures = Vec::new();
         for row in block.rows(self.contents) {
             let label = row.field(1).to_uppercase();

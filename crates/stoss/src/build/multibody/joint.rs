@@ -14,6 +14,9 @@ use stoss_multibody::{
     Spring, SpringData, Weights, axes_along,
 };
 
+/// Part of the size of an element by which a point may be away from the node that it is said to be.
+const IN_PLACE: f64 = 1e-6;
+
 /// One side of a joint or spring: what moves, and a length and a mass that are typical of it.
 struct Side {
     frame: Frame,
@@ -82,6 +85,27 @@ impl Sides<'_> {
             }
             (PartKind::Body, b) => {
                 let solid = &self.model.bodies[b].solid;
+                if let Some(&node) = self.parts.nodes.get(name) {
+                    let place: [f64; 3] = std::array::from_fn(|i| self.model.reference[3 * node as usize + i]);
+                    let away = (0..3).map(|i| (place[i] - at[i]).powi(2)).sum::<f64>().sqrt();
+                    if away > IN_PLACE * solid.characteristic_length() {
+                        let message = format!(
+                            "its one node is at {place:?}, not at {at:?}, and cannot carry a point at a distance"
+                        );
+                        problems.add(
+                            key.to_owned(),
+                            name,
+                            message,
+                            "correct the point, or name a set with three nodes or more",
+                        );
+                        return None;
+                    }
+                    return Some(Side {
+                        frame: point(Embedded::vector(node)),
+                        length: Some(solid.characteristic_length()),
+                        mass: self.model.bodies[b].density.map(|d| d * solid.characteristic_length().powi(3)),
+                    });
+                }
                 let Some(coupled) = self.parts.couplings.get(&(name.to_owned(), coupling)) else {
                     problems.add(
                         key.to_owned(),

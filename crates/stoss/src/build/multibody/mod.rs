@@ -1,6 +1,7 @@
 //! Rigid bodies, beams, strings, joints and springs of a scene.
 
 mod coupling;
+mod equation;
 mod extent;
 mod joint;
 mod line;
@@ -41,6 +42,10 @@ pub(super) struct Parts {
     pub masses: Vec<PointMass>,
     /// Reference bodies of sets of deformable bodies.
     pub couplings: BTreeMap<(String, Coupling), RigidBody>,
+    /// Nodes of sets of one node, which joints and springs hold on to.
+    pub nodes: BTreeMap<String, u32>,
+    /// Place of each equation in the model's contacts.
+    pub equations: Vec<Option<usize>>,
     /// Place of each joint in the model's contacts.
     pub joints: Vec<Option<usize>>,
     /// Place of each spring in the model's parts.
@@ -77,7 +82,7 @@ impl Parts {
     }
 }
 
-/// Adds the constraints of the parts: rigidity, couplings of sets, joints; and springs, which hold on the same things.
+/// Adds the constraints of the parts: rigidity, couplings of sets, equations, joints; and springs, which hold on the same things.
 pub(super) fn constraints(
     scene: &Scene,
     placed: &[Placed],
@@ -88,18 +93,27 @@ pub(super) fn constraints(
     warnings: &mut Vec<String>,
 ) {
     let mut couplings = coupling::couplings(scene, placed, model, parts, problems);
+    couplings.extend(coupling::named(scene, placed, parts, model, problems));
+    let mut equations = equation::equations(scene, placed, parts, model, problems);
     let mut joints = joint::joints(scene, parts, model, problems);
     pretension::check(scene, placed, problems, warnings);
     let bodies = parts.rigids.iter().chain(parts.couplings.values());
     let mut rigidity: Vec<ConstraintSet> = bodies.map(RigidBody::constraints).collect();
     rigidity.extend(parts.beams.iter().map(Beam::constraints));
-    if problems.list.is_empty() && !(couplings.is_empty() && joints.is_empty()) {
-        redundant::examine(scene, phases, &rigidity, &mut couplings, &mut joints, model, problems, warnings);
+    if problems.list.is_empty() && !(couplings.is_empty() && joints.is_empty() && equations.is_empty()) {
+        let held = redundant::Held { couplings: &mut couplings, equations: &mut equations, joints: &mut joints };
+        redundant::examine(scene, phases, &rigidity, held, model, problems, warnings);
     }
     if scene.is_dynamic() && scene.stages.first().is_none_or(|stage| stage.kind == Kind::Dynamic) {
-        warnings.extend(motion::velocities(scene, &couplings, &joints, model));
+        warnings.extend(motion::velocities(scene, &couplings, &equations, &joints, model));
     }
     rigidity.into_iter().chain(couplings).for_each(|set| push(model, set));
+    for equation in equations {
+        parts.equations.push(equation.map(|equation| {
+            push(model, equation);
+            model.contacts.len() - 1
+        }));
+    }
     for joint in joints {
         parts.joints.push(joint.map(|joint| {
             let has_limits = joint.has_limits();

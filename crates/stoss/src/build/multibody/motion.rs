@@ -4,20 +4,22 @@ use super::Parts;
 use crate::build::condition::RigidMotion;
 use crate::scene::{Prescribe, Scene};
 use crate::solver::{Model, Prescription, Table};
-use stoss_multibody::{ConstraintSet, Equations, Joint, velocity_violation};
+use stoss_multibody::{ConstraintSet, Equations, Joint, LinearEquations, velocity_violation};
 
 /// Part of the largest speed of the model that is round-off.
 const NO_SPEED: f64 = 1e-6;
 
-/// Warnings for initial velocities that joints do not allow, and for motors that do not begin where their joint is.
+/// Warnings for initial velocities that joints and equations do not allow, and for motors and values of equations that do not begin where the parts are.
 pub(super) fn velocities(
     scene: &Scene,
     couplings: &[ConstraintSet],
+    equations: &[Option<LinearEquations>],
     joints: &[Option<Joint>],
     model: &Model,
 ) -> Vec<String> {
     let fastest = model.velocity.iter().fold(0.0_f64, |fastest, v| fastest.max(v.abs()));
     let sets = couplings.iter().map(|set| set as &dyn Equations);
+    let sets = sets.chain(equations.iter().flatten().map(|equation| equation as &dyn Equations));
     let sets = sets.chain(joints.iter().flatten().map(|joint| joint as &dyn Equations));
     let mut list = Vec::new();
     for set in sets {
@@ -37,6 +39,14 @@ pub(super) fn velocities(
             list.push(format!(
                 "joint {}: its motor does not begin at zero, where the joint is: the first step turns it by the whole value, which acts as an impact. Begin its table with \
                  [0, 0]",
+                item.name
+            ));
+        }
+    }
+    for item in &scene.equations {
+        if item.value.rows().first().is_some_and(|row| row.get(1).is_some_and(|&value| value != 0.0)) {
+            list.push(format!(
+                "equation {}: its value does not begin at zero, where the displacements are: the first step makes it hold at once, which acts as an impact. Begin its table with [0, 0]",
                 item.name
             ));
         }

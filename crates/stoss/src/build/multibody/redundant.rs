@@ -1,4 +1,4 @@
-//! Equations of joints that follow from others, or contradict them.
+//! Equations of couplings, joints and sliding supports that follow from others, or contradict them.
 
 use super::extent::{extent, largest};
 use crate::build::Problems;
@@ -6,8 +6,29 @@ use crate::build::phase::Phases;
 use crate::scene::Scene;
 use crate::solver::Model;
 use std::collections::BTreeSet;
-use stoss_multibody::{ConstraintSet, Equations, Joint, Weights, analyse};
+use stoss_multibody::{
+    ConstraintSet, Embedded, Equations, Joint, LinearEquations, LinearTerms, PiecewiseLinear, Weights, analyse,
+};
 use stoss_term::Support;
+
+/// What may have redundant equations, whose multipliers are then to be determined.
+pub(super) struct Held<'a> {
+    pub couplings: &'a mut [ConstraintSet],
+    pub equations: &'a mut [Option<LinearEquations>],
+    pub joints: &'a mut [Option<Joint>],
+}
+
+/// Sliding supports as equations, which come before those of [`Held`] and are not made compliant: a run finds by itself which of them are independent.
+fn sliding_supports(model: &Model) -> Vec<LinearEquations> {
+    let of_pair = |pair: &crate::solver::Coupling| {
+        let slots = if pair.supported_node(0, 0.0).is_some() { pair.term.slot_count() } else { 0 };
+        let held = (0..slots).filter_map(|slot| pair.supported_node(slot, 0.0));
+        let terms: Vec<LinearTerms> = held.map(|held| vec![(Embedded::vector(held.node), held.direction)]).collect();
+        let none = PiecewiseLinear(vec![(0.0, 0.0)]);
+        LinearEquations::new(&pair.name, pair.term.length_scale(), &terms, none, &model.reference).ok()
+    };
+    model.contacts.iter().filter_map(of_pair).collect()
+}
 
 /// Warns of redundant joints and makes their multipliers determined; reports contradictions. Once for each set of prescribed motions that act together in a stage, and once without any, if
 /// some are released.
@@ -15,8 +36,7 @@ pub(super) fn examine(
     scene: &Scene,
     phases: &Phases,
     rigidity: &[ConstraintSet],
-    couplings: &mut [ConstraintSet],
-    joints: &mut [Option<Joint>],
+    held: Held<'_>,
     model: &Model,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
@@ -31,13 +51,17 @@ pub(super) fn examine(
             supports.push(support);
         }
     }
+    let Held { couplings, equations, joints } = held;
+    let supported = sliding_supports(model);
     let mut involved = BTreeSet::new();
     for support in &supports {
         let made = joints.iter().flatten().map(|joint| joint as &dyn Equations);
         let sets: Vec<&dyn Equations> = rigidity
             .iter()
             .map(|set| set as &dyn Equations)
+            .chain(supported.iter().map(|set| set as &dyn Equations))
             .chain(couplings.iter().map(|set| set as &dyn Equations))
+            .chain(equations.iter().flatten().map(|set| set as &dyn Equations))
             .chain(made)
             .collect();
         let is_free = |component: u32| !support.prescribed(component / 3)[component as usize % 3];
@@ -54,25 +78,39 @@ pub(super) fn examine(
                 }
             }
             Err(error) => {
-                let remedy = "remove one of the joints or motors that contradict each other, or correct their places";
+                let remedy = "remove one of the joints, motors or equations that contradict each other, or correct their places and values";
                 let name = match &error {
                     stoss_multibody::RedundancyError::Contradiction { name, .. } => name.as_str(),
                     _ => "",
                 };
-                let key = format!("joint[{}]", scene.joint_index(name).unwrap_or_default());
+                let of_equation = scene.equations.iter().position(|item| item.name == name);
+                let of_coupling = scene.couplings.iter().position(|item| item.name == name);
+                let key = match (of_equation, of_coupling) {
+                    (Some(e), _) => format!("equation[{e}]"),
+                    (_, Some(c)) => format!("coupling[{c}]"),
+                    _ => format!("joint[{}]", scene.joint_index(name).unwrap_or_default()),
+                };
                 problems.add(key, name, error.to_string(), remedy);
                 return;
             }
         }
     }
     let weights = weights(scene, model);
-    let first = rigidity.len();
+    let first = rigidity.len() + supported.len();
     for (k, set) in couplings.iter_mut().enumerate() {
         if involved.contains(&(first + k)) {
             set.set_redundant(Some(weights));
         }
     }
     let first = first + couplings.len();
+    let own = equations.iter_mut().flatten();
+    let count = own.enumerate().fold(0, |count, (k, equation)| {
+        if involved.contains(&(first + k)) {
+            equation.set_redundant(Some(weights));
+        }
+        count + 1
+    });
+    let first = first + count;
     for (k, joint) in joints.iter_mut().flatten().enumerate() {
         if involved.contains(&(first + k)) {
             joint.set_redundant(Some(weights));
