@@ -6,7 +6,7 @@ Needs `ccx` and its decks (Debian: calculix-ccx, calculix-ccx-test); says so and
     scripts/import-decks.py [--stoss PATH] [--decks FOLDER] [--out FOLDER] [NAME ...]
 
 Each deck gets a set of all nodes and prints their displacements and forces; the results are compared at the ends of the steps, nodes by their places. `u` is the largest difference of
-displacements over the largest displacement of CalculiX at any time, `R` the same of the reaction forces where nothing is prescribed by an equation.
+displacements over the largest displacement of CalculiX at any time, `R` the same of the reaction forces of nodes that are held in all directions.
 """
 
 import argparse
@@ -146,8 +146,8 @@ def compare(folder, name, nodes, ends):
                 if key in index:
                     if quantity == "forces":
                         own = [tuple(sum(v[i] for v in index[key]) for i in range(3))]
-                        if size(own[0]) == 0.0:
-                            continue  # nothing is prescribed here: the force is a load
+                        if 0.0 in own[0]:
+                            continue  # not held in all directions: there may be a load, which CalculiX' forces contain
                     else:
                         own = index[key]
                     off = min(size([a - b for a, b in zip(v, theirs_at)]) for v in own)

@@ -324,13 +324,18 @@ impl Context<'_> {
                 format!("ROUGH: the coefficient of friction is {ROUGH}, and closed surfaces may still open");
             self.list.add(Severity::Changed, interaction.place, "*FRICTION", consequence, "");
         }
-        if friction.stick_slope.is_some() {
+        let slope = friction.stick_slope.filter(|slope| *slope > 0.0);
+        let stick = match slope.filter(|_| !self.timeline.is_dynamic()) {
+            Some(slope) => format!(", stick = \"penalty\", penalty = {}", number(slope)),
+            None => String::new(),
+        };
+        if slope.is_some() && stick.is_empty() {
             let consequence = "the stick slope is not used: points that stick do not slide at all";
             let remedy = "for a stiffness see `stick` of `friction`";
             self.list.add(Severity::Changed, interaction.place, "*FRICTION", consequence, remedy);
         }
         if mu > 0.0 {
-            keys.push(format!("friction = {{ law = \"coulomb\", mu = {} }}", number(mu)));
+            keys.push(format!("friction = {{ law = \"coulomb\", mu = {}{stick} }}", number(mu)));
         }
         keys
     }

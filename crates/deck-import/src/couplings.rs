@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 
 use stoss_mesh::Facet;
-use stoss_mesh_io::deck::{Coupling, Followers, Following};
+use stoss_mesh_io::deck::{Coupling, Followers, Following, Target};
 
 use crate::context::Context;
 use crate::references::Role;
 use crate::severity::Severity;
+use crate::text::text;
 
 /// Adds all couplings.
 pub(crate) fn couplings(context: &mut Context<'_>) {
@@ -34,17 +35,23 @@ impl Context<'_> {
             return Err("its nodes are not coupled: it names only some of the three rotations".to_owned());
         }
         let sets = self.followers(&item.followers, kind)?;
-        let Some(body) = self.references.make(item.node, Role::Body) else {
-            return Err(format!("there is no node {}: its nodes are not coupled", item.node));
+        let Some(body) = self.reference(&item.node, Role::Body) else {
+            return Err(format!("its nodes are not coupled: {} is no node", text(&item.node)));
         };
-        if let Some(rotations) = item.rotations
-            && self.references.make(rotations, Role::RotationsOf(body)).is_none()
+        if let Some(rotations) = &item.rotations
+            && self.reference(rotations, Role::RotationsOf(body)).is_none()
         {
-            return Err(format!("there is no node {rotations}: its nodes are not coupled"));
+            return Err(format!("its nodes are not coupled: {} is no node", text(rotations)));
         }
         let name = self.references.all[body].name.clone();
         sets.iter().for_each(|set| self.scene.coupling(kind, set, &name));
         Ok(())
+    }
+
+    /// The reference node that a line names.
+    pub(crate) fn reference(&mut self, target: &Target, role: Role) -> Option<usize> {
+        let own = self.lookup.nodes(target).members;
+        self.references.make_named(target, &own, role)
     }
 
     /// References to the sets of nodes that follow.

@@ -220,7 +220,7 @@ impl Context<'_> {
 
     /// The node of a pretension as a point that moves along x.
     fn bolt(&mut self, item: &Pretension) -> Option<End> {
-        Some(End::Reference(self.references.make(item.node, Role::Point)?))
+        Some(End::Reference(self.reference(&item.node, Role::Point)?))
     }
 
     /// The two ends of the beam move apart along the normal by the displacement of the node, and not across it. The beam itself is left out.

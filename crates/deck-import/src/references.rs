@@ -7,6 +7,9 @@ use stoss_mesh_io::deck::{Deck, Target};
 
 use crate::bodies::{Bodies, unique_name};
 
+/// Added to the numbers of nodes of the assembly, which nodes of parts may have too.
+const ASSEMBLY: u64 = 1 << 62;
+
 /// What a reference node stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Role {
@@ -57,12 +60,17 @@ pub(crate) struct References {
 
 impl References {
     pub fn new(deck: &Deck, solids: &Solids, bodies: &Bodies) -> Self {
-        let free = deck.contents.other_nodes().into_iter();
         let upper = |sets: Vec<String>| sets.iter().map(|set| set.to_uppercase()).collect();
+        let sets_of = |number: &u64| {
+            let own = deck.reference_sets.iter().filter(|(_, numbers)| numbers.contains(number));
+            own.map(|(name, _)| name.clone()).collect()
+        };
+        let of_assembly = deck.reference_nodes.iter().map(|(number, at)| (ASSEMBLY + number, (*at, sets_of(number))));
+        let free = deck.contents.other_nodes().into_iter().map(|node| (node.number, (node.at, upper(node.sets))));
         Self {
             all: Vec::new(),
             index: BTreeMap::new(),
-            free: free.map(|node| (node.number, (node.at, upper(node.sets)))).collect(),
+            free: free.chain(of_assembly).collect(),
             solid: solids.node_numbers.iter().enumerate().rev().map(|(k, &number)| (number, k as u32)).collect(),
             places: solids.mesh.nodes.clone(),
             taken: bodies.all.iter().map(|body| body.name.to_uppercase()).collect(),
@@ -79,12 +87,20 @@ impl References {
         }
         let free = self.free.get(&number).map(|(at, _)| *at);
         let at = free.or_else(|| self.solid.get(&number).map(|&node| self.places[node as usize]))?;
-        let name = unique_name(&format!("node-{number}"), &mut self.taken);
+        let name = unique_name(&format!("node-{}", number % ASSEMBLY), &mut self.taken);
         self.all.push(Reference { name, at, role, is_used: [false; 3], mass: 0.0 });
         if free.is_some() {
             self.index.insert(number, self.all.len() - 1);
         }
         Some(self.all.len() - 1)
+    }
+
+    /// As [`Self::make`] for the node that a line names.
+    pub fn make_named(&mut self, target: &Target, solids: &[u32], role: Role) -> Option<usize> {
+        match self.numbers(target, solids)[..] {
+            [number] => self.make(number, role),
+            _ => None,
+        }
     }
 
     /// A body at a place that no node has.

@@ -747,7 +747,7 @@ fn springs_dashpots_and_masses() {
 fn contacts_that_steps_change() {
     let changed = PRESS.replace(
         "*END STEP",
-        "*END STEP\n*STEP\n*STATIC\n*CHANGE FRICTION, INTERACTION=dry\n*FRICTION\n0.5\n*END STEP\n*STEP\n*STATIC\n*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nslave, master\n*END STEP",
+        "*END STEP\n*STEP\n*STATIC\n*CHANGE FRICTION, INTERACTION=dry\n*FRICTION\n0.5, 2000.0\n*END STEP\n*STEP\n*STATIC\n*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nslave, master\n*END STEP",
     );
     let import = imported(&changed);
     let contacts = tables(&import, "contact");
@@ -756,6 +756,28 @@ fn contacts_that_steps_change() {
         (mu, strings(&contacts, "name")),
         (vec![Some(0.3), Some(0.5)], vec!["contact-1".to_owned(), "contact-2".to_owned()])
     );
+    // The stick slope of CalculiX; without one stick is exact.
+    let stick: Vec<_> =
+        contacts.iter().map(|contact| contact["friction"].get("penalty").and_then(toml::Value::as_float)).collect();
+    assert_eq!(stick, [None, Some(2000.0)]);
     let off: Vec<String> = tables(&import, "stage").iter().map(|stage| stage["off"].to_string()).collect();
     assert_eq!(off, ["[\"contact-2\"]", "[\"contact-1\"]", "[\"contact-1\", \"contact-2\"]"]);
+}
+
+/// Reference points of an assembly have numbers that nodes of parts may have too; lines name them by sets.
+#[test]
+fn reference_points_of_an_assembly() {
+    let part = CUBE.split("*MATERIAL").next().unwrap();
+    let materials = &CUBE[part.len()..CUBE.find("*SOLID SECTION").unwrap()];
+    let deck = format!(
+        "*PART, NAME=P\n{part}*SOLID SECTION, ELSET=Cube, MATERIAL=steel\n*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n*END INSTANCE\n\
+         *NODE\n1, 0.5, 0.5, 3\n*NSET, NSET=RP\n1,\n*COUPLING, CONSTRAINT NAME=c, REF NODE=RP, SURFACE=Lid\n*KINEMATIC\n*END ASSEMBLY\n{materials}\
+         *BOUNDARY\nBase, 1, 3\n*STEP\n*STATIC\n*CLOAD\nRP, 3, 2.0\n*END STEP\n"
+    );
+    let import = imported(&deck);
+    let [rigid] = tables(&import, "rigid").try_into().unwrap();
+    assert_eq!((rigid["name"].as_str(), rigid["position"].to_string()), (Some("node-1"), "[0.5, 0.5, 3.0]".to_owned()));
+    let [load] = tables(&import, "load").try_into().unwrap();
+    assert_eq!(load["set"].as_str(), Some("node-1.all"));
+    assert!(import.left_out.iter().all(|entry| entry.severity != Severity::Missing), "{:#?}", import.left_out);
 }

@@ -58,6 +58,8 @@ pub(super) struct Reader<'a> {
     copies: usize,
     /// Keywords that are not those of the mesh, if they are wanted.
     blocks: Option<Vec<Block>>,
+    /// Whether data lines belong to the last of them.
+    is_kept: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -77,6 +79,7 @@ impl<'a> Reader<'a> {
             section: Section::Skip,
             copies: 0,
             blocks: None,
+            is_kept: false,
         }
     }
 
@@ -115,7 +118,11 @@ impl<'a> Reader<'a> {
                     self.section = self.keyword(&lines, &keyword)?;
                     let skips = matches!(self.section, Section::Skip);
                     let mut reads_input = !skips;
-                    let is_other = matches!(self.section, Section::OtherElement { .. });
+                    // Numbers at the assembly are its own nodes, reference points.
+                    let is_of_points =
+                        self.at_assembly() && matches!(&self.section, Section::Set { kind: Kind::Node, .. });
+                    let is_other = is_of_points || matches!(self.section, Section::OtherElement { .. });
+                    self.is_kept = skips || is_other;
                     if let Some(blocks) = self.blocks.as_mut().filter(|_| skips || is_other) {
                         let block = Block { keyword: keyword.clone(), rows: Vec::new() };
                         reads_input = is_other || block.takes_input();
@@ -126,8 +133,8 @@ impl<'a> Reader<'a> {
                     }
                 }
                 Item::Data(data) => {
-                    if let (Section::Skip | Section::OtherElement { .. }, Some(block)) =
-                        (&self.section, self.blocks.as_mut().and_then(|b| b.last_mut()))
+                    if let Some(block) =
+                        self.blocks.as_mut().filter(|_| self.is_kept).and_then(|blocks| blocks.last_mut())
                     {
                         block.rows.push((data.to_owned(), lines.place()));
                     }

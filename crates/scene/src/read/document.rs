@@ -40,9 +40,9 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let event_tables = root.tables("event");
 
     let setting = Setting { kind, gravity: has_gravity };
-    let mut held = held(&prescribe_tables, &event_tables, &stage_tables);
-    held.extend(equation::moved(&equation_tables, &coupling_tables, &prescribe_tables));
-    let parts = Parts::read(root, setting, &held, &own_laws.materials);
+    let held = held(&prescribe_tables, &event_tables, &stage_tables);
+    let moved = equation::moved(&equation_tables, &coupling_tables, &prescribe_tables);
+    let parts = Parts::read(root, setting, [&held, &moved], &own_laws.materials);
     let owners = parts.known.iter().map(|part| (part.name.clone(), part.has_no_sets().then(|| part.kind.noun())));
     let sets = Sets::new(root, owners.collect(), parts.complete);
     let mut world = World {
@@ -298,7 +298,7 @@ struct Parts {
 }
 
 impl Parts {
-    fn read(root: &Table<'_>, setting: Setting, held: &BTreeSet<String>, own_laws: &[&str]) -> Self {
+    fn read(root: &Table<'_>, setting: Setting, [held, moved]: [&BTreeSet<String>; 2], own_laws: &[&str]) -> Self {
         let tables = [PartKind::Body, PartKind::Rigid, PartKind::Beam, PartKind::String, PartKind::Mass]
             .map(|kind| root.tables(kind.name()));
         let mut names = PartNames { unique: Unique::new("part"), known: Vec::new(), complete: true };
@@ -310,11 +310,12 @@ impl Parts {
         let [body_tables, rigid_tables, beam_tables, string_tables, mass_tables] = tables;
         // A name that no rigid body has may be meant for any of them.
         let rigid_names: Vec<_> = rigid_tables.iter().flatten().filter_map(|table| raw(table, "name")).collect();
-        let others = [&body_tables, &beam_tables, &string_tables, &mass_tables];
-        let other_names: Vec<_> =
-            others.into_iter().flatten().flatten().filter_map(|table| raw(table, "name")).collect();
-        let misnamed = held.iter().any(|name| !rigid_names.contains(name) && !other_names.contains(name));
-        let is_held = |table: &Table<'_>| misnamed || raw(table, "name").is_some_and(|name| held.contains(&name));
+        let all = [&body_tables, &rigid_tables, &beam_tables, &string_tables, &mass_tables];
+        let all_names: Vec<_> = all.into_iter().flatten().flatten().filter_map(|table| raw(table, "name")).collect();
+        let misnamed =
+            held.iter().any(|name| !rigid_names.contains(name)) || moved.iter().any(|name| !all_names.contains(name));
+        let names_it = |name: String| held.contains(&name) || moved.contains(&name);
+        let is_held = |table: &Table<'_>| misnamed || raw(table, "name").is_some_and(names_it);
         let bodies = names.read(&body_tables, PartKind::Body, |table| body::body(table, setting, own_laws));
         let rigids = names.read(&rigid_tables, PartKind::Rigid, |table| rigid::rigid(table, setting, is_held(table)));
         let beams = names.read(&beam_tables, PartKind::Beam, |table| beam::beam(table, setting));

@@ -399,7 +399,7 @@ pub const CASES: &[Case] = &[
         "coupling[0].rigid",
     ),
     multi("kind = \"distributing\"", "kind = \"loose\"", "\"loose\"", "coupling[0].kind"),
-    multi("factor = -2.5", "factor = 0", "0 }", "equation[0].terms[1].factor"),
+    multi("factor = -2.5", "factor = 0", "0 },\n]", "equation[0].terms[1].factor"),
     multi(
         "component = \"z\", mean",
         "component = \"z\", direction = [1, 0, 0], mean",

@@ -58,10 +58,10 @@ pub enum Followers {
 pub struct Coupling {
     /// The keyword, as `*COUPLING`.
     pub keyword: &'static str,
-    /// The reference node.
-    pub node: u64,
+    /// The reference node, by its number or a set with it.
+    pub node: Target,
     /// A second node whose displacements are the rotations of the first (`ROT NODE`).
-    pub rotations: Option<u64>,
+    pub rotations: Option<Target>,
     /// The nodes.
     pub followers: Followers,
     /// How they follow; nothing if no keyword after it said so.
@@ -80,7 +80,7 @@ pub struct Pretension {
     /// The beam that is cut.
     pub element: Option<u64>,
     /// The node whose first degree of freedom is the opening of the cut; a force there is that of the bolt.
-    pub node: u64,
+    pub node: Target,
     /// Normal of the section; that of the surface if it is not given.
     pub normal: Option<[f64; 3]>,
     /// Its place.

@@ -161,6 +161,8 @@ impl Filler<'_> {
                 self.leave(block.place(), format!("*{}", block.keyword.name));
             }
             "TIE" => self.tie(block)?,
+            "NODE" => self.reference_nodes(block)?,
+            "NSET" => self.reference_set(block)?,
             "EQUATION" => self.equations(block)?,
             "MPC" => self.multi_point(block)?,
             "COUPLING" => self.coupling(block)?,

@@ -6,11 +6,42 @@ use super::connected::{
 };
 use super::fill::Filler;
 use super::rows::Row;
-use super::{Friction, SurfaceBehavior};
+use super::{Friction, SurfaceBehavior, Target};
 use crate::MeshIoError;
 use crate::abaqus::block::Block;
 
 impl Filler<'_> {
+    /// Nodes of the assembly: those of parts are the reader's.
+    pub fn reference_nodes(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        for row in block.rows(self.contents) {
+            let node = (row.number(0, "a node")?, row.vector(1, "a coordinate")?);
+            self.deck.reference_nodes.push(node);
+        }
+        Ok(())
+    }
+
+    /// A set of nodes of the assembly.
+    pub fn reference_set(&mut self, block: &Block) -> Result<(), MeshIoError> {
+        if block.keyword.value("INSTANCE").is_some() {
+            return Ok(());
+        }
+        let name = block.require(self.contents, "NSET")?.to_uppercase();
+        let mut own = Vec::new();
+        for row in block.rows(self.contents) {
+            if block.keyword.flag("GENERATE") {
+                let (first, last) = (row.number(0, "a node")?, row.number(1, "a node")?);
+                let step = if row.field(2).is_empty() { 1 } else { row.number(2, "an increment")? };
+                let known = self.deck.reference_nodes.iter().map(|(number, _)| *number);
+                own.extend(known.filter(|n| (first..=last).contains(n) && (n - first).is_multiple_of(step.max(1))));
+            } else {
+                // Names and numbers of instances are the reader's.
+                own.extend((0..row.count()).filter_map(|k| row.field(k).parse::<u64>().ok()));
+            }
+        }
+        self.deck.reference_sets.entry(name).or_default().extend(own);
+        Ok(())
+    }
+
     /// Each equation begins with a line with the number of its terms.
     pub fn equations(&mut self, block: &Block) -> Result<(), MeshIoError> {
         if self.is_other(block, &[]) {
@@ -74,7 +105,7 @@ impl Filler<'_> {
     pub fn coupling(&mut self, block: &Block) -> Result<(), MeshIoError> {
         self.other_parameters(block, &["REFNODE", "SURFACE", "CONSTRAINTNAME"]);
         let surface = block.require(self.contents, "SURFACE")?;
-        let node = block.node(self.contents, "REFNODE")?;
+        let node = block.target(self.contents, "REFNODE")?;
         self.deck.couplings.push(Coupling {
             keyword: "*COUPLING",
             node,
@@ -124,7 +155,7 @@ impl Filler<'_> {
         }
         self.deck.couplings.push(Coupling {
             keyword: "*DISTRIBUTING COUPLING",
-            node,
+            node: Target::Number { number: node, instance: None },
             rotations: None,
             followers: Followers::Nodes(nodes),
             following: Some(Following::Distributing),
@@ -140,13 +171,13 @@ impl Filler<'_> {
         }
         let keyword = &block.keyword;
         let followers = match (keyword.value("NSET"), keyword.value("ELSET")) {
-            (Some(set), _) => Followers::Nodes(vec![(super::Target::Set(set.to_owned()), 1.0)]),
+            (Some(set), _) => Followers::Nodes(vec![(Target::Set(set.to_owned()), 1.0)]),
             (None, Some(set)) => Followers::Elements(set.to_owned()),
             (None, None) => return Err(block.error(self.contents, "needs the parameter NSET=... or ELSET=...")),
         };
-        let node = block.node(self.contents, "REFNODE")?;
+        let node = block.target(self.contents, "REFNODE")?;
         let rotations = match keyword.value("ROTNODE") {
-            Some(_) => Some(block.node(self.contents, "ROTNODE")?),
+            Some(_) => Some(block.target(self.contents, "ROTNODE")?),
             None => None,
         };
         self.deck.couplings.push(Coupling {
@@ -170,7 +201,7 @@ impl Filler<'_> {
             Some(_) => Some(block.node(self.contents, "ELEMENT")?),
             None => None,
         };
-        let node = block.node(self.contents, "NODE")?;
+        let node = block.target(self.contents, "NODE")?;
         let normal =
             block.rows(self.contents).next().map(|row| row.vector(0, "a component of the normal")).transpose()?;
         let normal = normal.filter(|normal| *normal != [0.0; 3]);

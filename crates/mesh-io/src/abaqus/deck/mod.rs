@@ -31,6 +31,7 @@ pub use connected::{
     MultiPoint, Pretension,
 };
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::Contents;
@@ -476,6 +477,10 @@ pub struct Deck {
     pub pairs: Vec<ContactPair>,
     /// Ties.
     pub ties: Vec<Tie>,
+    /// Nodes of the assembly: number and place.
+    pub reference_nodes: Vec<(u64, [f64; 3])>,
+    /// Sets of these nodes, by their names in upper case.
+    pub reference_sets: BTreeMap<String, Vec<u64>>,
     /// Equations between degrees of freedom.
     pub equations: Vec<Equation>,
     /// Multi-point constraints with a law of their own.

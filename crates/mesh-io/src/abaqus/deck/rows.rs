@@ -63,6 +63,15 @@ impl Block {
         text.parse().map_err(|_| contents.error(self.keyword.place, &text, remedy))
     }
 
+    /// A node or a set of nodes that is the value of a parameter.
+    pub(super) fn target(&self, contents: &Contents, parameter: &str) -> Result<Target, MeshIoError> {
+        let text = self.require(contents, parameter)?;
+        Ok(match number(&text) {
+            Some((number, instance)) => Target::Number { number, instance: instance.map(str::to_owned) },
+            None => Target::Set(text),
+        })
+    }
+
     pub(super) fn error(&self, contents: &Contents, remedy: impl ToString) -> MeshIoError {
         contents.error(self.keyword.place, format!("*{}", self.keyword.name), remedy)
     }
