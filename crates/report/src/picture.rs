@@ -20,7 +20,8 @@ const FINENESS: f64 = 2.0;
 /// Direction of the eye unless another is asked for: that of the page.
 pub(crate) const CAMERA: Camera = Camera { azimuth: -60.0, elevation: 22.0 };
 
-/// Displacement is the only vector that moves the points; its size is a field like the others.
+/// Array of what is drawn, which has no other array's name: that of the displacement moves the points.
+const DRAWN: &str = "drawn field";
 const DISPLACEMENT: &str = "displacement";
 const VON_MISES: &str = "von_mises";
 
@@ -220,24 +221,19 @@ fn chosen(grid: &Grid, names: &[String], wanted: &[String]) -> Result<Grid, Stri
 
 /// Names of all fields of a frame, for a message.
 fn known(grid: &Grid) -> String {
-    let mut known: Vec<String> = Field::of(grid).iter().map(Field::name).collect();
-    known.extend(grid.point_data.contains_key(DISPLACEMENT).then(|| DISPLACEMENT.to_owned()));
-    known.join(", ")
+    Field::of(grid).iter().map(Field::name).collect::<Vec<_>>().join(", ")
 }
 
 /// The surface with the values of a field, and the field's name for people with its unit; nothing if there is no such field.
 pub(crate) fn surface(folder: &Folder, grid: &Grid, name: &str) -> Result<Option<(Surface, String)>, String> {
-    let label = |label: &str| units::with_unit(label, units::of_field(folder, name).as_deref());
-    if name == DISPLACEMENT && grid.point_data.contains_key(name) {
-        return Ok(Some((Surface::new(grid, name)?, label(name))));
-    }
     let fields = Field::of(grid);
     let Some(field) = fields.iter().find(|field| field.name() == name) else { return Ok(None) };
     let points: Vec<usize> = (0..grid.points.len()).collect();
     let values = field.values(grid, &points).into_iter().map(f64::from).collect();
     let mut grid = grid.clone();
-    grid.point_data.insert(name.to_owned(), Array { components: 1, values });
-    Ok(Some((Surface::new(&grid, name)?, label(&field.label))))
+    grid.point_data.insert(DRAWN.to_owned(), Array { components: 1, values });
+    let unit = units::of_field(folder, &field.array);
+    Ok(Some((Surface::new(&grid, DRAWN)?, units::with_unit(&field.label, unit.as_deref()))))
 }
 
 pub(crate) fn has_values(surface: &Surface) -> bool {
@@ -246,7 +242,7 @@ pub(crate) fn has_values(surface: &Surface) -> bool {
 
 /// The field that is drawn if none is asked for.
 pub(crate) fn default_field(folder: &Folder, grid: &Grid) -> Result<&'static str, String> {
-    for name in [VON_MISES, DISPLACEMENT] {
+    for name in [VON_MISES, DISPLACEMENT].into_iter().filter(|name| grid.point_data.contains_key(*name)) {
         if surface(folder, grid, name)?.is_some_and(|(surface, _)| has_values(&surface)) {
             return Ok(name);
         }

@@ -33,7 +33,12 @@ fn moved([x, y, z]: [f64; 3], frame: usize) -> [f64; 3] {
     [c * x - s * y + time, s * x + c * y, z * (1.0 + 0.3 * time) - 0.2 * time * time]
 }
 
-/// A folder of results: a cube, a rope and a point that move, with a pressure on the cube only.
+/// Stress of a node in a frame: something of every component.
+fn stress(node: usize, frame: usize) -> [f64; 6] {
+    std::array::from_fn(|k| ((3 * node + 5 * k) as f64).sin() * (1.0 + frame as f64))
+}
+
+/// A folder of results: a cube, a rope and a point that move, with a stress and a pressure on the cube only, and a friction that is far larger at one node.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fill(folder.path());
@@ -49,8 +54,14 @@ fn fill(folder: &Path) {
     for frame in 0..FRAMES {
         let way: Vec<f64> = points.iter().flat_map(|&p| (0..3).map(move |k| moved(p, frame)[k] - p[k])).collect();
         let pressure: Vec<f64> = (0..11).map(|k| if k < 8 { (k * frame) as f64 * 0.125 } else { f64::NAN }).collect();
+        let of_cube = |node: usize| node < CUBE.len();
+        let stress: Vec<f64> =
+            (0..11).flat_map(|k| if of_cube(k) { stress(k, frame) } else { [f64::NAN; 6] }).collect();
+        let friction: Vec<f64> = (0..11).map(|k| if k == 3 { 500.0 } else { 1.0 + k as f64 }).collect();
         let point_data = vec![
             Field { name: "displacement", components: 3, values: &way },
+            Field { name: "cauchy_stress", components: 6, values: &stress },
+            Field { name: "friction_traction", components: 1, values: &friction },
             Field { name: "contact_pressure", components: 1, values: &pressure },
         ];
         let cube = stoss_mesh::Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
@@ -142,32 +153,58 @@ fn positions_and_values_come_back() {
         animation["bodies"].as_array().unwrap().iter().map(|b| b["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["cube", "rope", "mass"]);
     let points: Vec<[f64; 3]> = CUBE.iter().chain(&MORE).copied().collect();
-    let codes = decode(array(&bytes, &animation["positions"]), 33);
-    assert_eq!(codes.len(), 33 * (FRAMES + 1));
-    for row in 0..=FRAMES {
-        for (node, &point) in numbers.iter().enumerate() {
-            // The reference configuration stands before the frames.
-            let wanted = if row == 0 { points[point] } else { moved(points[point], row - 1) };
-            for axis in 0..3 {
-                let [corner, edge] = ["corner", "edges"].map(|key| animation[key][axis].as_f64().unwrap());
-                let found = corner + edge * f64::from(codes[33 * row + 11 * axis + node]) / 65535.0;
-                assert!((found - wanted[axis]).abs() <= edge * 0.5001 / 65535.0, "{row} {point} {axis}");
+    let reference = decode(array(&bytes, &animation["reference"]), 33);
+    let moves = decode(array(&bytes, &animation["displacement"]), 33);
+    assert_eq!((reference.len(), moves.len()), (33, 33 * FRAMES));
+    for (node, &point) in numbers.iter().enumerate() {
+        for axis in 0..3 {
+            let [corner, edge, largest] =
+                ["corner", "edges", "largest"].map(|key| animation[key][axis].as_f64().unwrap());
+            let found = corner + edge * f64::from(reference[11 * axis + node]) / 65535.0;
+            assert!((found - points[point][axis]).abs() <= edge * 0.5001 / 65535.0, "{point} {axis}");
+            for frame in 0..FRAMES {
+                let found = largest * f64::from(moves[33 * frame + 11 * axis + node] as i16) / 32767.0;
+                let wanted = moved(points[point], frame)[axis] - points[point][axis];
+                // What does not move has no displacement at all.
+                let bound = if wanted == 0.0 { 0.0 } else { largest * 0.5001 / 32767.0 };
+                assert!((found - wanted).abs() <= bound, "{frame} {point} {axis}");
             }
         }
     }
-    let field = &animation["fields"][0];
-    assert_eq!((field["label"].as_str(), field["largest"].as_f64()), (Some("contact pressure"), Some(4.375)));
-    let codes = decode(array(&bytes, &field["stream"]), 11);
-    for frame in 0..FRAMES {
-        for (node, &point) in numbers.iter().enumerate() {
+    let packed = |name: &str| {
+        let arrays = animation["arrays"].as_array().unwrap();
+        arrays.iter().find(|array| array["name"] == name).unwrap()["components"].as_array().unwrap()
+    };
+    let within = |component: &Value, wanted: &dyn Fn(usize, usize) -> f64| {
+        let largest = component["largest"].as_f64().unwrap();
+        let codes = decode(array(&bytes, &component["stream"]), 11);
+        for (frame, (node, &point)) in (0..FRAMES).flat_map(|frame| numbers.iter().enumerate().map(move |n| (frame, n)))
+        {
             let code = codes[11 * frame + node];
             let root = (f64::from(code) - 2048.0) / 2047.0;
-            let wanted = (point * frame) as f64 * 0.125;
             match point < 8 {
-                true => assert!((4.375 * root * root.abs() - wanted).abs() <= 4.375 / 2047.0),
+                true => assert!((largest * root * root.abs() - wanted(point, frame)).abs() <= largest / 2047.0),
                 false => assert_eq!(code, 0),
             }
         }
+        largest
+    };
+    let largest = within(&packed("contact_pressure")[0], &|point, frame| (point * frame) as f64 * 0.125);
+    assert_eq!(largest, 4.375);
+    let tensor = packed("cauchy_stress");
+    assert_eq!(tensor.len(), 6);
+    for (k, component) in tensor.iter().enumerate() {
+        within(component, &|point, frame| stress(point, frame)[k]);
+    }
+    let elements: Vec<usize> = whole(&bytes, &animation["elements"]).iter().map(|&node| numbers[node]).collect();
+    assert_eq!(elements, [0, 1, 2, 3, 4, 5, 6, 7]);
+    // Every field refers to its array.
+    for field in animation["fields"].as_array().unwrap() {
+        let array = &animation["arrays"][field["array"].as_u64().unwrap() as usize];
+        assert!(
+            field["label"].as_str().unwrap().contains(array["label"].as_str().unwrap())
+                || field["part"]["kind"] == "von_mises"
+        );
     }
 }
 
@@ -291,7 +328,8 @@ fn chromium() -> Option<&'static str> {
 }
 
 /// What uses every control of a page; no user's page has it.
-const TEST: &str = include_str!("../src/page/assets/selftest.js");
+const TEST: &str =
+    concat!(include_str!("../src/page/assets/selftest-model.js"), include_str!("../src/page/assets/selftest.js"));
 
 /// Adds the test to a page.
 fn with_test(file: &Path) {
@@ -314,7 +352,7 @@ fn load(browser: &str, file: &Path, hash: &str) -> (String, Vec<String>) {
         "--use-angle=swiftshader",
         "--enable-unsafe-swiftshader",
         "--enable-logging=stderr",
-        "--window-size=1400,900",
+        "--window-size=1000,700",
         "--virtual-time-budget=120000",
         "--dump-dom",
     ];
@@ -362,6 +400,21 @@ fn a_browser_shows_it() {
         "chart Frictional work by pair",
         "the picture is not blank",
         "scrub",
+        "squares of cauchy stress",
+        "von Mises stress of principal stresses",
+        "the typical range has nearly all contact",
+        "min, max are marked",
+        "automatic deformation",
+        "arrows of contact pressure",
+        "a mirrored node",
+        "a node can be picked in a copy",
+        "what is shown fills the picture",
+        "the saved picture is not blank",
+        "filled cut",
+        "volume of cuts across axis 2",
+        "a path begins and ends with the values of its nodes",
+        "a path as a table",
+        "columns of balance",
         "clip plane",
         "a node can be picked",
         "playing changes the picture",

@@ -5,12 +5,17 @@ use serde::Serialize;
 use crate::vtu::{Array, Grid};
 
 /// What is taken of an array.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", content = "index", rename_all = "snake_case")]
 enum Part {
     /// The number itself, or the length of a vector.
     Size,
     /// A principal value of a symmetric tensor, the largest first.
     Principal(usize),
+    /// Of a stress with the deviator `S` the von Mises stress `sqrt(3/2 S:S)`.
+    VonMises,
+    /// Of a strain with the deviator `e` the equivalent strain `sqrt(2/3 e:e)`.
+    Equivalent,
     /// Minus the mean of the principal values.
     Pressure,
     /// One of the numbers.
@@ -29,46 +34,57 @@ pub struct Field {
     pub label: String,
     /// Array of the frames.
     #[serde(skip)]
-    array: String,
-    #[serde(skip)]
+    pub array: String,
     part: Part,
 }
 
 impl Field {
-    /// All fields of a frame. Displacement is left out: positions tell it.
+    /// All fields of a frame, those of an array one behind the other.
     pub fn of(grid: &Grid) -> Vec<Self> {
-        let field = |label: &str, array: &str, part| Self { label: label.to_owned(), array: array.to_owned(), part };
+        let arrays = grid.point_data.iter().filter(|(name, _)| !is_made_of_stress(name, grid));
+        let has_von_mises = grid.point_data.contains_key("von_mises");
+        arrays.flat_map(|(name, array)| Self::of_array(name, array.components, has_von_mises)).collect()
+    }
+
+    fn of_array(name: &str, components: usize, has_von_mises: bool) -> Vec<Self> {
+        let words = label(name);
+        let field = |label: &str, part| Self { label: label.to_owned(), array: name.to_owned(), part };
         let mut fields = Vec::new();
-        for (name, array) in grid.point_data.iter().filter(|(name, _)| *name != "displacement") {
-            let words = name.replace('_', " ").replace("von mises", "von Mises stress");
-            let label = match name.as_str() {
-                "contact_status" => "contact status (1 sticks, 2 slides or has no friction)".to_owned(),
-                _ => words,
-            };
-            match (name.as_str(), array.components) {
-                // Those that the frames have, unless they have the tensor to make them of.
-                ("principal_stresses", 3) if grid.point_data.contains_key("cauchy_stress") => {}
-                ("principal_stresses", 3) => fields.extend(
-                    (0..3).map(|k| field(&format!("{} principal cauchy stress", PLACES[k]), name, Part::Component(k))),
-                ),
-                (_, 6) => {
-                    for (k, place) in PLACES.into_iter().enumerate() {
-                        fields.push(field(&format!("{place} principal {label}"), name, Part::Principal(k)));
-                    }
-                    if name.ends_with("stress") {
-                        fields.push(field(&format!("pressure of {label}"), name, Part::Pressure));
-                    }
-                }
-                (_, 9) => fields.push(field(&format!("determinant of {label}"), name, Part::Determinant)),
-                _ => fields.push(field(&label, name, Part::Size)),
+        match (name, components) {
+            ("principal_stresses", 3) => {
+                let principal = |k: usize| field(&format!("{} principal cauchy stress", PLACES[k]), Part::Component(k));
+                return (0..3).map(principal).collect();
             }
+            (_, 6) => {
+                if name == "cauchy_stress" && !has_von_mises {
+                    fields.push(field("von Mises stress", Part::VonMises));
+                } else if name.ends_with("strain") {
+                    fields.push(field(&format!("equivalent {words}"), Part::Equivalent));
+                }
+                for (k, place) in PLACES.into_iter().enumerate() {
+                    fields.push(field(&format!("{place} principal {words}"), Part::Principal(k)));
+                }
+                if name.ends_with("stress") {
+                    fields.push(field(&format!("pressure of {words}"), Part::Pressure));
+                }
+            }
+            (_, 9) => fields.push(field(&format!("determinant of {words}"), Part::Determinant)),
+            _ => fields.push(field(&words, Part::Size)),
+        }
+        let endings = if components > 1 { endings(name, components) } else { Vec::new() };
+        for (k, ending) in endings.iter().enumerate() {
+            fields.push(field(&format!("{words} {ending}"), Part::Component(k)));
         }
         fields
     }
 
     /// Its name in a command line: that of the array, or what is taken of it.
     pub fn name(&self) -> String {
-        if self.part == Part::Size { self.array.clone() } else { self.label.replace(' ', "_") }
+        match self.part {
+            Part::Size => self.array.clone(),
+            Part::VonMises => "von_mises".to_owned(),
+            _ => self.label.replace(' ', "_"),
+        }
     }
 
     /// Its value at each of these points, no number where it has none.
@@ -80,6 +96,8 @@ impl Field {
     fn value(&self, array: &Array, point: usize) -> f64 {
         match (self.part, array.row(point)) {
             (Part::Principal(k), &[xx, yy, zz, xy, yz, xz]) => principal([xx, yy, zz, xy, yz, xz])[k],
+            (Part::VonMises, &[xx, yy, zz, xy, yz, xz]) => (1.5 * deviator([xx, yy, zz, xy, yz, xz])).sqrt(),
+            (Part::Equivalent, &[xx, yy, zz, xy, yz, xz]) => (deviator([xx, yy, zz, xy, yz, xz]) / 1.5).sqrt(),
             (Part::Pressure, [xx, yy, zz, ..]) => -(xx + yy + zz) / 3.0,
             (Part::Component(k), row) => row[k],
             (Part::Determinant, &[a, b, c, d, e, f, g, h, i]) => {
@@ -88,6 +106,39 @@ impl Field {
             _ => array.magnitude(point),
         }
     }
+}
+
+/// Name of an array for people.
+pub fn label(array: &str) -> String {
+    match array {
+        "contact_status" => "contact status (1 sticks, 2 slides or has no friction)".to_owned(),
+        "von_mises" => "von Mises stress".to_owned(),
+        _ => array.replace('_', " "),
+    }
+}
+
+/// Whether an array of a frame follows from the stress that the frame has.
+pub fn is_made_of_stress(array: &str, grid: &Grid) -> bool {
+    array == "principal_stresses" && grid.point_data.contains_key("cauchy_stress")
+}
+
+/// What the names of the components of an array end with.
+pub fn endings(array: &str, components: usize) -> Vec<String> {
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    match (array, components) {
+        ("principal_stresses", _) => (1..=components).map(|k| k.to_string()).collect(),
+        (_, 3) => AXES.map(str::to_owned).to_vec(),
+        (_, 6) => ["xx", "yy", "zz", "xy", "yz", "xz"].map(str::to_owned).to_vec(),
+        (_, 9) => AXES.iter().flat_map(|a| AXES.map(|b| format!("{a}{b}"))).collect(),
+        _ => (1..=components).map(|k| k.to_string()).collect(),
+    }
+}
+
+/// The square `S:S` of the deviator of the symmetric tensor `xx yy zz xy yz xz`.
+fn deviator([xx, yy, zz, xy, yz, xz]: [f64; 6]) -> f64 {
+    let mean = (xx + yy + zz) / 3.0;
+    let squares: f64 = [xx, yy, zz].map(|entry| (entry - mean) * (entry - mean)).iter().sum();
+    squares + 2.0 * (xy * xy + yz * yz + xz * xz)
 }
 
 /// Principal values of the symmetric tensor `xx yy zz xy yz xz`, the largest first: with mean `m`, deviator `D` and
@@ -137,25 +188,53 @@ mod tests {
         assert!(principal([f64::NAN; 6]).iter().all(|value| value.is_nan()));
     }
 
+    /// A uniaxial stress is its own von Mises stress; the equivalent strain of an extension without change of volume is the extension.
     #[test]
-    fn a_tensor_gives_four_fields_and_displacement_none() {
+    fn uniaxial_states() {
+        let value = |name: &str, row: [f64; 6]| {
+            let mut grid = cube(&[1.0; 8]);
+            grid.point_data.insert(name.into(), Array { components: 6, values: row.repeat(8) });
+            Field::of(&grid)[0].values(&grid, &[3])[0]
+        };
+        assert!((value("cauchy_stress", [0.0, -7.0, 0.0, 0.0, 0.0, 0.0]) - 7.0).abs() < 1e-6);
+        assert!((value("cauchy_stress", [2.0, 2.0, 2.0, 3.0, 0.0, 0.0]) - 27.0_f32.sqrt()).abs() < 1e-6);
+        assert!((value("plastic_strain", [0.2, -0.1, -0.1, 0.0, 0.0, 0.0]) - 0.2).abs() < 1e-7);
+    }
+
+    #[test]
+    fn arrays_give_components_and_what_is_made_of_them() {
         let mut grid = cube(&[1.0; 8]);
         let array = |components, value| Array { components, values: vec![value; 8 * components] };
         grid.point_data.insert("cauchy_stress".into(), array(6, 0.0));
         grid.point_data.insert("displacement".into(), array(3, 1.0));
-        grid.point_data.insert("velocity".into(), array(3, 2.0));
-        let fields = Field::of(&grid);
-        let labels: Vec<&str> = fields.iter().map(|field| field.label.as_str()).collect();
-        assert_eq!(labels[..2], ["largest principal cauchy stress", "middle principal cauchy stress"]);
-        assert_eq!(labels[3..], ["pressure of cauchy stress", "speed", "velocity"]);
-        assert_eq!(fields[5].values(&grid, &[3, 4]), [12.0_f32.sqrt(); 2]);
-        // Principal stresses are offered once, under one name; of a strain there is no pressure, of a gradient the change of volume.
         let names = |grid: &Grid| Field::of(grid).iter().map(Field::name).collect::<Vec<_>>();
-        let before = names(&grid);
+        let mut expected = vec![
+            "von_mises",
+            "largest_principal_cauchy_stress",
+            "middle_principal_cauchy_stress",
+            "smallest_principal_cauchy_stress",
+            "pressure_of_cauchy_stress",
+            "cauchy_stress_xx",
+            "cauchy_stress_yy",
+            "cauchy_stress_zz",
+            "cauchy_stress_xy",
+            "cauchy_stress_yz",
+            "cauchy_stress_xz",
+            "displacement",
+            "displacement_x",
+            "displacement_y",
+            "displacement_z",
+            "speed",
+        ];
+        assert_eq!(names(&grid), expected);
+        assert_eq!(Field::of(&grid)[11].values(&grid, &[3, 4]), [3.0_f32.sqrt(); 2]);
+        // Principal stresses are offered once, under one name, and so is the von Mises stress.
         grid.point_data.insert("principal_stresses".into(), array(3, 1.0));
-        assert_eq!(names(&grid), before);
+        grid.point_data.insert("von_mises".into(), array(1, 1.0));
+        expected.rotate_left(1);
+        assert_eq!(names(&grid), expected);
         grid.point_data.remove("cauchy_stress");
-        assert_eq!(names(&grid)[..3], before[..3]);
+        assert_eq!(names(&grid)[4..7], expected[..3]);
         let mut row = vec![2.0, 0.5, 0.0, 0.1, 1.0, 0.0, 0.0, 0.0, 3.0];
         row = row.repeat(8);
         grid.point_data.insert("deformation_gradient".into(), Array { components: 9, values: row });
@@ -163,6 +242,7 @@ mod tests {
         let fields = Field::of(&grid);
         assert_eq!(fields[0].name(), "determinant_of_deformation_gradient");
         assert!((fields[0].values(&grid, &[7])[0] - 5.85).abs() < 1e-6);
+        assert_eq!((fields[2].name().as_str(), fields[2].values(&grid, &[7])[0]), ("deformation_gradient_xy", 0.5));
         assert!(fields.iter().any(|field| field.label == "middle principal green lagrange strain"));
         assert!(!fields.iter().any(|field| field.label == "pressure of green lagrange strain"));
         grid.point_data.clear();

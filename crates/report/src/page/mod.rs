@@ -11,7 +11,7 @@ mod payload;
 mod shape;
 mod tables;
 
-pub(crate) use fields::Field;
+pub(crate) use fields::{Field, endings};
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -33,14 +33,26 @@ const MARK: &str = "<meta name=\"generator\" content=\"Stoss\">";
 const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/style.css");
 /// Every part of the program, in the order in which they use each other.
-const SCRIPTS: [&str; 10] = [
+const SCRIPTS: [&str; 22] = [
     include_str!("assets/payload.js"),
+    include_str!("assets/fields.js"),
     include_str!("assets/linear.js"),
+    include_str!("assets/copies.js"),
+    include_str!("assets/shape.js"),
+    include_str!("assets/inside.js"),
+    include_str!("assets/shaders.js"),
+    include_str!("assets/arrows.js"),
+    include_str!("assets/pick.js"),
     include_str!("assets/viewer.js"),
     include_str!("assets/charts.js"),
     include_str!("assets/curves.js"),
+    include_str!("assets/columns.js"),
+    include_str!("assets/export.js"),
     include_str!("assets/sweep.js"),
     include_str!("assets/panels.js"),
+    include_str!("assets/overlay.js"),
+    include_str!("assets/path.js"),
+    include_str!("assets/controls.js"),
     include_str!("assets/app.js"),
     include_str!("assets/follow.js"),
     include_str!("assets/start.js"),

@@ -12,7 +12,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::coding::{Scale, encode};
-use super::fields::Field;
+use super::fields::{self, Field};
 use super::shape::{Body, Shape};
 use super::tables::{self, Columns};
 use crate::Outcome;
@@ -22,8 +22,11 @@ use crate::vtu::Grid;
 
 /// Most numbers in the streams of all runs: they fill 2 bytes each in a browser's memory. Beyond, frames are left out evenly.
 const NUMBERS: usize = 40_000_000;
-/// Largest code of a position.
+/// Largest code of a position, and of a displacement.
 const CODES: f64 = 65_535.0;
+const SIGNED_CODES: f64 = 32_767.0;
+/// The array that moves the nodes.
+const DISPLACEMENT: &str = "displacement";
 
 /// Where an array is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -42,33 +45,54 @@ struct Animation {
     bodies: Vec<Body>,
     /// Number of nodes.
     nodes: usize,
-    /// Smallest corner and edges of the box of all positions: `position = corner + code / 65535 edge`.
+    /// Smallest corner and edges of the box of the reference configuration: `position = corner + code / 65535 edge`.
     corner: [f64; 3],
     edges: [f64; 3],
-    /// Facets (four `u32`), segments (two), points (one), and the points of the frames that the nodes are (one).
+    /// Largest size of each component of the displacement: `displacement = largest code / 32767` with signed codes.
+    largest: [f64; 3],
+    /// Facets (four `u32`), segments (two), points (one), elements (eight), and the points of the frames that the nodes are (one).
     facets: Place,
     /// Of each facet the sides that are edges of elements, as bits.
     sides: Place,
     segments: Place,
     points: Place,
+    elements: Place,
     numbers: Place,
-    /// Positions in the reference configuration and then those of the frames, streams of `x` of all nodes, `y`, `z`.
-    positions: Place,
-    fields: Vec<Packed>,
+    /// Positions in the reference configuration: `x` of all nodes, `y`, `z`.
+    reference: Place,
+    /// Displacements of the frames, streams in the same order.
+    displacement: Place,
+    arrays: Vec<PackedArray>,
+    fields: Vec<PackedField>,
 }
 
-/// A field over the frames.
+/// An array over the frames.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Packed {
-    #[serde(flatten)]
-    field: Field,
-    /// Its unit, if it has one.
-    unit: Option<String>,
+struct PackedArray {
+    /// Its name in the frames.
+    name: String,
+    /// Its name for people.
+    label: String,
+    components: Vec<Component>,
+}
+
+/// A component of an array.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Component {
     /// Largest magnitude, see [`Scale::Root`]; nothing for [`Scale::Integer`].
     largest: Option<f64>,
-    /// Smallest and largest value.
-    range: [f64; 2],
     stream: Place,
+}
+
+/// A field that the page makes of an array. Those of the displacement are not among them: the page makes them of what moves the nodes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct PackedField {
+    #[serde(flatten)]
+    field: Field,
+    /// Number of the array among those that are packed.
+    array: usize,
+    /// Its unit, if it has one.
+    unit: Option<String>,
 }
 
 /// The header.
@@ -109,19 +133,22 @@ struct Stamp {
 pub struct Cache {
     shape: Shape,
     fields: Vec<Field>,
+    /// Names and numbers of components of the arrays.
+    arrays: Vec<(String, usize)>,
     stamps: Vec<Stamp>,
     streams: Streams,
     /// The frames have no displacement.
     is_undeformed: bool,
 }
 
-/// Places and values of the drawn nodes in all frames.
+/// Displacements and values of the drawn nodes in all frames.
 #[derive(Debug, Default)]
 struct Streams {
     times: Vec<f64>,
     reference: Vec<[f64; 3]>,
-    positions: Vec<[f64; 3]>,
-    fields: Vec<Vec<f32>>,
+    displacement: Vec<[f64; 3]>,
+    /// Of every component of every array.
+    components: Vec<Vec<f32>>,
 }
 
 /// Packs a run; the notes say what is missing or was left out.
@@ -164,10 +191,7 @@ fn animation(
     }
     if cache.stamps.first() != Some(&stamp(folder, 0)) {
         let first = folder.grid(0).map_err(|error| notes.push(error.to_string())).ok()?;
-        let (shape, fields) = (Shape::new(&first, &folder.bodies), Field::of(&first));
-        let reference = shape.nodes.iter().map(|&point| first.points[point]).collect();
-        let streams = Streams { reference, fields: vec![Vec::new(); fields.len()], ..Streams::default() };
-        *cache = Cache { shape, fields, stamps: Vec::new(), streams, is_undeformed: first.is_undeformed() };
+        *cache = Cache::new(&first, folder, runs, notes);
     }
     if cache.shape.nodes.is_empty() {
         return None;
@@ -177,7 +201,7 @@ fn animation(
         notes.push(format!("{folder}: the frames have no displacement: bodies are shown where they were at the start"));
     }
     let count = folder.frames.len();
-    let most = (NUMBERS / runs.max(1) / (cache.shape.nodes.len() * (3 + cache.fields.len()))).max(2);
+    let most = (NUMBERS / runs.max(1) / cache.numbers()).max(2);
     let every = count.div_ceil(most);
     if every > 1 {
         notes.push(format!("{}: only one frame in {every} is shown, because there are many", folder.path().display()));
@@ -187,11 +211,7 @@ fn animation(
     if cache.stamps.is_empty() {
         return None;
     }
-    let mut animation = packed(&cache.streams, &cache.shape, &cache.fields, every, arrays);
-    for packed in &mut animation.fields {
-        packed.unit = units::of_field(folder, &packed.field.name());
-    }
-    Some(animation)
+    Some(cache.packed(folder, every, arrays))
 }
 
 fn stamp(folder: &Folder, frame: usize) -> Stamp {
@@ -201,6 +221,35 @@ fn stamp(folder: &Folder, frame: usize) -> Stamp {
 }
 
 impl Cache {
+    /// What the first frame has; the inside of bodies is left out where the frames would be too much with it.
+    fn new(first: &Grid, folder: &Folder, runs: usize, notes: &mut Vec<String>) -> Self {
+        let is_kept = |name: &str| name != DISPLACEMENT && !fields::is_made_of_stress(name, first);
+        let arrays: Vec<(String, usize)> = first
+            .point_data
+            .iter()
+            .filter(|(name, _)| is_kept(name))
+            .map(|(name, array)| (name.clone(), array.components))
+            .collect();
+        let streams = vec![Vec::new(); arrays.iter().map(|(_, components)| components).sum()];
+        let of_shape = |shape: Shape| {
+            let reference = shape.nodes.iter().map(|&point| first.points[point]).collect();
+            let streams = Streams { reference, components: streams.clone(), ..Streams::default() };
+            let (fields, arrays) = (Field::of(first), arrays.clone());
+            Self { shape, fields, arrays, stamps: Vec::new(), streams, is_undeformed: first.is_undeformed() }
+        };
+        let whole = of_shape(Shape::new(first, &folder.bodies, true));
+        if whole.numbers() * folder.frames.len() <= NUMBERS / runs.max(1) {
+            return whole;
+        }
+        notes.push(format!("{}: the inside of the bodies is left out, because it is much", folder.path().display()));
+        of_shape(Shape::new(first, &folder.bodies, false))
+    }
+
+    /// How many numbers a frame has.
+    fn numbers(&self) -> usize {
+        self.shape.nodes.len() * (3 + self.streams.components.len())
+    }
+
     /// Reads these frames as far as they can be read, but for those at the beginning that are known.
     fn read(&mut self, folder: &Folder, numbers: &[usize], notes: &mut Vec<String>) {
         let nodes = self.shape.nodes.len();
@@ -208,8 +257,8 @@ impl Cache {
         let known = same.count();
         self.stamps.truncate(known);
         self.streams.times.truncate(known);
-        self.streams.positions.truncate(known * nodes);
-        self.streams.fields.iter_mut().for_each(|values| values.truncate(known * nodes));
+        self.streams.displacement.truncate(known * nodes);
+        self.streams.components.iter_mut().for_each(|values| values.truncate(known * nodes));
         for &number in &numbers[known..] {
             // Before reading: what is written again meanwhile is read again.
             let stamp = stamp(folder, number);
@@ -227,18 +276,102 @@ impl Cache {
     }
 
     fn add(&mut self, time: f64, grid: &Grid) {
-        let Self { shape, fields, streams, .. } = self;
+        let Self { shape, arrays, streams, .. } = self;
         streams.times.push(time);
-        let displacement = grid.point_data.get("displacement").filter(|array| array.components == 3);
-        streams.positions.extend(shape.nodes.iter().zip(&streams.reference).map(|(&point, reference)| {
+        let displacement = grid.point_data.get(DISPLACEMENT).filter(|array| array.components == 3);
+        streams.displacement.extend(shape.nodes.iter().map(|&point| {
             let moved = displacement.map_or(&[0.0; 3][..], |array| array.row(point));
             // What is no number stays where it was.
-            std::array::from_fn(|k| reference[k] + if moved[k].is_finite() { moved[k] } else { 0.0 })
+            std::array::from_fn(|k| if moved[k].is_finite() { moved[k] } else { 0.0 })
         }));
-        for (field, values) in fields.iter().zip(&mut streams.fields) {
-            values.extend(field.values(grid, &shape.nodes));
+        let places = arrays.iter().flat_map(|(name, components)| (0..*components).map(move |k| (name, *components, k)));
+        for ((name, components, k), values) in places.zip(&mut streams.components) {
+            let array = grid.point_data.get(name).filter(|array| array.components == components);
+            let value = |&point: &usize| array.map_or(f32::NAN, |array| array.row(point)[k] as f32);
+            values.extend(shape.nodes.iter().map(value));
         }
     }
+
+    fn packed(&self, folder: &Folder, every: usize, arrays: &mut Vec<u8>) -> Animation {
+        let Self { shape, streams, .. } = self;
+        let nodes = shape.nodes.len();
+        let mut put = |bytes: &mut dyn FnMut(&mut Vec<u8>)| {
+            let start = arrays.len();
+            bytes(arrays);
+            Place { start, bytes: arrays.len() - start }
+        };
+        let mut whole = |numbers: &[u32]| put(&mut |out| out.extend(numbers.iter().flat_map(|n| n.to_le_bytes())));
+        let facets = whole(shape.facets.as_flattened());
+        let sides = whole(&shape.sides);
+        let segments = whole(shape.segments.as_flattened());
+        let points = whole(&shape.points);
+        let elements = whole(shape.elements.as_flattened());
+        let numbers = whole(&shape.nodes.iter().map(|&point| point as u32).collect::<Vec<_>>());
+        let (corner, edges) = bounds(&streams.reference);
+        let code = |place: &[f64; 3], k: usize| match edges[k] > 0.0 {
+            true => ((place[k] - corner[k]) / edges[k] * CODES).round() as u16,
+            false => 0,
+        };
+        let codes = by_axis(&streams.reference, nodes, code);
+        let reference = put(&mut |out| encode(&codes, 3 * nodes, out));
+        let largest =
+            std::array::from_fn(|k| streams.displacement.iter().fold(0.0, |most: f64, u| most.max(u[k].abs())));
+        let code = |moved: &[f64; 3], k: usize| match largest[k] > 0.0 {
+            true => (moved[k] / largest[k] * SIGNED_CODES).round() as i16 as u16,
+            false => 0,
+        };
+        let codes = by_axis(&streams.displacement, nodes, code);
+        let displacement = put(&mut |out| encode(&codes, 3 * nodes, out));
+        let mut components = streams.components.iter();
+        let mut packed = Vec::new();
+        for (name, count) in &self.arrays {
+            let values: Vec<&Vec<f32>> = components.by_ref().take(*count).collect();
+            // What has no value anywhere is no array.
+            if values.iter().any(|values| values.iter().any(|value| value.is_finite())) {
+                let components = values.iter().map(|values| component(values, nodes, &mut put)).collect();
+                packed.push(PackedArray { name: name.clone(), label: fields::label(name), components });
+            }
+        }
+        let fields = self.fields.iter().filter_map(|field| {
+            let array = packed.iter().position(|array| array.name == field.array)?;
+            Some(PackedField { field: field.clone(), array, unit: units::of_field(folder, &field.array) })
+        });
+        let (fields, bodies, times) = (fields.collect(), shape.bodies.clone(), streams.times.clone());
+        Animation {
+            times,
+            every,
+            bodies,
+            nodes,
+            corner,
+            edges,
+            largest,
+            facets,
+            sides,
+            segments,
+            points,
+            elements,
+            numbers,
+            reference,
+            displacement,
+            arrays: packed,
+            fields,
+        }
+    }
+}
+
+/// Codes of the rows of vectors, `x` of all nodes, `y`, `z` in each.
+fn by_axis(vectors: &[[f64; 3]], nodes: usize, code: impl Fn(&[f64; 3], usize) -> u16 + Copy) -> Vec<u16> {
+    vectors.chunks(nodes).flat_map(|row| (0..3).flat_map(move |k| row.iter().map(move |v| code(v, k)))).collect()
+}
+
+fn component(values: &[f32], nodes: usize, put: &mut impl FnMut(&mut dyn FnMut(&mut Vec<u8>)) -> Place) -> Component {
+    let scale = Scale::of(values);
+    let codes: Vec<u16> = values.iter().map(|value| scale.code(*value)).collect();
+    let largest = match scale {
+        Scale::Root { largest } => Some(largest),
+        Scale::Integer => None,
+    };
+    Component { largest, stream: put(&mut |out| encode(&codes, nodes, out)) }
 }
 
 fn unlike(folder: &Folder, frame: usize) -> String {
@@ -246,7 +379,7 @@ fn unlike(folder: &Folder, frame: usize) -> String {
 }
 
 /// Smallest corner and edges of the box around places.
-fn bounds<'a>(places: impl Iterator<Item = &'a [f64; 3]>) -> ([f64; 3], [f64; 3]) {
+fn bounds(places: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for place in places {
         for k in 0..3 {
@@ -255,55 +388,4 @@ fn bounds<'a>(places: impl Iterator<Item = &'a [f64; 3]>) -> ([f64; 3], [f64; 3]
         }
     }
     (low, std::array::from_fn(|k| high[k] - low[k]))
-}
-
-fn packed(streams: &Streams, shape: &Shape, fields: &[Field], every: usize, arrays: &mut Vec<u8>) -> Animation {
-    let nodes = shape.nodes.len();
-    let (corner, edges) = bounds(streams.reference.iter().chain(&streams.positions));
-    let code = |place: &[f64; 3], k: usize| match edges[k] > 0.0 {
-        true => ((place[k] - corner[k]) / edges[k] * CODES).round() as u16,
-        false => 0,
-    };
-    let rows = std::iter::once(streams.reference.as_slice()).chain(streams.positions.chunks(nodes));
-    let codes: Vec<u16> =
-        rows.flat_map(|row| (0..3).flat_map(move |k| row.iter().map(move |place| code(place, k)))).collect();
-    let mut put = |bytes: &mut dyn FnMut(&mut Vec<u8>)| {
-        let start = arrays.len();
-        bytes(arrays);
-        Place { start, bytes: arrays.len() - start }
-    };
-    let mut whole = |numbers: &[u32]| put(&mut |out| out.extend(numbers.iter().flat_map(|n| n.to_le_bytes())));
-    let facets = whole(shape.facets.as_flattened());
-    let sides = whole(&shape.sides);
-    let segments = whole(shape.segments.as_flattened());
-    let points = whole(&shape.points);
-    let numbers = whole(&shape.nodes.iter().map(|&point| point as u32).collect::<Vec<_>>());
-    let positions = put(&mut |out| encode(&codes, 3 * nodes, out));
-    let fields = fields.iter().zip(&streams.fields).map(|(field, values)| {
-        let scale = Scale::of(values);
-        let codes: Vec<u16> = values.iter().map(|value| scale.code(*value)).collect();
-        let finite = || values.iter().copied().filter(|value| value.is_finite()).map(f64::from);
-        let range = [finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max)];
-        let largest = match scale {
-            Scale::Root { largest } => Some(largest),
-            Scale::Integer => None,
-        };
-        Packed { field: field.clone(), unit: None, largest, range, stream: put(&mut |out| encode(&codes, nodes, out)) }
-    });
-    let fields: Vec<Packed> = fields.filter(|packed| packed.range[0] <= packed.range[1]).collect();
-    Animation {
-        times: streams.times.clone(),
-        every,
-        bodies: shape.bodies.clone(),
-        nodes,
-        corner,
-        edges,
-        facets,
-        sides,
-        segments,
-        points,
-        numbers,
-        positions,
-        fields,
-    }
 }

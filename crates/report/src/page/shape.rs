@@ -1,6 +1,7 @@
 //! What is drawn of a model: outer facets, lines and points of each body, with the nodes that they need and no others.
 
 use serde::Serialize;
+use stoss_reference_element::Family;
 
 use crate::paint::boundary;
 use crate::vtu::{Grid, chosen};
@@ -16,6 +17,8 @@ pub struct Body {
     pub segments: [usize; 2],
     /// First point and number of points.
     pub points: [usize; 2],
+    /// First element and number of elements.
+    pub elements: [usize; 2],
     /// The smallest point of the frames that it uses: nodes are counted from there.
     pub first: usize,
     /// Whether it is deformable.
@@ -37,6 +40,8 @@ pub struct Shape {
     pub segments: Vec<[u32; 2]>,
     /// Single points.
     pub points: Vec<u32>,
+    /// Corners of elements as of a hexahedron, in which those of other kinds coincide: what is inside of bodies, unless it is left out.
+    pub elements: Vec<[u32; 8]>,
     /// Numbers of cells of the frame, which no other frame may differ in.
     cells: [usize; 4],
     /// Number of points of the frame.
@@ -63,14 +68,23 @@ fn mask(sides: [bool; 4]) -> u32 {
     sides.iter().enumerate().map(|(k, &side)| u32::from(side) << k).sum()
 }
 
+/// Corners of an element at the corners of a hexahedron.
+fn hexahedron(family: Family) -> [usize; 8] {
+    match family {
+        Family::Hexahedron => [0, 1, 2, 3, 4, 5, 6, 7],
+        Family::Wedge => [0, 1, 2, 2, 3, 4, 5, 5],
+        Family::Tetrahedron => [0, 1, 2, 2, 3, 3, 3, 3],
+    }
+}
+
 /// Numbers of cells of a frame.
 fn cells(grid: &Grid) -> [usize; 4] {
     [grid.elements.len(), grid.facets.len(), grid.lines.len(), grid.vertices.len()]
 }
 
 impl Shape {
-    /// Of a frame; bodies beyond the names are called by their numbers.
-    pub fn new(grid: &Grid, names: &[String]) -> Self {
+    /// Of a frame, perhaps with what is inside of bodies; bodies beyond the names are called by their numbers.
+    pub fn new(grid: &Grid, names: &[String], has_inside: bool) -> Self {
         let cells = cells(grid);
         let total = cells.iter().sum::<usize>();
         let numbers = grid.cell_data.get("body").filter(|array| array.values.len() == total);
@@ -82,7 +96,7 @@ impl Shape {
         let mut numbering = Numbering { number: vec![u32::MAX; grid.points.len()], nodes: Vec::new() };
         let mut shape = Self { cells, count: grid.points.len(), ..Self::default() };
         for body in 0..count.min(total) {
-            let starts = [shape.facets.len(), shape.segments.len(), shape.points.len()];
+            let starts = shape.lengths();
             let elements = chosen(&grid.elements, of(0, body));
             let facets: Vec<&[usize]> = of(1, body).map(|k| grid.facets[k].as_slice()).collect();
             let lines: Vec<&[usize]> = of(2, body).map(|k| grid.lines[k].as_slice()).collect();
@@ -102,13 +116,23 @@ impl Shape {
                 shape.segments.extend(line.windows(2).map(|ends| [numbering.of(ends[0]), numbering.of(ends[1])]));
             }
             shape.points.extend(points.iter().map(|&point| numbering.of(point)));
-            let ends = [shape.facets.len(), shape.segments.len(), shape.points.len()];
-            let [facets, segments, points] = [0, 1, 2].map(|k| [starts[k], ends[k] - starts[k]]);
+            for k in 0..if has_inside { elements.len() } else { 0 } {
+                let corners = hexahedron(elements.kind(k).table().family);
+                shape.elements.push(corners.map(|corner| numbering.of(elements[k][corner] as usize)));
+            }
+            let ends = shape.lengths();
+            let [facets, segments, points, inside] = [0, 1, 2, 3].map(|k| [starts[k], ends[k] - starts[k]]);
             let name = names.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
-            shape.bodies.push(Body { name, facets, segments, points, first, is_solid: !elements.is_empty() });
+            let is_solid = !elements.is_empty();
+            shape.bodies.push(Body { name, facets, segments, points, elements: inside, first, is_solid });
         }
         shape.nodes = numbering.nodes;
         shape
+    }
+
+    /// Numbers of facets, segments, points and elements.
+    fn lengths(&self) -> [usize; 4] {
+        [self.facets.len(), self.segments.len(), self.points.len(), self.elements.len()]
     }
 
     /// Whether a frame has the same cells.
@@ -132,12 +156,15 @@ mod tests {
         grid.lines = vec![vec![12, 13, 14]];
         grid.vertices = vec![14];
         grid.cell_data.insert("body".into(), Array { components: 1, values: vec![0.0, 1.0, 2.0, 3.0] });
-        let shape = Shape::new(&grid, &["cube".into(), "plate".into(), "rope".into()]);
+        let shape = Shape::new(&grid, &["cube".into(), "plate".into(), "rope".into()], true);
         let names: Vec<&str> = shape.bodies.iter().map(|body| body.name.as_str()).collect();
         assert_eq!(names, ["cube", "plate", "rope", "body 3"]);
         assert_eq!(shape.bodies.iter().map(|body| body.facets).collect::<Vec<_>>(), [[0, 6], [6, 1], [7, 0], [7, 0]]);
         assert_eq!(shape.bodies.iter().map(|body| body.segments[1]).collect::<Vec<_>>(), [0, 0, 2, 0]);
         assert_eq!(shape.bodies.iter().map(|body| body.first).collect::<Vec<_>>(), [0, 11, 12, 14]);
+        assert_eq!(shape.bodies.iter().map(|body| body.elements).collect::<Vec<_>>(), [[0, 1], [1, 0], [1, 0], [1, 0]]);
+        assert_eq!(shape.elements[0].map(|node| shape.nodes[node as usize]), [0, 1, 2, 3, 4, 5, 6, 7]);
+        assert!(Shape::new(&grid, &[], false).elements.is_empty());
         assert_eq!(shape.sides, [15; 7]);
         assert_eq!(shape.nodes.len(), 8 + 4);
         let at = |node: u32| shape.nodes[node as usize];

@@ -15,6 +15,7 @@ use stoss_reference_element::{Face, FaceShape};
 
 use crate::Outcome;
 use crate::folder::Folder;
+use crate::page::endings;
 use crate::picture::{Unfit, Which, number};
 use crate::vtu::{Array, Grid};
 use locate::{Held, Locator};
@@ -183,16 +184,10 @@ fn places(grid: &Grid, configuration: Configuration) -> Result<Vec<[f64; 3]>, St
 
 /// Names of the components of an array.
 fn components(name: &str, count: usize) -> Vec<String> {
-    const VECTOR: [&str; 3] = ["x", "y", "z"];
-    let endings: Vec<String> = match (name, count) {
-        (_, 1) => return vec![name.to_owned()],
-        ("principal_stresses", _) => (1..=count).map(|k| k.to_string()).collect(),
-        (_, 3) => VECTOR.map(str::to_owned).to_vec(),
-        (_, 6) => ["xx", "yy", "zz", "xy", "yz", "xz"].map(str::to_owned).to_vec(),
-        (_, 9) => VECTOR.iter().flat_map(|a| VECTOR.map(|b| format!("{a}{b}"))).collect(),
-        _ => (1..=count).map(|k| k.to_string()).collect(),
-    };
-    endings.into_iter().map(|ending| format!("{name}_{ending}")).collect()
+    match count {
+        1 => vec![name.to_owned()],
+        _ => endings(name, count).into_iter().map(|ending| format!("{name}_{ending}")).collect(),
+    }
 }
 
 /// Writes the rows.

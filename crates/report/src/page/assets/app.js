@@ -29,7 +29,9 @@ class App {
       document.querySelector('main').before(message(error.message));
       return;
     }
-    this.listen();
+    this.controls = new Controls(this);
+    this.overlay = new Overlay(this, byId('overlay'));
+    if (this.runs.some((run) => run.animation?.elements.length)) this.path = new Path(this);
   }
 
   /** Whether there is something to see of the present run. */
@@ -56,119 +58,20 @@ class App {
     document.querySelector('main').classList.toggle('plain', !this.isAnimated());
     if (this.isAnimated()) {
       this.viewer.setRun(run.animation);
-      this.makeChoices(run.animation);
+      this.controls.setRun(run.animation);
+      this.path?.clear();
       this.setTime(this.viewer.time);
     }
     this.redraw();
   }
 
-  /** The lists of fields and bodies. */
-  makeChoices(animation) {
-    const before = byId('field').selectedOptions[0]?.textContent ?? 'von Mises stress';
-    const options = animation.fields.map(({ label }, k) => element('option', { value: k, textContent: label }));
-    byId('field').replaceChildren(element('option', { value: -1, textContent: 'bodies' }), ...options);
-    const wanted = [before, 'velocity', 'displacement'].map((name) => animation.fields.findIndex(({ label }) => label === name));
-    this.setField(before === 'bodies' ? -1 : wanted.find((k) => k >= 0) ?? -1);
-    byId('bodies').replaceChildren(...animation.bodies.map((body, k) => {
-      const box = element('input', { type: 'checkbox', checked: true });
-      box.onchange = () => {
-        if (box.checked) this.viewer.show.hidden.delete(k);
-        else this.viewer.show.hidden.add(k);
-        this.redraw();
-      };
-      const swatch = element('span', { className: 'swatch' });
-      swatch.style.background = `rgb(${scaled(BODIES[k % BODIES.length], 255).join(' ')})`;
-      return element('label', {}, [box, swatch, body.name]);
-    }));
-  }
-
   setField(number) {
     byId('field').value = number;
     this.viewer.setField(number);
-    const field = this.run.animation.fields[number];
-    if (field) [byId('low').value, byId('high').value] = field.range.map((value) => Number(value.toPrecision(3)));
-    this.fixRange();
-    this.pick(this.picked);
-  }
-
-  fixRange() {
-    const { show } = this.viewer;
-    show.range = byId('range').value;
-    show.fixed = [Number(byId('low').value), Number(byId('high').value)];
-    byId('ends').classList.toggle('on', show.range === 'fixed');
-    this.redraw();
-  }
-
-  fixClip() {
-    const axis = byId('clip').value;
-    byId('plane').classList.toggle('on', axis !== '');
-    const flipped = byId('flip').classList.contains('on');
-    this.viewer.show.clip = axis === '' ? null : { axis: Number(axis), part: Number(byId('offset').value), flipped };
-    this.redraw();
-  }
-
-  listen() {
-    const { show } = this.viewer;
-    byId('play').onclick = () => this.play(!this.isPlaying);
-    byId('back').onclick = () => this.step(-1);
-    byId('forth').onclick = () => this.step(1);
-    byId('scrub').oninput = () => this.setTime(Number(byId('scrub').value));
-    byId('field').onchange = () => this.setField(Number(byId('field').value));
-    for (const id of ['range', 'low', 'high']) byId(id).oninput = () => this.fixRange();
-    for (const id of ['mesh', 'outline']) byId(id).onchange = () => {
-      show[id] = byId(id).checked;
-      this.redraw();
-    };
-    byId('clip').onchange = byId('offset').oninput = () => this.fixClip();
-    byId('flip').onclick = () => {
-      byId('flip').classList.toggle('on');
-      this.fixClip();
-    };
-    for (const button of byId('views').querySelectorAll('button')) button.onclick = () => {
-      const { camera } = this.viewer;
-      [camera.azimuth, camera.elevation] = button.dataset.view.split(',').map(Number);
-      this.viewer.home();
-      this.redraw();
-    };
-    document.onkeydown = (event) => {
-      if (['INPUT', 'SELECT', 'BUTTON'].includes(event.target.tagName) || !this.isAnimated()) return;
-      const act = { ' ': () => this.play(!this.isPlaying), ArrowLeft: () => this.step(-1), ArrowRight: () => this.step(1) }[event.key];
-      if (!act) return;
-      event.preventDefault();
-      act();
-    };
-    this.listenToPointer(byId('scene'));
-  }
-
-  listenToPointer(canvas) {
-    const { camera } = this.viewer;
-    let last = null;
-    let way = 0;
-    canvas.onpointerdown = (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      last = [event.clientX, event.clientY];
-      way = 0;
-    };
-    canvas.onpointermove = (event) => {
-      if (!last) return;
-      const [dx, dy] = [event.clientX - last[0], event.clientY - last[1]];
-      last = [event.clientX, event.clientY];
-      way += Math.abs(dx) + Math.abs(dy);
-      if (event.shiftKey || event.buttons & 6) camera.pan(dx / canvas.clientHeight, dy / canvas.clientHeight);
-      else camera.turn(-0.4 * dx, 0.4 * dy);
-      this.redraw();
-    };
-    canvas.onpointerup = (event) => {
-      last = null;
-      const box = canvas.getBoundingClientRect();
-      if (way < 4) this.pick(this.viewer.pick(event.clientX - box.left, event.clientY - box.top));
-    };
-    canvas.oncontextmenu = (event) => event.preventDefault();
-    canvas.addEventListener('wheel', (event) => {
-      event.preventDefault();
-      camera.zoom(Math.exp(0.0012 * event.deltaY));
-      this.redraw();
-    }, { passive: false });
+    const field = this.viewer.field();
+    if (field) [byId('low').value, byId('high').value] = typicalRange(field, this.run.animation).map((value) => Number(value.toPrecision(3)));
+    this.controls.apply();
+    this.showNode();
   }
 
   /** First and last time of the frames. */
@@ -226,18 +129,34 @@ class App {
     this.setTime(time);
   }
 
-  /** Marks a node, or none. */
+  /** Marks a node, or none; it may be an end of the path. */
   pick(node) {
     this.picked = node;
-    if (node) {
-      const { animation } = this.run;
-      const field = animation.fields[Math.max(this.viewer.show.field, 0)];
-      const values = valuesOf(field);
-      const y = animation.times.map((_, frame) => values[frame * animation.nodes + node.node]).map((v) => (Number.isNaN(v) ? null : v));
-      const series = [{ name: withUnit(field.label, field.unit), x: animation.times, y, colour: COLOURS[0] }];
-      this.panels.node({ title: this.nameOf(node), series, unit: unitOf(this.run, 'time') });
-    }
+    if (node && this.panels.opened === 'Path') this.path.take(node);
+    this.showNode();
     this.redraw();
+  }
+
+  /** The charts of the picked node: the field that is shown, and the components of all arrays. */
+  showNode() {
+    if (!this.picked) return;
+    const { animation } = this.run;
+    const { node } = this.picked;
+    const line = (name, read, colour) => {
+      const y = animation.times.map((_, frame) => read(frame * animation.nodes + node)).map((v) => (Number.isNaN(v) ? null : v));
+      return { name, x: animation.times, y, colour };
+    };
+    const chart = (title, unit, series) => ({ title: `${this.nameOf(this.picked)}: ${withUnit(title, unit)}`, series, unit: unitOf(this.run, 'time') });
+    const shown = this.viewer.field() ?? animation.fields[0];
+    const charts = [chart(shown.label, shown.unit, [line(shown.label, (k) => valueAt(shown, k), COLOURS[0])])];
+    for (const array of animation.arrays) {
+      const fields = animation.fields.filter((field) => field.array === array && (array.read.length === 1 || field.part.kind === 'component'));
+      if (fields.length === 1 && fields[0] === shown) continue;
+      const series = fields.map((field, k) => line(field.label, (place) => valueAt(field, place), COLOURS[k % COLOURS.length]));
+      const known = series.filter(({ y }) => y.some((value) => value !== null));
+      if (known.length) charts.push(chart(array.label, fields[0].unit, known));
+    }
+    this.panels.replace('Node', charts);
   }
 
   nameOf({ body, node }) {
@@ -258,77 +177,28 @@ class App {
   draw() {
     if (!this.isAnimated()) return;
     this.viewer.draw();
-    this.drawBar();
     this.drawPicked();
-    this.drawOverlay();
+    this.path?.show();
+    this.overlay.draw();
   }
 
-  drawBar() {
-    const field = this.run.animation.fields[this.viewer.show.field];
-    byId('bar').classList.toggle('off', !field);
-    if (!field) return;
-    const [low, high] = this.viewer.range();
-    const key = [field.label, field.unit, low, high].join();
-    if (key === this.barKey) return;
-    this.barKey = key;
-    byId('bar-name').textContent = withUnit(field.label, field.unit);
-    const canvas = byId('bar-colours');
-    Object.assign(canvas, { width: 1, height: 256 });
-    const pen = canvas.getContext('2d');
-    for (let k = 0; k < 256; k++) {
-      pen.fillStyle = `rgb(${mapColour(1 - k / 255).join(' ')})`;
-      pen.fillRect(0, k, 1, 1);
-    }
-    const at = (k) => high - (k / 4) * (high - low);
-    const number = (value) => (Math.abs(value) < 1e-9 * (high - low) ? '0' : text(Number(value.toPrecision(3))));
-    // Of a state only whole numbers have a meaning.
-    const states = Math.floor(high) - Math.ceil(low) + 1;
-    const parts = field.largest === null && states > 1 ? [...Array(states).keys()].map((k) => (4 * k) / (states - 1)) : [0, 1, 2, 3, 4];
-    const numbers = parts.map((k) => element('span', { textContent: number(at(k)) }));
-    byId('bar-numbers').replaceChildren(...numbers);
-  }
-
+  /** Place, displacement and values of the picked node. */
   drawPicked() {
     if (!this.picked) return byId('picked').replaceChildren();
     const { node } = this.picked;
-    const place = this.viewer.place(node);
-    const move = subtract(place, placeOf(this.run.animation, 0, node));
+    const { animation } = this.run;
+    const moved = this.viewer.moved(node);
     const length = unitOf(this.run, 'length');
-    const rows = [[withUnit('position', length), place.map(text).join('  ')], [withUnit('displacement', length), move.map(text).join('  ')]];
-    for (const field of this.run.animation.fields.slice(1)) rows.push([withUnit(field.label, field.unit), text(this.viewer.value(field, node))]);
+    const short = (value) => text(Number(value.toPrecision(3)));
+    const field = this.viewer.field();
+    const rows = [[withUnit('position', length), add(referenceOf(animation, node), moved).map(text).join('  ')]];
+    if (field) rows.unshift([withUnit(field.label, field.unit), element('td', {}, [element('b', { textContent: text(this.viewer.value(field, node)) })])]);
+    for (const array of animation.arrays) {
+      const fields = animation.fields.filter((found) => found.array === array && (array.read.length === 1 || found.part.kind === 'component'));
+      const values = fields.map((found) => this.viewer.value(found, node));
+      if (fields.length && fields[0] !== field && !values.every(Number.isNaN)) rows.push([withUnit(array.label, fields[0].unit), values.map(short).join('  ')]);
+    }
     byId('picked').replaceChildren(element('b', { textContent: this.nameOf(this.picked) }), table(rows));
-  }
-
-  /** Axes, the picked node and the place of a finding. */
-  drawOverlay() {
-    const canvas = byId('overlay');
-    const ratio = window.devicePixelRatio || 1;
-    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-    Object.assign(canvas, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
-    const pen = canvas.getContext('2d');
-    pen.scale(ratio, ratio);
-    const { right, up } = this.viewer.camera.axes();
-    pen.font = '11px system-ui, sans-serif';
-    pen.textAlign = 'center';
-    pen.textBaseline = 'middle';
-    ['x', 'y', 'z'].forEach((name, k) => {
-      const [x, y] = [44 + 26 * right[k], height - 44 - 26 * up[k]];
-      pen.strokeStyle = pen.fillStyle = ['#c8553d', '#4f9a5b', '#2f6db3'][k];
-      pen.lineWidth = 1.6;
-      line(pen, [[44, height - 44], [x, y]]);
-      pen.fillText(name, 44 + 36 * right[k], height - 44 - 36 * up[k]);
-    });
-    const ring = (place, colour, radius) => {
-      const seen = this.viewer.project(place);
-      if (!seen) return;
-      pen.strokeStyle = colour;
-      pen.lineWidth = 2;
-      pen.beginPath();
-      pen.arc(seen[0], seen[1], radius, 0, 2 * Math.PI);
-      pen.stroke();
-    };
-    if (this.picked) ring(this.viewer.place(this.picked.node), '#2f6db3', 6);
-    if (this.place) ring(this.place, '#c0392b', 12);
   }
 
   resized() {

@@ -1,5 +1,5 @@
 'use strict';
-// Charts over the time of the run: lines, an axis on each side, a cursor at the time that the animation shows.
+// Charts over the time of the run or over another column: lines, an axis on each side, a cursor at the time that the animation shows.
 
 const COLOURS = ['#2f6db3', '#c8553d', '#4f9a5b', '#8a5aa8', '#b8860b', '#3f8f93', '#94565a', '#6b7280'];
 /** Colour of a run of several: cases of a sweep, and runs that are many, go through the colour map. */
@@ -47,7 +47,8 @@ function placeIn(list, value) {
  *
  * `unit`: that of the time. `least`: length that the vertical axis has at least, so that round-off looks like what it is.
  * `series`: lists of `{ name, x, y, colour, dash }`, gaps where `y` is null. `marks`: `{ x, text, colour }`, short lines at the bottom whose text is shown
- * when the pointer is near. `over`: what the horizontal axis has, if not the time. Lines with `hasDots` show their points. `seek(time)` is called for a click. A drag shows a part of the time, a double click all of it.
+ * when the pointer is near. `over`: what the horizontal axis has, if not the time; a series may then say by `times` when each point was, and the cursor follows the time all the same.
+ * Lines with `hasDots` show their points. `seek(time)` is called for a click. A drag shows a part of the axis, a double click all of it.
  */
 class Chart {
   constructor(parent, { title, series, isLog = false, marks = [], least = 0, unit = '', over = null }, seek) {
@@ -61,7 +62,9 @@ class Chart {
     this.labels = [...new Set(series.map(({ name }) => name))].map((name) => this.label(name));
     this.legend.append(...this.labels.map((label) => label.button));
     this.note = element('span', { className: 'note' });
-    this.legend.append(this.note);
+    const save = element('button', { type: 'button', className: 'csv', textContent: 'CSV', title: 'save the numbers of this chart' });
+    save.onclick = () => download(`${fileName(this.title)}.csv`, new Blob([csvOf(this)], { type: 'text/csv' }));
+    this.legend.append(save, this.note);
     this.box.append(this.legend, plot);
     parent.append(this.box);
     this.listen(plot);
@@ -100,7 +103,7 @@ class Chart {
       start = null;
       this.selection.style.width = '0';
       if (b - a < 5) this.seek(this.timeAt(b));
-      else this.zoom([this.timeAt(a), this.timeAt(b)]);
+      else this.zoom([this.placeAt(a), this.placeAt(b)]);
     };
     plot.onpointerleave = () => this.tell(this.time, null);
     plot.ondblclick = () => this.zoom(null);
@@ -118,8 +121,8 @@ class Chart {
 
   /** Ends of both axes. */
   ends() {
-    let [left, right] = this.span ?? this.series.reduce(
-      ([a, b], { x }) => [Math.min(a, x[0]), Math.max(b, x[x.length - 1])], [Infinity, -Infinity]);
+    const limits = ({ x, times }) => (times ? endsOf(x.filter((value) => value !== null)) : [x[0], x[x.length - 1]]);
+    let [left, right] = this.span ?? this.series.map(limits).reduce(([a, b], [first, last]) => [Math.min(a, first), Math.max(b, last)], [Infinity, -Infinity]);
     if (this.over && !this.span) {
       // Room for the dots at the ends.
       const room = 0.03 * (right - left) || 1;
@@ -143,10 +146,25 @@ class Chart {
     return { left, right: right > left ? right : left + 1, low, high };
   }
 
-  timeAt(pixel) {
+  /** Place on the horizontal axis. */
+  placeAt(pixel) {
     const { left, right } = this.ends();
     const width = this.canvas.clientWidth - MARGIN.left - MARGIN.right;
     return Math.min(Math.max(left + ((pixel - MARGIN.left) / width) * (right - left), left), right);
+  }
+
+  /** The time of what is drawn there: of the nearest point where the axis has something else. */
+  timeAt(pixel) {
+    const place = this.placeAt(pixel);
+    const line = this.series.find(({ times }) => times);
+    if (!line) return place;
+    const away = (k) => (line.x[k] === null ? Infinity : Math.abs(line.x[k] - place));
+    return line.times.reduce((best, time, k) => (away(k) < away(best.k) ? { time, k } : best), { time: line.times[0], k: 0 }).time;
+  }
+
+  /** Whether the cursor follows the time. */
+  follows() {
+    return !this.over || this.series.some(({ times }) => times);
   }
 
   draw() {
@@ -177,7 +195,7 @@ class Chart {
       pen.beginPath();
       let isUp = true;
       for (let k = 0; k < x.length; k++) {
-        if (y[k] === null || (this.isLog && y[k] <= 0)) isUp = true;
+        if (x[k] === null || y[k] === null || (this.isLog && y[k] <= 0)) isUp = true;
         else {
           if (isUp) pen.moveTo(X(x[k]), Y(y[k]));
           else pen.lineTo(X(x[k]), Y(y[k]));
@@ -221,7 +239,8 @@ class Chart {
   setTime(time) {
     this.time = time;
     if (!this.toX) return;
-    const x = this.toX(time);
+    const line = this.series.find(({ times }) => times);
+    const x = this.toX(line ? line.x[Math.max(placeIn(line.times, time * (1 + 1e-12)), 0)] : time);
     const isInside = x >= MARGIN.left - 1 && x <= this.canvas.clientWidth - MARGIN.right + 1;
     this.cursor.style.display = isInside ? 'block' : 'none';
     this.cursor.style.transform = `translateX(${x}px)`;
@@ -231,8 +250,8 @@ class Chart {
   /** Writes the values at a time beside the names, and the mark that is near the pointer. */
   tell(time, pixel) {
     for (const { series, values } of this.labels) {
-      series.forEach(({ x, y }, k) => {
-        const place = placeIn(x, time * (1 + 1e-12));
+      series.forEach(({ x, y, times }, k) => {
+        const place = placeIn(times ?? x, time * (1 + 1e-12));
         values[k].textContent = place < 0 ? '-' : text(y[place]);
       });
     }

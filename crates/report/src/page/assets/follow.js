@@ -3,7 +3,10 @@
 
 const STATE = `stoss ${location.pathname}`;
 /** Controls whose values are kept. */
-const KEPT = ['range', 'low', 'high', 'mesh', 'outline', 'clip', 'offset', 'speed'];
+const KEPT = [
+  'range', 'low', 'high', 'extremes', 'enlarge', 'own', 'mesh', 'outline', 'arrows', 'clip', 'offset', 'filled', 'sectors', 'about', 'speed',
+  ...['x', 'y', 'z'].flatMap((axis) => [`mirror-${axis}`, `mirror-at-${axis}`]),
+];
 
 /** What the page shows, to be kept over a reload. */
 function stateOf(app) {
@@ -38,10 +41,8 @@ function restore(app, state) {
     const field = animation.fields.findIndex(({ label }) => label === state.field);
     app.setField(field);
     Object.entries(state.controls).forEach(([id, value]) => set(id, value));
-    app.fixRange();
-    Object.assign(app.viewer.show, { mesh: state.controls.mesh, outline: state.controls.outline });
     byId('flip').classList.toggle('on', state.isFlipped);
-    app.fixClip();
+    app.controls.apply();
     animation.bodies.forEach(({ name }, k) => {
       if (state.hidden.includes(name)) byId('bodies').querySelectorAll('input')[k].click();
     });

@@ -102,18 +102,3 @@ class Camera {
 }
 /** Degrees of the picture's shorter side. */
 Camera.ANGLE = 30;
-
-/** Distance along a ray to a triangle; nothing if it is missed (Moeller and Trumbore, J. Graphics Tools 2, 1997, 21). */
-function hit(from, along, a, b, c) {
-  const [u, v] = [subtract(b, a), subtract(c, a)];
-  const p = cross(along, v);
-  const volume = dot(u, p);
-  if (volume === 0) return null;
-  const t = subtract(from, a);
-  const first = dot(t, p) / volume;
-  const q = cross(t, u);
-  const second = dot(along, q) / volume;
-  if (first < 0 || second < 0 || first + second > 1) return null;
-  const distance = dot(v, q) / volume;
-  return distance > 0 ? distance : null;
-}

@@ -21,6 +21,7 @@ class Panels {
       document.getElementById('key').append(...runs.map((run, r) => coloured(element('span', { textContent: run.name }), r)));
     }
     for (const chart of overlaid(runs)) this.chart(this.tab(chart.group), chart);
+    if (runs.some(({ tables }) => tables.length)) this.columns = new ColumnChart(this);
     this.tab('Verdict');
     this.tab('Run');
     this.tab('Scene');
@@ -41,6 +42,7 @@ class Panels {
 
   chart(panel, chart) {
     const made = new Chart(panel, chart, (time) => this.go({ time }));
+    if (made.follows()) made.time = this.time;
     this.charts.push(made);
     return made;
   }
@@ -71,15 +73,16 @@ class Panels {
   }
 
   setTime(time) {
-    const follow = this.charts.filter(({ over }) => !over);
+    this.time = time;
+    const follow = this.charts.filter((chart) => chart.follows());
     for (const chart of follow) chart.time = time;
-    for (const chart of this.seen().filter(({ over }) => !over)) chart.setTime(time);
+    for (const chart of this.seen().filter((chart) => chart.follows())) chart.setTime(time);
   }
 
   /** Texts about the run that is shown. */
   setRun(run) {
     const found = this.sweep?.cases.find((sought) => sought.run === this.runs.indexOf(run));
-    for (const chart of this.charts.filter(({ over }) => over && found)) {
+    for (const chart of this.charts.filter((chart) => found && !chart.follows())) {
       [chart.time] = found.parameters;
       if (chart.canvas.clientWidth > 0) chart.setTime(chart.time);
     }
@@ -90,12 +93,15 @@ class Panels {
     this.tab('Scene').replaceChildren(scene ? element('pre', { textContent: scene }) : message('The folder has no scene (run.json).'));
   }
 
-  /** A chart of the field at the picked node, in the place of the last one. */
-  node(chart) {
-    const panel = this.tab('Node');
-    const old = this.charts.findIndex((found) => found.box.parentNode === panel);
-    if (old >= 0) this.charts.splice(old, 1)[0].box.remove();
-    this.chart(panel, chart);
+  /** Charts of a panel, in the place of those that it had. */
+  replace(name, charts) {
+    const panel = this.tab(name);
+    this.charts = this.charts.filter((found) => {
+      const isOld = found.box.parentNode === panel;
+      if (isOld) found.box.remove();
+      return !isOld;
+    });
+    for (const chart of charts) this.chart(panel, chart);
     this.redraw();
   }
 }

@@ -11,12 +11,17 @@ async function unpack(base64) {
   const at = (place) => bytes.subarray(4 + length + place.start, 4 + length + place.start + place.bytes);
   const animation = run.animation;
   if (animation) {
-    for (const name of ['facets', 'sides', 'segments', 'points', 'numbers']) {
+    for (const name of ['facets', 'sides', 'segments', 'points', 'elements', 'numbers']) {
       animation[name] = new Uint32Array(at(animation[name]).slice().buffer);
     }
-    animation.positions = interleaved(decode(at(animation.positions), 3 * animation.nodes), animation.nodes);
-    for (const field of animation.fields) field.codes = decode(at(field.stream), animation.nodes);
-    animation.fields.unshift({ ...displacement(animation), unit: unitOf(run, 'length') });
+    const vectors = (place) => interleaved(decode(at(place), 3 * animation.nodes), animation.nodes);
+    animation.reference = vectors(animation.reference);
+    animation.displacement = new Int16Array(vectors(animation.displacement).buffer);
+    for (const { components } of animation.arrays) {
+      for (const component of components) component.codes = decode(at(component.stream), animation.nodes);
+    }
+    animation.arrays = animation.arrays.map(readable);
+    animation.fields = fieldsOf(animation, unitOf(run, 'length'));
   }
   return run;
 }
@@ -66,44 +71,4 @@ function interleaved(codes, nodes) {
     }
   }
   return out;
-}
-
-/** Position of a node in a row of positions: row 0 is the reference configuration, row k + 1 frame k. */
-function placeOf(animation, row, node) {
-  const k = 3 * (row * animation.nodes + node);
-  return [0, 1, 2].map((a) => animation.corner[a] + (animation.positions[k + a] / 65535) * animation.edges[a]);
-}
-
-/** The size of the displacement as a field, from the positions. */
-function displacement(animation) {
-  const { nodes, positions, edges } = animation;
-  const frames = animation.times.length;
-  const values = new Float32Array(nodes * frames);
-  let largest = 0;
-  for (let k = 0; k < values.length; k++) {
-    const node = k % nodes;
-    let square = 0;
-    for (let a = 0; a < 3; a++) {
-      const move = ((positions[3 * (nodes + k) + a] - positions[3 * node + a]) / 65535) * edges[a];
-      square += move * move;
-    }
-    values[k] = Math.sqrt(square);
-    largest = Math.max(largest, values[k]);
-  }
-  return { label: 'displacement', largest, range: [0, largest], values };
-}
-
-/** Values of a field, frame after frame; NaN where there is none. They are made when they are first asked for. */
-function valuesOf(field) {
-  if (!field.values) {
-    const value = (code) => {
-      if (code === 0) return NaN;
-      const signed = code - 2048;
-      if (field.largest === null) return signed;
-      const root = signed / 2047;
-      return field.largest * root * Math.abs(root);
-    };
-    field.values = Float32Array.from(field.codes, value);
-  }
-  return field.values;
 }

@@ -1,71 +1,13 @@
 'use strict';
 // Draws the bodies of a run at any time of it with WebGL2.
 //
-// The positions of all frames are in one buffer. Two of them are bound at once and mixed by the vertex shader, so that a frame costs
+// The displacements of all frames are in one buffer. Two of them are bound at once and mixed by the vertex shader, so that a frame costs
 // no copy; facets are lit by their own normal, which the fragment shader takes from the derivatives of the place.
 
-const VERTEX = `#version 300 es
-in vec3 before, after;
-in float value0, value1;
-uniform float part, pointSize;
-uniform vec3 corner, edges;
-uniform vec2 shift;
-uniform mat4 view, projection;
-out vec3 world, seen;
-out float value, known;
-void main() {
-  world = corner + edges * mix(before, after, part);
-  vec4 place = view * vec4(world, 1.0);
-  seen = place.xyz;
-  known = float(abs(value0) < 1e37 && abs(value1) < 1e37);
-  value = known > 0.5 ? mix(value0, value1, part) : 0.0;
-  gl_Position = projection * place;
-  gl_Position.xy += shift * gl_Position.w;
-  gl_PointSize = pointSize;
-}`;
-
-const FRAGMENT = `#version 300 es
-precision highp float;
-in vec3 world, seen;
-in float value, known;
-uniform vec4 colour, clip;
-uniform vec2 range;
-uniform bool byField, isLit, isRound;
-uniform sampler2D map;
-out vec4 result;
-void main() {
-  if (dot(clip.xyz, world) > clip.w) discard;
-  if (isRound && length(gl_PointCoord - 0.5) > 0.5) discard;
-  if (isRound && length(gl_PointCoord - 0.5) > 0.36) {
-    result = vec4(0.2, 0.23, 0.28, 1.0);
-    return;
-  }
-  vec3 base = colour.rgb;
-  if (byField && known > 0.999) base = texture(map, vec2((value - range.x) / (range.y - range.x), 0.5)).rgb;
-  if (isLit) {
-    vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
-    vec3 light = normalize(vec3(0.25, 0.45, 1.0));
-    base *= 0.45 + 0.6 * abs(dot(normal, light));
-  }
-  result = vec4(base, colour.a);
-}`;
-
-/** Stops of the colour map, darker at every stop: that of the pictures (`paint/colour.rs`). */
-const STOPS = [[233, 237, 242], [250, 222, 150], [247, 172, 76], [226, 103, 60], [172, 42, 80], [88, 18, 84]];
-const GREY = [0.75, 0.78, 0.81, 1];
-const BODIES = [[0.55, 0.68, 0.8, 1], [0.85, 0.72, 0.52, 1], [0.6, 0.75, 0.6, 1], [0.78, 0.62, 0.72, 1], [0.7, 0.7, 0.74, 1]];
 /** Pixels by which a line is moved to become thick, and wider. */
 const THICK = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]];
 const WIDE = [[2, 0], [-2, 0], [0, 2], [0, -2], [1.4, 1.4], [1.4, -1.4], [-1.4, 1.4], [-1.4, -1.4]];
-/** No number, for the graphics card. */
-const NONE = 1e38;
-
-/** Colour of the map at a part between 0 and 1, as three numbers up to 255. */
-function mapColour(part) {
-  const place = Math.min(Math.max(part, 0), 1) * (STOPS.length - 1);
-  const low = Math.min(Math.floor(place), STOPS.length - 2);
-  return mixed(STOPS[low], STOPS[low + 1], place - low).map(Math.round);
-}
+const NO_PLANE = [0, 0, 0, 1];
 
 class Viewer {
   /** Throws if there is no WebGL2. */
@@ -75,28 +17,16 @@ class Viewer {
     const gl = canvas.getContext('webgl2', { antialias: !isSoftware(), alpha: false });
     if (!gl) throw new Error('this browser has no WebGL2, so that there is no animation');
     this.gl = gl;
-    this.program = programOf(gl, VERTEX, FRAGMENT);
-    const uniforms = gl.getProgramParameter(this.program, gl.ACTIVE_UNIFORMS);
-    this.at = {};
-    for (let k = 0; k < uniforms; k++) {
-      const { name } = gl.getActiveUniform(this.program, k);
-      this.at[name] = gl.getUniformLocation(this.program, name);
-    }
-    this.attributes = ['before', 'after', 'value0', 'value1'].map((name) => gl.getAttribLocation(this.program, name));
-    this.makeMap();
+    [this.ofBodies, this.free, this.ofArrows] = [BODY, FREE, ARROW].map((vertex) => programOf(gl, vertex));
+    makeMap(gl);
+    this.arrow = this.buffer(gl.ARRAY_BUFFER, Float32Array.from(SHAPE.flat()));
+    this.moving = gl.createBuffer();
     /** What is shown; the page's controls change it. */
-    this.show = { field: -1, range: 'run', fixed: [0, 1], mesh: true, outline: false, hidden: new Set(), clip: null };
+    this.show = {
+      field: -1, range: 'typical', fixed: [0, 1], mesh: true, outline: false, hidden: new Set(), clip: null, isFilled: true,
+      enlarged: 1, arrows: null, copies: { mirrors: [null, null, null], count: 1, axis: 2 },
+    };
     this.time = 0;
-  }
-
-  makeMap() {
-    const gl = this.gl;
-    const texels = new Uint8Array(4 * 256);
-    for (let k = 0; k < 256; k++) texels.set([...mapColour(k / 255), 255], 4 * k);
-    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, texels);
-    for (const name of ['TEXTURE_WRAP_S', 'TEXTURE_WRAP_T']) gl.texParameteri(gl.TEXTURE_2D, gl[name], gl.CLAMP_TO_EDGE);
-    for (const name of ['TEXTURE_MIN_FILTER', 'TEXTURE_MAG_FILTER']) gl.texParameteri(gl.TEXTURE_2D, gl[name], gl.LINEAR);
   }
 
   /** Takes another run. */
@@ -104,7 +34,8 @@ class Viewer {
     const gl = this.gl;
     for (const buffer of this.buffers ?? []) gl.deleteBuffer(buffer);
     this.run = animation;
-    this.positions = this.buffer(gl.ARRAY_BUFFER, animation.positions);
+    this.reference = this.buffer(gl.ARRAY_BUFFER, animation.reference);
+    this.displacement = this.buffer(gl.ARRAY_BUFFER, animation.displacement);
     this.values = this.buffer(gl.ARRAY_BUFFER, new Float32Array(animation.nodes * animation.times.length));
     this.triangles = this.buffer(gl.ELEMENT_ARRAY_BUFFER, trianglesOf(animation.facets));
     const sides = animation.bodies.map((body) => sidesOf(animation, body));
@@ -112,9 +43,15 @@ class Viewer {
     this.outlines = this.elements(sides.map((side) => side.sharp));
     this.segments = this.buffer(gl.ELEMENT_ARRAY_BUFFER, animation.segments);
     this.points = this.buffer(gl.ELEMENT_ARRAY_BUFFER, animation.points);
-    this.buffers = [this.positions, this.values, this.triangles, this.sides.buffer, this.outlines.buffer, this.segments, this.points];
+    this.buffers = [
+      this.reference, this.displacement, this.values, this.triangles, this.sides.buffer, this.outlines.buffer, this.segments, this.points,
+    ];
+    this.outer = animation.bodies.map((body) => outerNodes(animation, body));
+    this.whole = animation.bodies.map((body) => nodesOf(animation, body));
+    this.known = {};
     this.show.hidden.clear();
     this.setField(this.show.field);
+    this.resize();
     this.home();
   }
 
@@ -134,19 +71,54 @@ class Viewer {
     return { starts, buffer: this.buffer(this.gl.ELEMENT_ARRAY_BUFFER, all) };
   }
 
+  /** The field that colours, or nothing. */
+  field() {
+    return this.run.fields[this.show.field];
+  }
+
   /** Colours by the field of that number; -1 by bodies. */
   setField(number) {
     this.show.field = number < this.run.fields.length ? number : -1;
-    if (this.show.field < 0) return;
-    const values = valuesOf(this.run.fields[this.show.field]).map((value) => (Number.isNaN(value) ? NONE : value));
+    if (!this.field()) return;
+    const values = valuesOf(this.field(), this.run).map((value) => (Number.isNaN(value) ? NONE : value));
     this.gl.bindBuffer(this.gl.ARRAY_BUFFER, this.values);
     this.gl.bufferData(this.gl.ARRAY_BUFFER, values, this.gl.STATIC_DRAW);
   }
 
+  /** Takes account of another enlargement or of other copies. */
+  resize() {
+    this.copies = copiesOf(this.show.copies);
+    [this.low, this.high] = boxOfCopies(this.copies, boxOf(this.run, this.show.enlarged));
+  }
+
+  /** Length of the diagonal of all that moves. */
+  extent() {
+    return size(subtract(this.high, this.low));
+  }
+
+  aspect() {
+    return this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1);
+  }
+
   /** Looks at all that moves, from the same side. */
   home() {
-    this.camera.show(this.run.corner, this.run.edges, this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1));
+    this.camera.show(this.low, subtract(this.high, this.low), this.aspect());
     this.atHome = JSON.stringify(this.camera);
+  }
+
+  /** Looks at what is shown at this moment, from the same side. */
+  fit() {
+    const places = this.places();
+    const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    for (const node of this.shownNodes()) {
+      for (let k = 0; k < 3; k++) {
+        low[k] = Math.min(low[k], places[3 * node + k]);
+        high[k] = Math.max(high[k], places[3 * node + k]);
+      }
+    }
+    if (low[0] > high[0]) return;
+    const [from, to] = boxOfCopies(this.copies, [low, high]);
+    this.camera.show(from, subtract(to, from), this.aspect());
   }
 
   /** Whether the camera is where it was put, and not where somebody has moved it. */
@@ -157,45 +129,105 @@ class Viewer {
   /** Frame before the time and the part of the way to the next one. */
   moment() {
     const times = this.run.times;
-    let frame = 0;
-    for (let low = 0, high = times.length - 1; low <= high;) {
-      const middle = (low + high) >> 1;
-      if (times[middle] <= this.time) [frame, low] = [middle, middle + 1];
-      else high = middle - 1;
-    }
+    const frame = Math.max(placeIn(times, this.time), 0);
     if (frame + 1 >= times.length) return { frame, next: frame, part: 0 };
     const part = (this.time - times[frame]) / (times[frame + 1] - times[frame]);
     return { frame, next: frame + 1, part: Math.min(Math.max(part, 0), 1) };
   }
 
-  /** Where a node is. */
+  /** What was made for this moment and these settings, or is made now. */
+  once(name, key, make) {
+    const found = this.known[name];
+    if (found?.key !== key) this.known[name] = { key, value: make(found?.value) };
+    return this.known[name].value;
+  }
+
+  /** Where all nodes are drawn, or are with displacements times a factor, three numbers each. */
+  places(enlarged = this.show.enlarged) {
+    const { run } = this;
+    return this.once(enlarged === this.show.enlarged ? 'places' : 'other places', `${this.time} ${enlarged}`, (old) => {
+      const out = old ?? new Float32Array(3 * run.nodes);
+      const { frame, next, part } = this.moment();
+      const rows = [frame, next].map((row) => 3 * row * run.nodes);
+      for (let k = 0; k < out.length; k++) {
+        const axis = k % 3;
+        const moved = (1 - part) * run.displacement[rows[0] + k] + part * run.displacement[rows[1] + k];
+        out[k] = run.corner[axis] + (run.reference[k] / 65535) * run.edges[axis] + (enlarged * run.largest[axis] * moved) / 32767;
+      }
+      return out;
+    });
+  }
+
+  /** Where a node is drawn. */
   place(node) {
+    return add(referenceOf(this.run, node), scaled(this.moved(node), this.show.enlarged));
+  }
+
+  /** Displacement of a node. */
+  moved(node) {
     const { frame, next, part } = this.moment();
-    return mixed(placeOf(this.run, frame + 1, node), placeOf(this.run, next + 1, node), part);
+    return mixed(movedOf(this.run, frame, node), movedOf(this.run, next, node), part);
+  }
+
+  /** Between two frames; a number of a state is that of the nearer one. */
+  between(field, a, b) {
+    const { part } = this.moment();
+    if (field.array.isWhole) return part < 0.5 ? a : b;
+    return part === 0 ? a : a + part * (b - a);
   }
 
   /** Value of a field at a node. */
   value(field, node) {
-    const { frame, next, part } = this.moment();
-    const values = valuesOf(field);
-    const [a, b] = [values[frame * this.run.nodes + node], values[next * this.run.nodes + node]];
-    if (field.largest === null) return part < 0.5 ? a : b;
-    return a + part * (b - a);
+    const { frame, next } = this.moment();
+    return this.between(field, valueAt(field, frame * this.run.nodes + node), valueAt(field, next * this.run.nodes + node));
+  }
+
+  /** Values of the field that colours at all nodes. */
+  now() {
+    const { run } = this;
+    const field = this.field();
+    return this.once('now', `${this.time} ${this.show.field}`, (old) => {
+      const out = old ?? new Float32Array(run.nodes);
+      if (!field) return out.fill(NaN);
+      const values = valuesOf(field, run);
+      const { frame, next } = this.moment();
+      for (let node = 0; node < run.nodes; node++) {
+        out[node] = this.between(field, values[frame * run.nodes + node], values[next * run.nodes + node]);
+      }
+      return out;
+    });
+  }
+
+  /** Nodes of the bodies that are not hidden, inside and outside. */
+  * shownNodes() {
+    for (let k = 0; k < this.whole.length; k++) if (!this.show.hidden.has(k)) yield* this.whole[k];
+  }
+
+  /** Nodes with the smallest and the largest value of the field among those on this side of the plane; nothing without any. */
+  extremes() {
+    const [values, places] = [this.now(), this.places()];
+    const [x, y, z, offset] = this.clip();
+    let [low, high] = [-1, -1];
+    for (const node of this.shownNodes()) {
+      const value = values[node];
+      if (Number.isNaN(value) || x * places[3 * node] + y * places[3 * node + 1] + z * places[3 * node + 2] > offset) continue;
+      if (low < 0 || value < values[low]) low = node;
+      if (high < 0 || value > values[high]) high = node;
+    }
+    return low < 0 ? null : [low, high].map((node) => ({ node, value: values[node] }));
   }
 
   /** Values at the two ends of the colour bar. */
   range() {
-    const field = this.run.fields[this.show.field];
+    const field = this.field();
     if (!field) return [0, 1];
-    let [low, high] = this.show.range === 'fixed' ? this.show.fixed : field.range;
-    if (this.show.range === 'frame') {
-      const { frame } = this.moment();
-      [low, high] = [Infinity, -Infinity];
-      for (const value of valuesOf(field).subarray(frame * this.run.nodes, (frame + 1) * this.run.nodes)) {
-        if (value < low) low = value;
-        if (value > high) high = value;
-      }
-    }
+    const ranges = {
+      fixed: () => this.show.fixed,
+      frame: () => endsOf(this.now()),
+      run: () => rangeOf(field, this.run),
+      typical: () => typicalRange(field, this.run),
+    };
+    const [low, high] = ranges[this.show.range]();
     // A constant is in the middle of the colours.
     const around = low < high ? 0 : (Math.abs(low) || 1) * 1e-6;
     return [low - around, low < high ? high : low + around];
@@ -204,11 +236,11 @@ class Viewer {
   /** The clip plane: what lies beyond `normal . x = offset` is left out. */
   clip() {
     const { clip } = this.show;
-    if (!clip) return [0, 0, 0, 1];
+    if (!clip) return NO_PLANE;
     const sign = clip.flipped ? -1 : 1;
     const normal = [0, 0, 0];
     normal[clip.axis] = sign;
-    return [...normal, sign * (this.run.corner[clip.axis] + clip.part * this.run.edges[clip.axis])];
+    return [...normal, sign * (this.low[clip.axis] + clip.part * (this.high[clip.axis] - this.low[clip.axis]))];
   }
 
   matrices() {
@@ -226,24 +258,8 @@ class Viewer {
     return [(0.5 + (0.5 * row(0)) / w) * this.canvas.clientWidth, (0.5 - (0.5 * row(1)) / w) * this.canvas.clientHeight];
   }
 
-  /** Binds positions of two rows and values of two frames. */
-  bind(rows, frames) {
-    const gl = this.gl;
-    const [before, after, value0, value1] = this.attributes;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.positions);
-    [before, after].forEach((attribute, k) => {
-      gl.enableVertexAttribArray(attribute);
-      gl.vertexAttribPointer(attribute, 3, gl.UNSIGNED_SHORT, true, 6, rows[k] * this.run.nodes * 6);
-    });
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.values);
-    [value0, value1].forEach((attribute, k) => {
-      gl.enableVertexAttribArray(attribute);
-      gl.vertexAttribPointer(attribute, 1, gl.FLOAT, false, 4, frames[k] * this.run.nodes * 4);
-    });
-  }
-
   draw() {
-    const { gl, at, run, show } = this;
+    const { gl, show } = this;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight].map((n) => Math.max(1, Math.round(n * ratio)));
     if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
@@ -253,38 +269,83 @@ class Viewer {
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    gl.useProgram(this.program);
-    const { view, projection } = this.matrices();
+    this.frame = { ...this.matrices(), range: this.range(), clip: this.clip(), ratio };
+    for (const copy of this.copies) {
+      this.drawBodies(copy);
+      if (show.clip && show.isFilled) this.drawCut(copy);
+    }
+    if (show.arrows) for (const copy of this.copies) this.drawArrows(copy);
+  }
+
+  /** Takes a program for the present picture. */
+  use(program, copy) {
+    const gl = this.gl;
+    this.program = program;
+    gl.useProgram(program.program);
+    const { at } = program;
+    const { view, projection, range, clip } = this.frame;
     gl.uniformMatrix4fv(at.view, false, view);
     gl.uniformMatrix4fv(at.projection, false, projection);
-    gl.uniform3fv(at.corner, run.corner);
-    gl.uniform3fv(at.edges, run.edges);
-    gl.uniform4fv(at.clip, this.clip());
-    gl.uniform2fv(at.range, this.range());
-    const { frame, next, part } = this.moment();
-    gl.uniform1f(at.part, part);
-    this.bind([frame + 1, next + 1], [frame, next]);
-    const shown = run.bodies.map((body, k) => [body, k]).filter(([, k]) => !show.hidden.has(k));
-    for (const [body, k] of shown) this.drawSurface(body, k);
-    for (const [body, k] of shown) this.drawLines(body, k, ratio);
-    if (show.outline) {
-      gl.uniform1f(at.part, 0);
-      this.bind([0, 0], [0, 0]);
-      for (const [, k] of shown) {
-        this.drawSides(this.sides, k, [0.25, 0.35, 0.55, 0.15]);
-        this.drawSides(this.outlines, k, [0.25, 0.35, 0.55, 0.8]);
-      }
+    gl.uniformMatrix4fv(at.copy, false, copy);
+    gl.uniform4fv(at.clip, clip);
+    gl.uniform2fv(at.range, range);
+  }
+
+  /** Takes an attribute of the present program from a buffer; it stands again after `stride` bytes. */
+  take(name, buffer, [count, type, isNormal], stride = 0, start = 0, divisor = 0) {
+    const gl = this.gl;
+    const place = this.program.takes[name];
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.enableVertexAttribArray(place);
+    gl.vertexAttribPointer(place, count, type, isNormal, stride, start);
+    gl.vertexAttribDivisor(place, divisor);
+  }
+
+  /** Forgets the attributes of the present program. */
+  leave() {
+    for (const place of Object.values(this.program.takes)) {
+      this.gl.vertexAttribDivisor(place, 0);
+      this.gl.disableVertexAttribArray(place);
     }
   }
 
   /** Sets what the fragment shader does. */
   paint(colour, { byField = false, isLit = false, isRound = false, shift = [0, 0] } = {}) {
-    const { gl, at } = this;
+    const { gl, program: { at } } = this;
     gl.uniform4fv(at.colour, colour);
     gl.uniform1i(at.byField, byField ? 1 : 0);
     gl.uniform1i(at.isLit, isLit ? 1 : 0);
     gl.uniform1i(at.isRound, isRound ? 1 : 0);
-    gl.uniform2fv(at.shift, shift);
+    if (at.shift) gl.uniform2fv(at.shift, shift);
+  }
+
+  drawBodies(copy) {
+    const { gl, run, show } = this;
+    this.use(this.ofBodies, copy);
+    const { at } = this.program;
+    gl.uniform3fv(at.corner, run.corner);
+    gl.uniform3fv(at.edges, run.edges);
+    gl.uniform3fv(at.largest, run.largest);
+    gl.uniform1f(at.enlarged, show.enlarged);
+    const { frame, next, part } = this.moment();
+    gl.uniform1f(at.part, part);
+    this.take('reference', this.reference, [3, gl.UNSIGNED_SHORT, true], 6);
+    const rows = [['before', 'value0', frame], ['after', 'value1', next]];
+    for (const [moved, value, row] of rows) {
+      this.take(moved, this.displacement, [3, gl.SHORT, true], 6, 6 * row * run.nodes);
+      this.take(value, this.values, [1, gl.FLOAT, false], 4, 4 * row * run.nodes);
+    }
+    const shown = run.bodies.map((body, k) => [body, k]).filter(([, k]) => !show.hidden.has(k));
+    for (const [body, k] of shown) this.drawSurface(body, k);
+    for (const [body, k] of shown) this.drawLines(body, k);
+    if (show.outline) {
+      gl.uniform1f(at.enlarged, 0);
+      for (const [, k] of shown) {
+        this.drawSides(this.sides, k, [0.25, 0.35, 0.55, 0.15]);
+        this.drawSides(this.outlines, k, [0.25, 0.35, 0.55, 0.8]);
+      }
+    }
+    this.leave();
   }
 
   drawSurface(body, k) {
@@ -307,8 +368,8 @@ class Viewer {
   }
 
   /** Lines of beams and strings, made thick by drawing them several times beside each other, over a wider dark line; and single points. */
-  drawLines(body, k, ratio) {
-    const { gl, at, canvas } = this;
+  drawLines(body, k) {
+    const { gl, canvas, frame: { ratio } } = this;
     const byField = this.show.field >= 0;
     const colour = byField ? GREY : BODIES[k % BODIES.length];
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.segments);
@@ -322,99 +383,64 @@ class Viewer {
     draw([0.2, 0.23, 0.28, 1], WIDE);
     gl.depthMask(true);
     draw(colour, THICK);
-    gl.uniform1f(at.pointSize, 12 * ratio);
+    gl.uniform1f(this.program.at.pointSize, 12 * ratio);
     this.paint(colour, { byField, isRound: true });
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.points);
     gl.drawElements(gl.POINTS, body.points[1], gl.UNSIGNED_INT, 4 * body.points[0]);
   }
 
-  /** Body and node that are seen at a place of the picture (pixels of the page); nothing where there is none. */
-  pick(x, y) {
-    const { run, camera } = this;
-    const places = Array.from({ length: run.nodes }, (_, node) => this.place(node));
-    const { right, up, eye } = camera.axes();
-    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    const { projection } = this.matrices();
-    const from = add(camera.target, scaled(eye, camera.distance));
-    const side = add(scaled(right, ((2 * x) / width - 1) / projection[0]), scaled(up, (1 - (2 * y) / height) / projection[5]));
-    const along = subtract(side, eye);
-    const [nx, ny, nz, offset] = this.clip();
-    let best = { distance: Infinity };
+  /** Fills the cut of the clip plane through the bodies. */
+  drawCut(copy) {
+    const { gl, run, show } = this;
+    const cut = new Cut(run, this.places(), this.now());
+    cut.at(planeBack(copy, this.clip()));
+    const byField = show.field >= 0;
+    const colours = [];
     run.bodies.forEach((body, k) => {
-      if (this.show.hidden.has(k)) return;
-      for (let f = body.facets[0]; f < body.facets[0] + body.facets[1]; f++) {
-        const nodes = run.facets.subarray(4 * f, 4 * f + 4);
-        const [a, b, c, d] = Array.from(nodes, (node) => places[node]);
-        const distance = hit(from, along, a, b, c) ?? hit(from, along, a, c, d);
-        if (distance === null || distance >= best.distance) continue;
-        const place = add(from, scaled(along, distance));
-        if (dot([nx, ny, nz], place) > offset) continue;
-        const far = (node) => size(subtract(places[node], place));
-        best = { distance, body: k, node: nodes.reduce((near, node) => (far(node) < far(near) ? node : near)) };
-      }
-      const ends = run.segments.subarray(2 * body.segments[0], 2 * (body.segments[0] + body.segments[1]));
-      for (const node of [...ends, ...run.points.subarray(body.points[0], body.points[0] + body.points[1])]) {
-        const seen = this.project(places[node]);
-        const distance = dot(subtract(from, places[node]), eye);
-        if (seen && Math.hypot(seen[0] - x, seen[1] - y) < 9 && distance < best.distance) best = { distance, body: k, node };
-      }
+      if (show.hidden.has(k)) return;
+      const start = cut.triangles.count;
+      cut.through(body.elements);
+      colours.push([byField ? GREY : BODIES[k % BODIES.length], start, cut.triangles.count - start]);
     });
-    return best.node === undefined ? null : { body: best.body, node: best.node };
-  }
-}
-
-/** Whether WebGL is drawn by the processor, for which smooth edges double the cost of a frame. */
-function isSoftware() {
-  const gl = document.createElement('canvas').getContext('webgl2');
-  if (!gl) return false;
-  const more = gl.getParameter(gl.RENDERER) === 'WebKit WebGL' && gl.getExtension('WEBGL_debug_renderer_info');
-  const name = gl.getParameter(more ? more.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
-  return /swiftshader|llvmpipe|software/i.test(name);
-}
-
-function programOf(gl, vertex, fragment) {
-  const program = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-    const shader = gl.createShader(kind);
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-  return program;
-}
-
-/** Two triangles a facet; the second one of a triangle is empty. */
-function trianglesOf(facets) {
-  const out = new Uint32Array((facets.length / 4) * 6);
-  for (let f = 0; f < facets.length / 4; f++) {
-    const [a, b, c, d] = facets.subarray(4 * f, 4 * f + 4);
-    out.set([a, b, c, a, c, d], 6 * f);
-  }
-  return out;
-}
-
-/** Sides of a body's facets that are edges of elements, each once: all of them, and those with one facet only or with an angle above 30 degrees in the reference configuration. */
-function sidesOf(run, body) {
-  const normals = new Map();
-  for (let f = body.facets[0]; f < body.facets[0] + body.facets[1]; f++) {
-    const nodes = run.facets.subarray(4 * f, 4 * f + 4);
-    const [a, b, c, d] = Array.from(nodes, (node) => placeOf(run, 0, node));
-    const normal = cross(subtract(c, a), subtract(d, b));
-    for (let k = 0; k < 4; k++) {
-      const [p, q] = [nodes[k], nodes[(k + 1) % 4]];
-      if (p === q || !((run.sides[f] >> k) & 1)) continue;
-      const key = p < q ? p * run.nodes + q : q * run.nodes + p;
-      const found = normals.get(key);
-      if (found) found.push(normal);
-      else normals.set(key, [normal]);
+    this.use(this.free, copy);
+    gl.uniform4fv(this.program.at.clip, NO_PLANE);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 1);
+    this.stream(cut.triangles.all());
+    this.take('vertex', this.moving, [4, gl.FLOAT, false]);
+    for (const [colour, start, count] of colours) {
+      this.paint(colour, { byField, isLit: true });
+      gl.drawArrays(gl.TRIANGLES, start, count);
     }
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    if (show.mesh) {
+      this.stream(cut.lines.all());
+      this.take('vertex', this.moving, [4, gl.FLOAT, false]);
+      this.paint([0.1, 0.12, 0.18, 0.22]);
+      gl.drawArrays(gl.LINES, 0, cut.lines.count);
+    }
+    this.leave();
   }
-  const isSharp = ([a, b]) => !b || dot(a, b) < Math.cos(Math.PI / 6) * size(a) * size(b);
-  const ends = (key) => [Math.floor(key / run.nodes), key % run.nodes];
-  const segments = Array.from(run.segments.subarray(2 * body.segments[0], 2 * (body.segments[0] + body.segments[1])));
-  const sharp = [...normals].filter(([, found]) => isSharp(found)).flatMap(([key]) => ends(key));
-  return { all: [...normals.keys()].flatMap(ends), sharp: sharp.concat(segments) };
+
+  /** Puts numbers of this picture into the buffer for them. */
+  stream(data) {
+    this.gl.bindBuffer(this.gl.ARRAY_BUFFER, this.moving);
+    this.gl.bufferData(this.gl.ARRAY_BUFFER, data, this.gl.STREAM_DRAW);
+  }
+
+  /** Arrows are seen through bodies: contact is between them. */
+  drawArrows(copy) {
+    const gl = this.gl;
+    const arrows = arrowsAt(this, this.show.arrows, this.extent());
+    this.use(this.ofArrows, copy);
+    this.stream(arrows);
+    this.take('tail', this.moving, [3, gl.FLOAT, false], 24, 0, 1);
+    this.take('way', this.moving, [3, gl.FLOAT, false], 24, 12, 1);
+    this.take('corner', this.arrow, [2, gl.FLOAT, false]);
+    this.paint([0.13, 0.3, 0.55, 0.9]);
+    gl.disable(gl.DEPTH_TEST);
+    gl.drawArraysInstanced(gl.TRIANGLES, 0, SHAPE.length, arrows.length / 6);
+    gl.enable(gl.DEPTH_TEST);
+    this.leave();
+  }
 }
