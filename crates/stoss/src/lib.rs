@@ -76,6 +76,8 @@ mod regular;
 #[cfg(feature = "output")]
 pub mod run;
 #[cfg(feature = "output")]
+pub mod setup;
+#[cfg(feature = "output")]
 pub mod sweep;
 #[cfg(feature = "output")]
 mod terms;

@@ -93,7 +93,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, RunError> {
     })
 }
 
-fn load(path: &Path, laws: &OwnLaws, set: &[(String, String)]) -> Result<(Scene, Built), RunError> {
+pub(crate) fn load(path: &Path, laws: &OwnLaws, set: &[(String, String)]) -> Result<(Scene, Built), RunError> {
     let text = read_text(path)?;
     let scene =
         crate::scene::parse_set(&text, &path.display().to_string(), &laws.names(), set).map_err(RunError::Scene)?;
@@ -123,7 +123,7 @@ pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event
 }
 
 /// The folder that mesh files of a scene are sought in.
-fn scene_folder(path: &Path) -> &Path {
+pub(crate) fn scene_folder(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new("."))
 }
 
@@ -198,27 +198,37 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
 /// As [`check_scene`].
 pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, RunError> {
     let (scene, built) = load(path, &options.laws, &options.set)?;
-    let mut lines = plan_lines(&scene, &built);
-    lines.extend(left_out::notes(&scene).into_iter().map(|note| format!("  {note}")));
+    Ok(PlanReport { lines: report_lines(path, options, &scene, &built)? })
+}
+
+/// The plan of a scene that was built, and what is to be said about it.
+pub(crate) fn report_lines(
+    path: &Path,
+    options: &RunOptions,
+    scene: &Scene,
+    built: &Built,
+) -> Result<Vec<String>, RunError> {
+    let mut lines = plan_lines(scene, built);
+    lines.extend(left_out::notes(scene).into_iter().map(|note| format!("  {note}")));
     lines.extend(built.warnings.iter().map(|w| format!("  warning: {w}")));
-    let start = judge_start(&built.simulation, &scene, &built.drawing)?;
+    let start = judge_start(&built.simulation, scene, &built.drawing)?;
     lines.extend(start.reasons.iter().map(|found| format!("  warning: {}", found.sentence)));
     // Densities that are unusual in the units of the scene, and all other causes, have warnings of their own.
     let told = built.warnings.iter().any(|warning| warning.contains(crate::build::DENSITY.noun));
-    for found in diagnose_start(path, options, &scene, &built)?.findings {
+    for found in diagnose_start(path, options, scene, built)?.findings {
         if found.cause == Cause::Density && found.confidence >= Confidence::Medium && !told {
             let remedy = found.remedies.first().map(|remedy| format!("; {}", remedy.text)).unwrap_or_default();
             lines.push(format!("  warning: {}{remedy}", found.sentence));
         }
     }
-    lines.push(match left_out::count(&scene) {
+    lines.push(match left_out::count(scene) {
         0 => "no problems found".to_owned(),
         n => format!(
             "the scene can run, but lacks {n} {} that its deck has ([[left_out]], severity \"missing\"): the verdict of a run is at best doubtful",
             if n == 1 { "thing" } else { "things" }
         ),
     });
-    Ok(PlanReport { lines })
+    Ok(lines)
 }
 
 /// Whether systems of a run are solved by iteration: without multipliers, and with all that may be.

@@ -297,6 +297,14 @@ pub(crate) fn placed_parts(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Vec<
     placed
 }
 
+/// As [`placed_parts`], with the sets that the scene defines by expressions.
+#[cfg(feature = "output")]
+pub(crate) fn named_parts(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Vec<Placed> {
+    let mut placed = placed_parts(scene, folder, laws);
+    sets::add(scene, &mut placed, &mut Problems { scene, list: Vec::new() });
+    placed
+}
+
 /// What the names of a scene are in the model: loads and contacts as in the scene, prescriptions where they were put.
 fn named(scene: &Scene, prescribed: &BTreeMap<usize, Named>, parts: &multibody::Parts) -> BTreeMap<String, Named> {
     let loads = scene.loads.iter().enumerate().filter_map(|(l, load)| Some((load.name.clone()?, Named::Load(l))));

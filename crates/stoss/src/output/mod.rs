@@ -16,6 +16,7 @@ mod means;
 mod promises;
 mod rows;
 mod settings;
+mod start;
 mod summary;
 mod systems;
 mod table;
@@ -37,5 +38,6 @@ pub use summary::{Memory, Outcome, Summary, WatchSummary};
 pub use watch::{Watched, judge_folder};
 
 pub(crate) use promises::{changed_by, promises};
+pub(crate) use start::write_start;
 pub(crate) use systems::SystemWriter;
 pub(crate) use watch::{contact_bodies, judge_start};

@@ -156,6 +156,7 @@ class App {
       const known = series.filter(({ y }) => y.some((value) => value !== null));
       if (known.length) charts.push(chart(array.label, fields[0].unit, known));
     }
+    this.panels.tab('Node').prepend(this.panels.values);
     this.panels.replace('Node', charts);
   }
 
@@ -182,29 +183,31 @@ class App {
     this.overlay.draw();
   }
 
-  /** Place, displacement and values of the picked node. */
+  /** Place and displacement of the picked node with the value that is shown; all its values in the panel. */
   drawPicked() {
     if (!this.picked) return byId('picked').replaceChildren();
     const { node } = this.picked;
     const { animation } = this.run;
-    const moved = this.viewer.moved(node);
     const length = unitOf(this.run, 'length');
-    const short = (value) => text(Number(value.toPrecision(3)));
-    const field = this.viewer.field();
-    const rows = [[withUnit('position', length), add(referenceOf(animation, node), moved).map(text).join('  ')]];
-    if (field) rows.unshift([withUnit(field.label, field.unit), element('td', {}, [element('b', { textContent: text(this.viewer.value(field, node)) })])]);
+    const place = [withUnit('position', length), add(referenceOf(animation, node), this.viewer.moved(node)).map(text).join('  ')];
+    const rows = [];
     for (const array of animation.arrays) {
       const fields = animation.fields.filter((found) => found.array === array && (array.read.length === 1 || found.part.kind === 'component'));
       const values = fields.map((found) => this.viewer.value(found, node));
-      if (fields.length && fields[0] !== field && !values.every(Number.isNaN)) rows.push([withUnit(array.label, fields[0].unit), values.map(short).join('  ')]);
+      if (!values.every(Number.isNaN)) rows.push([withUnit(array.label, fields[0].unit), values.map(text).join('  ')]);
     }
-    byId('picked').replaceChildren(element('b', { textContent: this.nameOf(this.picked) }), table(rows));
+    const field = this.viewer.field();
+    const shown = field ? [[withUnit(field.label, field.unit), text(this.viewer.value(field, node))]] : [];
+    const name = () => element('b', { textContent: this.nameOf(this.picked) });
+    byId('picked').replaceChildren(name(), table([...shown, place, rows[0]]));
+    this.panels.values.replaceChildren(name(), table([place, ...rows]));
   }
 
   resized() {
     if (this.isAnimated() && this.viewer.isHome()) this.viewer.home();
     this.panels.redraw();
-    this.redraw();
+    // At once: the browser is about to show the picture in its new size.
+    this.draw();
   }
 }
 

@@ -93,7 +93,7 @@ class Chart {
       plot.setPointerCapture(event.pointerId);
     };
     plot.onpointermove = (event) => {
-      this.tell(this.timeAt(at(event)), at(event));
+      this.tell(this.follows() ? this.timeAt(at(event)) : this.placeAt(at(event)), at(event));
       if (start === null) return;
       const [a, b] = [start, at(event)].sort((p, q) => p - q);
       Object.assign(this.selection.style, { left: `${a}px`, width: `${b - a}px` });
@@ -105,7 +105,9 @@ class Chart {
       if (b - a < 5) this.seek(this.timeAt(b));
       else this.zoom([this.placeAt(a), this.placeAt(b)]);
     };
-    plot.onpointerleave = () => this.tell(this.time, null);
+    plot.onpointerleave = () => {
+      if (this.time !== undefined) this.tell(this.time, null);
+    };
     plot.ondblclick = () => this.zoom(null);
   }
 
@@ -211,7 +213,7 @@ class Chart {
       }
     }
     pen.restore();
-    this.setTime(this.time ?? left);
+    if (this.follows() || this.time !== undefined) this.setTime(this.time ?? left);
   }
 
   drawAxes(pen, { left, right, low, high, X, Y, width, height }) {

@@ -13,8 +13,14 @@ class Controls {
     byId('scrub').oninput = () => app.setTime(Number(byId('scrub').value));
     byId('field').onchange = () => app.setField(Number(byId('field').value));
     for (const id of ['range', 'low', 'high', 'offset', 'own']) byId(id).oninput = () => this.apply();
-    for (const id of ['mesh', 'outline', 'extremes', 'filled', 'clip', 'enlarge', 'arrows', 'sectors', 'about']) byId(id).onchange = () => this.apply();
+    for (const id of ['mesh', 'outline', 'extremes', 'filled', 'enlarge', 'arrows', 'sectors', 'about']) byId(id).onchange = () => this.apply();
     for (const [box, place] of this.mirrors()) box.onchange = place.oninput = () => this.apply();
+    byId('clip').onchange = () => {
+      // What is between the eye and the plane is left out.
+      const towards = app.viewer.camera.axes().eye[Number(byId('clip').value)];
+      byId('flip').classList.toggle('on', towards < 0);
+      this.apply();
+    };
     byId('flip').onclick = () => {
       byId('flip').classList.toggle('on');
       this.apply();

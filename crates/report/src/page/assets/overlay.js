@@ -3,8 +3,8 @@
 
 const INK = '#1f2733';
 const FONT = '11px system-ui, sans-serif';
-/** Size of the colour bar, and the width that it takes from the picture. */
-const BAR = { width: 14, height: 180, top: 14, right: 78, room: 190 };
+/** Size of the colour bar, its distance from the right side of the picture, and the width of its name. */
+const BAR = { width: 14, height: 180, top: 14, right: 84, room: 190 };
 
 class Overlay {
   constructor(app, canvas) {
@@ -56,7 +56,9 @@ class Overlay {
     const words = wrapped(pen, withUnit(field.label, field.unit), BAR.room - 24);
     const top = BAR.top + 15 * words.length + 4;
     pen.fillStyle = '#ffffffb0';
-    pen.fillRect(this.width - BAR.room, 6, BAR.room - 6, top + BAR.height + 24);
+    const wide = Math.max(BAR.right, ...words.map((part) => pen.measureText(part).width + 14));
+    pen.fillRect(this.width - wide - 6, 6, wide, top - 6);
+    pen.fillRect(left - 6, top, BAR.right, BAR.height + 10);
     pen.fillStyle = INK;
     pen.textAlign = 'right';
     pen.textBaseline = 'top';
@@ -90,7 +92,7 @@ class Overlay {
     pen.textAlign = 'left';
     pen.textBaseline = 'middle';
     pen.fillStyle = '#214d8c';
-    pen.fillText(`arrows: ${kind.label}, the longest ${value}${after(kind.unit)}`, 84, this.height - 28);
+    pen.fillText(`arrows: ${kind.label}, the longest ${value}${after(kind.unit)}`, 84, this.height - 50);
   }
 
   extremes() {

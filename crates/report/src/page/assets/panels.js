@@ -8,6 +8,8 @@ class Panels {
     this.go = go;
     this.tabs = new Map();
     this.charts = [];
+    /** The values of the picked node. */
+    this.values = element('div', { className: 'values' });
     this.sweep = sweepOfPage();
     if (this.sweep) {
       for (const chart of sweepCharts(this.sweep)) {

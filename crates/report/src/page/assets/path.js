@@ -10,7 +10,7 @@ class Path {
     this.inputs = ['from', 'to'].map((name, end) => {
       const inputs = ['x', 'y', 'z'].map((axis) => element('input', { type: 'number', step: 'any', ariaLabel: `${name} ${axis}`, oninput: () => this.typed(end) }));
       const label = element('span');
-      panel.append(element('div', { className: 'choice place' }, [`${name} `, ...inputs, label]));
+      panel.append(element('div', { className: 'choice place' }, [element('span', { textContent: name }), ...inputs, label]));
       return { inputs, label };
     });
     this.note = element('p', { className: 'note' });
