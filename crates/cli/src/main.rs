@@ -21,6 +21,7 @@ mod sweep;
 mod table;
 mod terminal;
 mod values;
+mod view;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -66,6 +67,8 @@ enum Command {
         #[arg(long, value_name = "NAME=VALUE", value_parser = job::assignment)]
         set: Vec<(String, String)>,
     },
+    /// Write a page for a browser that shows a scene before its run: bodies, surfaces of contacts with their gaps, supports, loads, joints and sets with their names.
+    View(view::View),
     /// Judge the stored frames and balances of a run: penetration, inverted elements, nodes that passed through a body, drift of momenta and energy.
     Judge {
         /// A folder of results.
@@ -127,6 +130,7 @@ fn main() -> ExitCode {
         Command::Values(asked) => values::write(asked),
         Command::Table(asked) => table::print(&asked),
         Command::Check { scene, set } => check(&scene, set),
+        Command::View(asked) => view::view(&asked),
         Command::Judge { out } => judge(&out),
         Command::Diagnose { out } => diagnose::diagnose(&out),
         Command::Mesh { command } => mesh::command(command),
@@ -164,15 +168,22 @@ fn judge(out: &Path) -> ExitCode {
 fn check(path: &Path, set: Vec<(String, String)>) -> ExitCode {
     match stoss::run::check_scene_for(path, &RunOptions { set, ..RunOptions::default() }) {
         Ok(plan) => tell(&plan.to_string()),
-        Err(RunError::Scene(problems)) => {
-            diagnostics::print(path, &problems);
+        Err(error) => refused(path, &error),
+    }
+}
+
+/// Says why a scene cannot be used.
+pub(crate) fn refused(path: &Path, error: &RunError) -> ExitCode {
+    match error {
+        RunError::Scene(problems) => {
+            diagnostics::print(path, problems);
             ExitCode::from(2)
         }
-        Err(error @ RunError::Encoding { .. }) => {
+        RunError::Encoding { .. } => {
             say!("error: {error}");
             ExitCode::from(2)
         }
-        Err(error) => {
+        _ => {
             say!("error: {error}");
             ExitCode::from(1)
         }

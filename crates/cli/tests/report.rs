@@ -185,3 +185,24 @@ fn a_sweep_leaves_a_page_that_compares_its_cases() {
     assert_eq!(text.matches("class=\"run\">").count(), 2);
     assert_eq!(stoss(folder.path(), &["report", "out/cases/0001.log"]).status.code(), Some(2));
 }
+
+/// The page of a scene stands where it is wanted, and nothing else is left.
+#[test]
+fn a_scene_is_shown_before_its_run() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), SCENE).unwrap();
+    let output = stoss(folder.path(), &["view", "scene.toml"]);
+    assert!(output.status.success() && stderr(&output).is_empty(), "{}", stderr(&output));
+    let page = std::fs::read_to_string(folder.path().join("scene.view.html")).unwrap();
+    assert!(page.contains("<title>flight</title>"));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    let output = stoss(folder.path(), &["view", "scene.toml", "-o", "other.html"]);
+    assert!(output.status.success() && folder.path().join("other.html").exists());
+    std::fs::write(folder.path().join("mine.html"), "my own").unwrap();
+    let output = stoss(folder.path(), &["view", "scene.toml", "-o", "mine.html"]);
+    assert!(output.status.code() == Some(1) && stderr(&output).contains("mine.html"));
+    std::fs::write(folder.path().join("bad.toml"), SCENE.replace("end = 0.02", "end = -1")).unwrap();
+    let output = stoss(folder.path(), &["view", "bad.toml"]);
+    assert!(output.status.code() == Some(2) && stderr(&output).contains("time.end"), "{}", stderr(&output));
+    assert!(!folder.path().join("bad.view.html").exists());
+}

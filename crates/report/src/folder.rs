@@ -37,6 +37,8 @@ pub struct Folder {
     pub summary: Option<Value>,
     /// `run.json`: names of bodies, plan and scene.
     pub run: Option<Value>,
+    /// `setup.json`: what a scene that has not run has where.
+    pub setup: Option<Value>,
     /// Names of the bodies, by the number that the cell field `body` has.
     pub bodies: Vec<String>,
     /// What could not be read, file by file.
@@ -64,13 +66,14 @@ impl Folder {
             });
             value.map_err(|error| notes.push(error.to_string())).ok()
         };
-        let (summary, run, watch) = (json("summary.json"), json("run.json"), json("watch.json"));
+        let [summary, run, watch, setup] =
+            ["summary.json", "run.json", "watch.json", "setup.json"].map(|name| json(name));
         let frames = frames(path).unwrap_or_else(|error| {
             notes.push(error.to_string());
             Vec::new()
         });
         let bodies = names(run.as_ref()).or_else(|| names(watch.as_ref())).unwrap_or_default();
-        Ok(Self { path: path.to_path_buf(), frames, summary, run, bodies, notes })
+        Ok(Self { path: path.to_path_buf(), frames, summary, run, setup, bodies, notes })
     }
 
     /// Where it is.

@@ -9,7 +9,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 use stoss_mesh_io::{Field, VtuFrame, write_vtu};
 use stoss_report::page::coding::decode;
-use stoss_report::page::{Follower, NAME, page, write};
+use stoss_report::page::{Follower, NAME, page, write, write_as};
 use tempfile::TempDir;
 
 const FRAMES: usize = 6;
@@ -338,26 +338,27 @@ fn with_test(file: &Path) {
     std::fs::write(file, text.replacen("</body>", &format!("<script>\n{TEST}</script>\n</body>"), 1)).unwrap();
 }
 
+/// How the browser is started.
+const FLAGS: [&str; 11] = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--enable-logging=stderr",
+    "--window-size=1000,700",
+];
+
 /// Loads a page and returns its document and what the browser's console got.
 fn load(browser: &str, file: &Path, hash: &str) -> (String, Vec<String>) {
     let profile = tempfile::tempdir().unwrap();
-    let flags = [
-        "--headless",
-        "--no-sandbox",
-        "--disable-quic",
-        "--no-first-run",
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--disable-sync",
-        "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader",
-        "--enable-logging=stderr",
-        "--window-size=1000,700",
-        "--virtual-time-budget=120000",
-        "--dump-dom",
-    ];
     let output = Command::new(browser)
-        .args(flags)
+        .args(FLAGS)
+        .args(["--virtual-time-budget=120000", "--dump-dom"])
         .arg(format!("--user-data-dir={}", profile.path().display()))
         .arg(format!("file://{}{hash}", file.display()))
         .output()
@@ -377,8 +378,13 @@ fn title(document: &str) -> &str {
 /// Loads the page, lets it use all of its own controls, and wants `ready`, the names of what was tried, and an empty console.
 fn passes(browser: &str, folders: &[&Path], tried: &[&str]) {
     write(folders).unwrap();
-    with_test(&folders[0].join(NAME));
-    let (document, console) = load(browser, &folders[0].join(NAME), "#test");
+    passes_file(browser, &folders[0].join(NAME), tried);
+}
+
+/// As [`passes`] for a page that is there.
+fn passes_file(browser: &str, file: &Path, tried: &[&str]) {
+    with_test(file);
+    let (document, console) = load(browser, file, "#test");
     assert_eq!(title(&document), "ready", "{console:?}");
     assert_eq!(console, Vec::<String>::new());
     let (_, list) = document.split_once("id=\"tested\">").unwrap();
@@ -444,6 +450,114 @@ fn a_browser_shows_it() {
     let text = std::fs::read_to_string(&file).unwrap().replacen("class=\"run\">H4s", "class=\"run\">H5s", 1);
     std::fs::write(&file, text).unwrap();
     assert!(title(&load(browser, &file, "#test").0).starts_with("error"));
+}
+
+/// A plate of 5400 facets that turns, with a stress.
+fn plate(folder: &Path) {
+    const N: usize = 50;
+    let across = N + 1;
+    let number = |i: usize, j: usize, k: usize| (i + across * (j + across * k)) as u32;
+    let points: Vec<[f64; 3]> = (0..across * across * 3)
+        .map(|p| [p % across, p / across % across, p / across / across].map(|n| n as f64 / N as f64))
+        .collect();
+    let corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+    let cells = (0..N * N * 2).map(|e| [e % N, e / N % N, e / N / N]);
+    let elements: Vec<[u32; 8]> = cells.map(|[i, j, k]| corners.map(|[a, b, c]| number(i + a, j + b, k + c))).collect();
+    let elements = stoss_mesh::Elements::from(elements);
+    std::fs::create_dir_all(folder.join("frames")).unwrap();
+    let mut collection = String::from("<VTKFile><Collection>");
+    for frame in 0..FRAMES {
+        let way: Vec<f64> = points.iter().flat_map(|&p| (0..3).map(move |k| moved(p, frame)[k] - p[k])).collect();
+        let stress: Vec<f64> = (0..points.len()).flat_map(|node| stress(node, frame)).collect();
+        let point_data = vec![
+            Field { name: "displacement", components: 3, values: &way },
+            Field { name: "cauchy_stress", components: 6, values: &stress },
+        ];
+        let data = VtuFrame { points: &points, elements: elements.blocks(), point_data, ..VtuFrame::default() };
+        write_vtu(folder.join(format!("frames/frame_{frame:06}.vtu")), &data).unwrap();
+        collection += &format!("<DataSet timestep=\"{frame}\" file=\"frames/frame_{frame:06}.vtu\"/>");
+    }
+    std::fs::write(folder.join("frames.pvd"), collection + "</Collection></VTKFile>").unwrap();
+}
+
+/// The script of a frame takes less than a thirtieth of a second, also with an arrow at each node and a filled cut: in the fastest of twenty frames, for other programs run beside.
+#[test]
+fn a_browser_draws_a_large_run_in_time() {
+    let Some(browser) = chromium() else {
+        println!("skipped: no chromium on this machine");
+        return;
+    };
+    let (folder, profile) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    plate(folder.path());
+    write(&[folder.path()]).unwrap();
+    let page = folder.path().join(NAME);
+    with_test(&page);
+    let server = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = server.local_addr().unwrap().port();
+    let mut browser = Command::new(browser)
+        .args(FLAGS)
+        .args(["--remote-debugging-port=0", &format!("--user-data-dir={}", profile.path().display())])
+        .arg(format!("file://{}#test-time={port}", page.display()))
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    server.set_nonblocking(true).unwrap();
+    let asked = (0..600).find_map(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(100));
+        server.accept().ok()
+    });
+    let mut text = [0; 1024];
+    let read = asked.map(|(mut stream, _)| {
+        stream.set_nonblocking(false).unwrap();
+        stream.read(&mut text).unwrap()
+    });
+    browser.kill().unwrap();
+    browser.wait().unwrap();
+    let text = String::from_utf8_lossy(&text[..read.expect("the page tells its times")]);
+    let text =
+        text.replace("%22", "\"").replace("%7B", "{").replace("%7D", "}").replace("%2C", ",").replace("%3A", ":");
+    let (_, rest) = text.split_once('?').unwrap();
+    let times: Value = serde_json::from_str(rest.split_whitespace().next().unwrap()).unwrap();
+    println!("milliseconds: {times}");
+    for name in ["script", "more"] {
+        assert!(times[name].as_f64().unwrap() < 33.0, "{times}");
+    }
+}
+
+/// What a scene has where: a surface, places with a line, and arrows.
+#[test]
+fn a_browser_shows_a_scene_before_its_run() {
+    let folder = folder();
+    for name in ["summary.json", "balance.csv", "contact.csv"] {
+        std::fs::remove_file(folder.path().join(name)).unwrap();
+    }
+    let layer = |kind: &str, name: &str, shown: Value| {
+        let mut layer = serde_json::json!({"kind": kind, "name": name, "about": "", "places": [], "facets": [], "lines": [], "arrows": []});
+        shown.as_object().unwrap().iter().for_each(|(key, value)| layer[key] = value.clone());
+        layer
+    };
+    let square =
+        serde_json::json!({"places": [[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], "facets": [[0, 1, 2], [0, 2, 3]]});
+    let arrows = serde_json::json!({"arrows": [{"at": [0.5, 0, 0], "along": [0, 1, 0], "pushes": true}]});
+    let layers = [
+        layer("contact", "floor: slave", square.clone()),
+        layer("joint", "pin", serde_json::json!({"places": [[1, 0, 0], [2, 0, 0]], "lines": [[0, 1]]})),
+        layer("load", "push", arrows),
+        layer("set", "cube.top", square),
+    ];
+    let setup = serde_json::json!({"title": "Before </script>", "layers": layers});
+    std::fs::write(folder.path().join("setup.json"), setup.to_string()).unwrap();
+    let file = folder.path().join("scene.view.html");
+    write_as(folder.path(), &file).unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert!(text.contains("<title>Before &lt;/script></title>"));
+    assert_eq!(unpacked(&text).0["setup"], setup);
+    let Some(browser) = chromium() else {
+        println!("skipped: no chromium on this machine");
+        return;
+    };
+    let layers = ["layer floor: slave", "layer pin", "layer push", "layer cube.top", "names of layers", "panel Model"];
+    passes_file(browser, &file, &layers);
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 #[cfg(all(feature = "scene", feature = "multibody"))]
 mod equations;
+#[cfg(all(feature = "output", feature = "nts", feature = "mortar", feature = "multibody"))]
+mod setup;
 #[cfg(all(feature = "scene", feature = "mortar", feature = "mesh-files"))]
 mod sliding_supports;
 #[cfg(all(feature = "scene", feature = "nts"))]

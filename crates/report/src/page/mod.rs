@@ -33,7 +33,7 @@ const MARK: &str = "<meta name=\"generator\" content=\"Stoss\">";
 const PAGE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/style.css");
 /// Every part of the program, in the order in which they use each other.
-const SCRIPTS: [&str; 22] = [
+const SCRIPTS: [&str; 24] = [
     include_str!("assets/payload.js"),
     include_str!("assets/fields.js"),
     include_str!("assets/linear.js"),
@@ -43,6 +43,7 @@ const SCRIPTS: [&str; 22] = [
     include_str!("assets/shaders.js"),
     include_str!("assets/arrows.js"),
     include_str!("assets/pick.js"),
+    include_str!("assets/free.js"),
     include_str!("assets/viewer.js"),
     include_str!("assets/charts.js"),
     include_str!("assets/curves.js"),
@@ -51,6 +52,7 @@ const SCRIPTS: [&str; 22] = [
     include_str!("assets/sweep.js"),
     include_str!("assets/panels.js"),
     include_str!("assets/overlay.js"),
+    include_str!("assets/layers.js"),
     include_str!("assets/path.js"),
     include_str!("assets/controls.js"),
     include_str!("assets/app.js"),
@@ -154,11 +156,21 @@ pub fn sweep_page(path: &Path, mut sweep: Sweep) -> Outcome<Page> {
 /// As [`page`] and [`sweep_page`], and what the system says about writing.
 pub fn write(folders: &[&Path]) -> Outcome<Vec<String>> {
     let Some(first) = folders.first() else { return Err("no folder of results is named".into()) };
-    must_be_ours(first)?;
+    let file = first.join(NAME);
+    must_be_ours(&file)?;
     if let (Some(sweep), 1) = (Sweep::open(first)?, folders.len()) {
-        return save(first, sweep_page(first, sweep)?);
+        return save(&file, sweep_page(first, sweep)?);
     }
-    save(first, page(folders)?)
+    save(&file, page(folders)?)
+}
+
+/// Writes the page of a folder into a file of another place; returns the notes.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_as(folder: &Path, file: &Path) -> Outcome<Vec<String>> {
+    must_be_ours(file)?;
+    save(file, page(&[folder])?)
 }
 
 /// Writes the page of a run that goes on, again and again: frames that were read once are not read again.
@@ -171,36 +183,37 @@ impl Follower {
     /// # Errors
     /// As [`write()`].
     pub fn write(&mut self, path: &Path, reload: Option<f64>) -> Outcome<Vec<String>> {
-        must_be_ours(path)?;
+        let file = path.join(NAME);
+        must_be_ours(&file)?;
         let mut parts = Parts::default();
         parts.add(path, 1, reload.is_some(), &mut self.0)?;
         parts.diagnosis = path.join(DIAGNOSIS).is_file();
         if let Some(seconds) = reload {
             parts.head = format!("<meta name=\"stoss-reload\" content=\"{seconds}\">");
         }
-        save(path, parts.page())
+        save(&file, parts.page())
     }
 }
 
-fn must_be_ours(folder: &Path) -> Outcome<()> {
-    let path = folder.join(NAME);
-    match path.exists() && !read(&path)?.contains(MARK) {
-        true => Err(format!("{}: it was not written by Stoss; move it away", path.display()).into()),
+fn must_be_ours(file: &Path) -> Outcome<()> {
+    match file.exists() && !read(file)?.contains(MARK) {
+        true => Err(format!("{}: it was not written by Stoss; move it away", file.display()).into()),
         false => Ok(()),
     }
 }
 
 /// Puts a page into its place; the run and who follows it may do so at the same time.
-fn save(folder: &Path, Page { text, notes }: Page) -> Outcome<Vec<String>> {
-    let (path, scratch) = (folder.join(NAME), folder.join(format!(".report.{}.part", std::process::id())));
+fn save(file: &Path, Page { text, notes }: Page) -> Outcome<Vec<String>> {
+    let scratch = file.with_file_name(format!(".report.{}.part", std::process::id()));
     std::fs::write(&scratch, text).map_err(|error| format!("{}: {error}", scratch.display()))?;
-    std::fs::rename(&scratch, &path).map_err(|error| format!("{}: {error}", path.display()))?;
+    std::fs::rename(&scratch, file).map_err(|error| format!("{}: {error}", file.display()))?;
     Ok(notes)
 }
 
-/// Title of a run, or the name of its folder.
+/// Title of a run or of a scene, or the name of its folder.
 pub(crate) fn title(folder: &Folder) -> String {
-    let title = folder.summary.as_ref().and_then(|summary| summary.get("title")?.as_str().map(str::to_owned));
+    let titled = [&folder.summary, &folder.setup].into_iter().flatten();
+    let title = titled.filter_map(|found| found.get("title")?.as_str().map(str::to_owned)).next();
     title.unwrap_or_else(|| folder.name())
 }
 

@@ -45,19 +45,24 @@ class App {
     byId('run').value = number;
     byId('title').textContent = run.summary?.title ?? run.name;
     const s = run.summary;
+    if (run.setup) byId('title').textContent = run.setup.title;
     // How the run ended comes first: a verdict on a part of it is none on its result.
     const { kind, words } = ending(s);
     Object.assign(byId('outcome'), { textContent: words, className: `badge ${kind}` });
     Object.assign(byId('verdict'), { ...judgement(s, unitOf(run, 'time')), onclick: () => this.panels.open('Verdict') });
     byId('failure').textContent = s?.outcome?.reason ?? '';
-    byId('facts').textContent = s ? `${run.name} · ${s.steps} steps to t = ${text(s.time)}${after(unitOf(run, 'time'))} · ${text(s.wall_seconds)} s` : run.name;
+    for (const id of ['outcome', 'verdict']) byId(id).hidden = Boolean(run.setup);
+    byId('facts').textContent = run.setup ? 'the scene before its run' : s ? `${run.name} · ${s.steps} steps to t = ${text(s.time)}${after(unitOf(run, 'time'))} · ${text(s.wall_seconds)} s` : run.name;
     this.panels.setRun(run);
     this.place = null;
     this.pick(null);
     this.play(false);
-    document.querySelector('main').classList.toggle('plain', !this.isAnimated());
+    const { classList } = document.querySelector('main');
+    classList.toggle('plain', !this.isAnimated());
+    classList.toggle('setup', Boolean(run.setup));
     if (this.isAnimated()) {
       this.viewer.setRun(run.animation);
+      this.viewer.layers = run.setup ? new Layers(this, run.setup.layers) : null;
       this.controls.setRun(run.animation);
       this.path?.clear();
       this.setTime(this.viewer.time);

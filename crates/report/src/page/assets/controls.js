@@ -57,7 +57,8 @@ class Controls {
   /** The lists for a run: fields by arrays, arrows, bodies; planes of mirrors lie at its faces. */
   setRun(animation) {
     const { app } = this;
-    const before = byId('field').selectedOptions[0]?.textContent ?? 'von Mises stress';
+    const first = app.run.setup ? 'gap' : 'von Mises stress';
+    const before = byId('field').selectedOptions[0]?.textContent ?? first;
     const groups = new Map();
     animation.fields.forEach(({ array, label }, k) => {
       groups.set(array, [...(groups.get(array) ?? []), element('option', { value: k, textContent: label })]);
@@ -71,7 +72,8 @@ class Controls {
     this.mirrors().forEach(([, place], axis) => {
       if (place.value === '') place.value = Number(symmetryPlane(low[axis], high[axis]).toPrecision(6));
     });
-    const wanted = [before, 'velocity', 'displacement'].map((name) => animation.fields.findIndex(({ label }) => label === name));
+    const others = app.run.setup ? [] : ['velocity', 'displacement'];
+    const wanted = [before, ...others].map((name) => animation.fields.findIndex(({ label }) => label === name));
     app.setField(before === 'bodies' ? -1 : wanted.find((k) => k >= 0) ?? -1);
     byId('bodies').replaceChildren(...animation.bodies.map((body, k) => this.body(body, k)));
     this.apply();

@@ -24,6 +24,7 @@ class Overlay {
     const { viewer } = app;
     if (viewer.show.arrows) this.arrowScale(viewer.show.arrows);
     if (byId('extremes').checked && viewer.field()) this.extremes();
+    viewer.layers?.names(this);
     app.path?.draw(this);
     if (app.picked) this.ring(viewer.place(app.picked.node), '#2f6db3', 6);
     if (app.place) this.ring(app.place, '#c0392b', 12);
@@ -103,7 +104,7 @@ class Overlay {
     if (low.node !== high.node) this.mark(low, `min ${text(low.value)}`, '#2f6db3');
   }
 
-  /** A cross with words at a node; the words are moved away from the bar and from others. */
+  /** A cross with words at a node. */
   mark({ node }, words, colour) {
     const seen = this.app.viewer.project(this.app.viewer.place(node));
     if (!seen) return;
@@ -113,6 +114,18 @@ class Overlay {
     pen.lineWidth = 2;
     line(pen, [[x - 5, y], [x + 5, y]]);
     line(pen, [[x, y - 5], [x, y + 5]]);
+    this.words(words, x, y, colour);
+  }
+
+  /** Words at a place. */
+  label(place, words, colour) {
+    const seen = this.app.viewer.project(place);
+    if (seen) this.words(words, ...seen, colour);
+  }
+
+  /** Words beside a point of the picture, moved down from others that are there. */
+  words(words, x, y, colour) {
+    const { pen } = this;
     pen.font = `600 ${FONT}`;
     const wide = pen.measureText(words).width + 8;
     const left = Math.max(4, Math.min(x + 9, this.width - wide - 4));

@@ -11,6 +11,10 @@ class Panels {
     /** The values of the picked node. */
     this.values = element('div', { className: 'values' });
     this.sweep = sweepOfPage();
+    const isSetup = runs.every(({ setup }) => setup);
+    if (isSetup) this.tab('Model');
+    /** The panel with the plan. */
+    this.facts = isSetup ? 'Plan' : 'Run';
     if (this.sweep) {
       for (const chart of sweepCharts(this.sweep)) {
         const made = new Chart(this.tab('Sweep'), chart, (value) => choose(this.nearest(value)));
@@ -24,8 +28,8 @@ class Panels {
     }
     for (const chart of overlaid(runs)) this.chart(this.tab(chart.group), chart);
     if (runs.some(({ tables }) => tables.length)) this.columns = new ColumnChart(this);
-    this.tab('Verdict');
-    this.tab('Run');
+    if (!isSetup) this.tab('Verdict');
+    this.tab(this.facts);
     this.tab('Scene');
     this.open(this.tabs.keys().next().value);
   }
@@ -89,8 +93,8 @@ class Panels {
       if (chart.canvas.clientWidth > 0) chart.setTime(chart.time);
     }
     for (const row of document.querySelectorAll('tr.case')) row.classList.toggle('on', row.firstChild.textContent === String(found?.number));
-    this.tab('Verdict').replaceChildren(...verdict(run, this.go));
-    this.tab('Run').replaceChildren(...facts(run));
+    if (!run.setup) this.tab('Verdict').replaceChildren(...verdict(run, this.go));
+    this.tab(this.facts).replaceChildren(...facts(run));
     const scene = run.run?.scene;
     this.tab('Scene').replaceChildren(scene ? element('pre', { textContent: scene }) : message('The folder has no scene (run.json).'));
   }
@@ -189,7 +193,7 @@ function summaryRows(run) {
 
 function facts(run) {
   const out = run.notes.map(message);
-  out.push(element('h2', { textContent: `Summary: ${run.name}` }), table(summaryRows(run)));
+  if (run.summary) out.push(element('h2', { textContent: `Summary: ${run.name}` }), table(summaryRows(run)));
   const seconds = Object.entries(run.summary?.seconds ?? {});
   if (seconds.length) out.push(element('h2', { textContent: 'Wall seconds' }), table(seconds.map(([name, { wall }]) => [name, wall])));
   for (const contact of run.summary?.contacts ?? []) {

@@ -124,6 +124,7 @@ function tryInside(app) {
   const solids = animation.bodies.filter(({ elements }) => elements[1]);
   if (!solids.length) return done;
   app.setTime(app.ends()[1]);
+  use('field', 'change', '0');
   use('offset', 'input', '0.5');
   use('clip', 'change', '2');
   if (cutArea(viewer, [0, 0, 1, viewer.clip()[3]], solids) > 0) changes('filled cut', () => use('filled', 'change', false), () => use('filled', 'change', true));
@@ -216,5 +217,28 @@ function tryColumns(app) {
     if (csvOf(chart).trim().split('\n').length !== Math.max(...chart.series.map(({ x }) => x.length)) + 1) throw new Error('test: columns as a table');
     done.push(`columns of ${name}`);
   }
+  return done;
+}
+
+/** Every layer of a scene before its run is shown and taken away; its name stands in the picture unless it is a set. */
+function tryLayers(app) {
+  const { layers } = app.viewer;
+  if (!layers) return [];
+  const { must, done, changes } = tester(app);
+  app.panels.open('Model');
+  const boxes = [...document.querySelectorAll('#layers input')];
+  must('a box for each layer', boxes.length === layers.list.length);
+  boxes.filter((box) => box.checked).forEach((box) => box.click());
+  for (const layer of layers.list) {
+    const box = boxes.find((found) => found.parentNode.textContent.startsWith(layer.name) && found.checked === layer.isShown);
+    changes(`layer ${layer.name}`, () => box.click(), () => box.click());
+  }
+  const named = layers.list.find(({ kind }) => kind !== 'set');
+  if (!named) return done;
+  app.draw();
+  const before = byId('overlay').toDataURL();
+  named.isShown = true;
+  app.draw();
+  must('names of layers', byId('overlay').toDataURL() !== before);
   return done;
 }

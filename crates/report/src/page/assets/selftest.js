@@ -130,10 +130,10 @@ async function tryControls(app) {
   byId('picture').style.maxHeight = '';
   // Of runs that are compared the first page has shown that.
   const model = app.runs.length > 1 ? [] : [...tryFields(app), ...tryPicture(app), ...tryInside(app)];
-  return [...done, ...model, ...frameTime(app)];
+  return [...done, ...model];
 }
 
-/** CPU time of a frame, of which nothing is left to the graphics card (reading a pixel waits for it), and time of the script alone; with arrows and a filled cut, too. */
+/** Milliseconds of a frame with the graphics card's part, which reading a pixel waits for, and of the script in the fastest frame; that with arrows and a filled cut, too. Time that is virtual stands still. */
 function frameTime(app) {
   const { use } = tester(app);
   const { gl } = app.viewer;
@@ -141,18 +141,18 @@ function frameTime(app) {
   const pixel = new Uint8Array(4);
   const count = 20;
   const measured = () => {
-    let script = 0;
+    let script = Infinity;
     const start = performance.now();
     for (let k = 0; k < count; k++) {
       const before = performance.now();
       app.setTime(first + ((last - first) * (k + 0.5)) / count);
       app.draw();
-      script += performance.now() - before;
+      script = Math.min(script, performance.now() - before);
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
     }
-    return [script, performance.now() - start].map((time) => (time / count).toFixed(1));
+    return [script, (performance.now() - start) / count];
   };
-  const [script, all] = measured();
+  const [script, frame] = measured();
   use('arrows', 'change', '0');
   use('clip', 'change', '1');
   use('extremes', 'change', true);
@@ -160,7 +160,7 @@ function frameTime(app) {
   use('arrows', 'change', '');
   use('clip', 'change', '');
   use('extremes', 'change', false);
-  return [`ms a frame: ${all}`, `ms of script a frame: ${script}`, `ms of script a frame with arrows and a cut: ${more}`];
+  return { frame, script, more };
 }
 
 /** Every panel opens, a chart takes a click, a drag and a double click, and its lines can be hidden. */
@@ -196,7 +196,9 @@ async function test(app) {
     byId('run').value = k;
     byId('run').dispatchEvent(new Event('change'));
     if (app.run !== app.runs[k]) throw new Error('test: choice of the run');
-    if (app.isAnimated()) done.push(...(await tryControls(app)));
+    // A scene before its run has one frame, and the controls of the page of a run.
+    if (app.run.setup) done.push(...tryLayers(app), ...tryInside(app));
+    else if (app.isAnimated()) done.push(...(await tryControls(app)));
   }
   return [...done, ...tryColumns(app), ...tryPanels(app), ...trySweep(app)];
 }
@@ -249,6 +251,9 @@ started
   .then(async (app) => {
     const loaded = `loaded in ${Math.round(performance.now())} ms`;
     if (location.hash === '#test-reload') tryReload(app);
+    const asked = /^#test-time=(\d+)$/.exec(location.hash);
+    // A picture that is asked for tells the times to who waits for it.
+    if (asked) new Image().src = `http://127.0.0.1:${asked[1]}/?${encodeURIComponent(JSON.stringify(frameTime(app)))}`;
     if (location.hash !== '#test') return;
     const done = await test(app);
     document.body.append(element('pre', { id: 'tested', textContent: [loaded, ...done].join('\n') }));

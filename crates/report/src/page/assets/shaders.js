@@ -30,6 +30,7 @@ void main() {
 /** Vertices with a place and a value. */
 const FREE = `${SPACE}
 in vec4 vertex;
+uniform float pointSize;
 void main() {
   world = (copy * vec4(vertex.xyz, 1.0)).xyz;
   vec4 place = view * vec4(world, 1.0);
@@ -37,6 +38,7 @@ void main() {
   known = float(abs(vertex.w) < 1e37);
   value = known > 0.5 ? vertex.w : 0.0;
   gl_Position = projection * place;
+  gl_PointSize = pointSize;
 }`;
 
 /** Arrows that face the eye: \`corner\` is along and across the arrow in parts of its length. */

@@ -272,9 +272,10 @@ class Viewer {
     this.frame = { ...this.matrices(), range: this.range(), clip: this.clip(), ratio };
     for (const copy of this.copies) {
       this.drawBodies(copy);
-      if (show.clip && show.isFilled) this.drawCut(copy);
+      if (show.clip && show.isFilled) drawCut(this, copy);
     }
-    if (show.arrows) for (const copy of this.copies) this.drawArrows(copy);
+    this.layers?.draw(this);
+    if (show.arrows) for (const copy of this.copies) drawWays(this, arrowsAt(this, show.arrows, this.extent()), copy, [0.13, 0.3, 0.55, 0.9]);
   }
 
   /** Takes a program for the present picture. */
@@ -387,60 +388,5 @@ class Viewer {
     this.paint(colour, { byField, isRound: true });
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.points);
     gl.drawElements(gl.POINTS, body.points[1], gl.UNSIGNED_INT, 4 * body.points[0]);
-  }
-
-  /** Fills the cut of the clip plane through the bodies. */
-  drawCut(copy) {
-    const { gl, run, show } = this;
-    const cut = new Cut(run, this.places(), this.now());
-    cut.at(planeBack(copy, this.clip()));
-    const byField = show.field >= 0;
-    const colours = [];
-    run.bodies.forEach((body, k) => {
-      if (show.hidden.has(k)) return;
-      const start = cut.triangles.count;
-      cut.through(body.elements);
-      colours.push([byField ? GREY : BODIES[k % BODIES.length], start, cut.triangles.count - start]);
-    });
-    this.use(this.free, copy);
-    gl.uniform4fv(this.program.at.clip, NO_PLANE);
-    gl.enable(gl.POLYGON_OFFSET_FILL);
-    gl.polygonOffset(1, 1);
-    this.stream(cut.triangles.all());
-    this.take('vertex', this.moving, [4, gl.FLOAT, false]);
-    for (const [colour, start, count] of colours) {
-      this.paint(colour, { byField, isLit: true });
-      gl.drawArrays(gl.TRIANGLES, start, count);
-    }
-    gl.disable(gl.POLYGON_OFFSET_FILL);
-    if (show.mesh) {
-      this.stream(cut.lines.all());
-      this.take('vertex', this.moving, [4, gl.FLOAT, false]);
-      this.paint([0.1, 0.12, 0.18, 0.22]);
-      gl.drawArrays(gl.LINES, 0, cut.lines.count);
-    }
-    this.leave();
-  }
-
-  /** Puts numbers of this picture into the buffer for them. */
-  stream(data) {
-    this.gl.bindBuffer(this.gl.ARRAY_BUFFER, this.moving);
-    this.gl.bufferData(this.gl.ARRAY_BUFFER, data, this.gl.STREAM_DRAW);
-  }
-
-  /** Arrows are seen through bodies: contact is between them. */
-  drawArrows(copy) {
-    const gl = this.gl;
-    const arrows = arrowsAt(this, this.show.arrows, this.extent());
-    this.use(this.ofArrows, copy);
-    this.stream(arrows);
-    this.take('tail', this.moving, [3, gl.FLOAT, false], 24, 0, 1);
-    this.take('way', this.moving, [3, gl.FLOAT, false], 24, 12, 1);
-    this.take('corner', this.arrow, [2, gl.FLOAT, false]);
-    this.paint([0.13, 0.3, 0.55, 0.9]);
-    gl.disable(gl.DEPTH_TEST);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, SHAPE.length, arrows.length / 6);
-    gl.enable(gl.DEPTH_TEST);
-    this.leave();
   }
 }
