@@ -66,8 +66,7 @@ impl Folder {
             });
             value.map_err(|error| notes.push(error.to_string())).ok()
         };
-        let [summary, run, watch, setup] =
-            ["summary.json", "run.json", "watch.json", "setup.json"].map(|name| json(name));
+        let [summary, run, watch, setup] = ["summary.json", "run.json", "watch.json", "setup.json"].map(&mut json);
         let frames = frames(path).unwrap_or_else(|error| {
             notes.push(error.to_string());
             Vec::new()

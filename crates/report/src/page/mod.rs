@@ -1,7 +1,7 @@
 //! The page of a run: one HTML file that needs neither a network nor another file.
 //!
 //! It shows the run as an animation, charts that follow its time, the verdict, the plan and the scene; of several runs
-//! it lays the charts over each other and lists what differs. The browser's part is in `assets/`; `payload.rs` says what is handed to it.
+//! it lays the charts over each other and lists what differs. Of a scene before its run (`setup.json` of the facade) it shows what is where. The browser's part is in `assets/`; `payload.rs` says what is handed to it.
 //!
 //! Not here: pictures without a browser ([`crate::picture`]).
 

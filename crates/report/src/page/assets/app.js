@@ -216,7 +216,7 @@ class App {
   }
 }
 
-/** What the address asks for behind its `#`, such as `t=0.5&field=velocity&tab=Contact&view=0,90`. */
+/** What the address asks for behind its `#`, such as `t=0.5&field=velocity&tab=Contact&view=0,90`, and controls by their names, such as `clip=0&extremes=true`. */
 function obey(app, wishes) {
   const time = Number(wishes.get('t'));
   const field = app.run.animation?.fields.findIndex(({ label }) => label === wishes.get('field')) ?? -1;
@@ -225,6 +225,12 @@ function obey(app, wishes) {
     app.viewer.home();
   }
   if (app.isAnimated() && field >= 0) app.setField(field);
+  for (const id of app.isAnimated() ? KEPT.filter((kept) => wishes.has(kept)) : []) {
+    const control = byId(id);
+    if (control.type === 'checkbox') control.checked = wishes.get(id) === 'true';
+    else control.value = wishes.get(id);
+    control.dispatchEvent(new Event(control.onchange ? 'change' : 'input'));
+  }
   if (app.panels.tabs.has(wishes.get('tab'))) app.panels.open(wishes.get('tab'));
   if (wishes.has('t') && Number.isFinite(time)) app.setTime(time);
 }

@@ -34,6 +34,7 @@ function tryFields(app) {
   for (const field of animation.fields.filter(({ array }) => TRACTIONS.includes(array.name))) {
     const acting = valuesOf(field, animation).filter((value) => value > 0);
     const [, most] = typicalRange(field, animation);
+    if (most < rangeOf(field, animation)[1]) done.push('rims are left out');
     must('the typical range has nearly all contact', acting.filter((value) => value > most).length <= RIM.share * acting.length + 1);
   }
   for (let k = 0; k < animation.fields.length; k++) {
@@ -49,14 +50,16 @@ function tryFields(app) {
   const before = over();
   use('extremes', 'change', true);
   app.draw();
-  must('min, max are marked', over() !== before);
+  const marked = viewer.extremes();
+  const isSeen = marked && marked.every(({ node }) => viewer.project(viewer.place(node)));
+  if (isSeen) must('min, max are marked', over() !== before && app.overlay.taken.length === (marked[0].node === marked[1].node ? 1 : 2));
   use('extremes', 'change', false);
   return [...new Set(done)];
 }
 
 /** Deformation, arrows, copies, fit, and what is saved. */
 function tryPicture(app) {
-  const { must, done, use, changes } = tester(app);
+  const { must, done, use, changes, pixels, differing } = tester(app);
   const { viewer, run: { animation } } = app;
   const [first, last] = app.ends();
   app.setTime(last);
@@ -101,6 +104,13 @@ function tryPicture(app) {
     return pickIn(viewer, px, py)?.node === wanted;
   });
   must('a node can be picked in a copy', inCopy);
+  const all = pixels();
+  const { copies } = viewer;
+  for (const lacking of [1, 2, 3]) {
+    viewer.copies = copies.filter((_, k) => k !== lacking);
+    must('every copy is drawn', differing(all, pixels()) > 0);
+  }
+  viewer.copies = copies;
   use('sectors', 'change', '1');
   viewer.camera.zoom(3);
   byId('fit').click();
@@ -111,8 +121,13 @@ function tryPicture(app) {
   must('what is shown fills the picture', spans.some(([from, to], k) => to - from > 0.55 * sizes[k]));
   byId('views').querySelector('button').click();
   const saved = pictureOf(app);
-  const inked = saved.getContext('2d').getImageData(0, 0, saved.width, saved.height).data.filter((value, k) => k % 4 === 0 && value < 250).length;
-  must('the saved picture is not blank', saved.width === viewer.canvas.width && inked > 3000);
+  const inked = (canvas) => {
+    const copied = element('canvas', { width: canvas.width, height: canvas.height }).getContext('2d', { willReadFrequently: true });
+    copied.drawImage(canvas, 0, 0);
+    const { data } = copied.getImageData(0, 0, canvas.width, canvas.height);
+    return data.filter((value, k) => k % 4 === 0 && data[k + 3] > 0 && value < 250).length;
+  };
+  must('the saved picture has the bodies and what is over them', saved.width === viewer.canvas.width && inked(saved) > inked(byId('overlay')) + 3000 && inked(byId('overlay')) > 500);
   app.setTime(first);
   return done;
 }
@@ -125,9 +140,15 @@ function tryInside(app) {
   if (!solids.length) return done;
   app.setTime(app.ends()[1]);
   use('field', 'change', '0');
-  use('offset', 'input', '0.5');
+  // Through the middle of the first body.
+  const [low, high] = endsOf([...nodesOf(animation, solids[0])].map((node) => viewer.place(node)[2]));
+  use('offset', 'input', String((0.5 * (low + high) - viewer.low[2]) / (viewer.high[2] - viewer.low[2])));
   use('clip', 'change', '2');
-  if (cutArea(viewer, [0, 0, 1, viewer.clip()[3]], solids) > 0) changes('filled cut', () => use('filled', 'change', false), () => use('filled', 'change', true));
+  must('the plane cuts', cutArea(viewer, [0, 0, 1, 0.5 * (low + high)], solids) > 0);
+  // Without the lines in which it cuts faces.
+  use('mesh', 'change', false);
+  changes('filled cut', () => use('filled', 'change', false), () => use('filled', 'change', true));
+  use('mesh', 'change', true);
   use('clip', 'change', '');
   // The areas of all cuts make the volume that the surface encloses.
   for (const axis of [0, 1, 2]) {
