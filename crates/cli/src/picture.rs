@@ -34,6 +34,9 @@ pub struct Picture {
     /// Width and height in pixels [default: SVG and GIF 748 pixels wide, PNG twice as many; the height follows from what is drawn].
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<[u32; 2]>,
+    /// Factor of the displacements [default: 1].
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    deformation: Option<f64>,
     /// Animation: frames per second.
     #[arg(long, value_name = "N", default_value_t = Pace::default().fps)]
     fps: f64,
@@ -63,7 +66,7 @@ pub fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
 
 /// Carries out `stoss picture`.
 pub fn write(asked: Picture) -> ExitCode {
-    let Picture { out, file, frame, time, field, view, body, range, size, fps, every, once } = asked;
+    let Picture { out, file, frame, time, field, view, body, range, size, deformation, fps, every, once } = asked;
     let ending = file.extension().map(|ending| ending.to_ascii_lowercase().to_string_lossy().into_owned());
     let ending = ending.unwrap_or_default();
     let wrong = |text: &str| {
@@ -85,7 +88,7 @@ pub fn write(asked: Picture) -> ExitCode {
         (None, Some(time)) => Which::Nearest(time),
         (None, None) => Which::Last,
     };
-    let options = Options { frame, field, view, bodies: body, range, size };
+    let options = Options { frame, field, view, bodies: body, range, size, deformation };
     let bytes = match ending.as_str() {
         "svg" => picture(&out, &options).map(String::into_bytes),
         "png" => png(&out, &options),

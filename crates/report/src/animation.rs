@@ -67,7 +67,7 @@ pub fn gif(path: &Path, options: &Options, pace: Pace) -> Outcome<Vec<u8>> {
         options.field.as_deref().map_or_else(|| picture::default_field(&motif.folder, &first), Ok).map_err(refuse)?;
     let shot = |number: usize| {
         let grid = motif.grid(number)?;
-        let found = picture::surface(&motif.folder, &grid, name).map_err(refuse)?;
+        let found = picture::surface(&motif.folder, &grid, name, motif.factor()).map_err(refuse)?;
         let (surface, label) = found.ok_or_else(|| refuse(picture::no_such_field(&grid, name)))?;
         Outcome::Ok((motif.shot(number, &grid, surface)?, label))
     };

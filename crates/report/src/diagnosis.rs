@@ -230,7 +230,7 @@ fn pictures(folder: &Folder, place: [f64; 3], text: &str) -> Option<String> {
 }
 
 fn svg(folder: &Folder, grid: &Grid, place: [f64; 3], camera: Camera, caption: &str, width: f64) -> Option<String> {
-    let (mut surface, label) = coloured(folder, grid, None).ok()?;
+    let (mut surface, label) = coloured(folder, grid, None, 1.0).ok()?;
     if surface.quads.is_empty() && surface.lines.is_empty() && surface.points.is_empty() {
         return None;
     }

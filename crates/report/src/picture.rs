@@ -52,6 +52,8 @@ pub struct Options {
     pub range: Option<[f64; 2]>,
     /// Width and height in pixels; without them the height follows from what is drawn.
     pub size: Option<[u32; 2]>,
+    /// Factor of the displacements; without it one.
+    pub deformation: Option<f64>,
 }
 
 /// An option that does not fit to the folder; the message names the folder, the option, its value and what there is.
@@ -85,6 +87,9 @@ impl<'a> Motif<'a> {
             let text = format!("--size {width}x{height}: give {} to {} pixels each", SIZES.start(), SIZES.end());
             return Err(unfit(&folder, text).into());
         }
+        if let Some(factor) = options.deformation.filter(|factor| !factor.is_finite()) {
+            return Err(unfit(&folder, format!("--deformation {factor}: give a finite number")).into());
+        }
         if folder.frames.is_empty() {
             let notes: String = folder.notes.iter().map(|note| format!("; {note}")).collect();
             return Err(format!("{}: no frames to draw{notes}", path.display()).into());
@@ -96,6 +101,11 @@ impl<'a> Motif<'a> {
     pub fn grid(&self, frame: usize) -> Outcome<Grid> {
         let grid = self.folder.grid(frame)?;
         Ok(chosen(&grid, &self.folder.bodies, &self.options.bodies).map_err(|text| unfit(&self.folder, text))?)
+    }
+
+    /// Factor of the displacements.
+    pub fn factor(&self) -> f64 {
+        self.options.deformation.unwrap_or(1.0)
     }
 
     /// Above the picture.
@@ -112,7 +122,10 @@ impl<'a> Motif<'a> {
             return Err(format!("{}: positions that are not finite cannot be drawn", frame_of.path.display()).into());
         }
         let shape = if grid.is_undeformed() { ", undeformed: no displacement is stored" } else { "" };
-        Ok(Shot { caption: format!("time {}, frame {frame}{shape}", time(&self.folder, frame_of.time)), surface })
+        let factor =
+            self.options.deformation.map(|factor| format!(", displacements times {factor}")).unwrap_or_default();
+        let caption = format!("time {}, frame {frame}{shape}{factor}", time(&self.folder, frame_of.time));
+        Ok(Shot { caption, surface })
     }
 }
 
@@ -150,7 +163,7 @@ fn composed(path: &Path, options: &Options) -> Outcome<(Shot, Camera, String, St
     let motif = Motif::open(path, options)?;
     let number = number(&motif.folder, options.frame).map_err(|text| unfit(&motif.folder, text))?;
     let grid = motif.grid(number)?;
-    let coloured = coloured(&motif.folder, &grid, options.field.as_deref());
+    let coloured = coloured(&motif.folder, &grid, options.field.as_deref(), motif.factor());
     let (surface, label) = coloured.map_err(|text| unfit(&motif.folder, text))?;
     Ok((motif.shot(number, &grid, surface)?, motif.camera, motif.title(), label))
 }
@@ -224,14 +237,22 @@ fn known(grid: &Grid) -> String {
     Field::of(grid).iter().map(Field::name).collect::<Vec<_>>().join(", ")
 }
 
-/// The surface with the values of a field, and the field's name for people with its unit; nothing if there is no such field.
-pub(crate) fn surface(folder: &Folder, grid: &Grid, name: &str) -> Result<Option<(Surface, String)>, String> {
+/// The surface with displacements times a factor and the values of a field, and the field's name for people with its unit; nothing if there is no such field.
+pub(crate) fn surface(
+    folder: &Folder,
+    grid: &Grid,
+    name: &str,
+    factor: f64,
+) -> Result<Option<(Surface, String)>, String> {
     let fields = Field::of(grid);
     let Some(field) = fields.iter().find(|field| field.name() == name) else { return Ok(None) };
     let points: Vec<usize> = (0..grid.points.len()).collect();
     let values = field.values(grid, &points).into_iter().map(f64::from).collect();
     let mut grid = grid.clone();
     grid.point_data.insert(DRAWN.to_owned(), Array { components: 1, values });
+    if let Some(displacement) = grid.point_data.get_mut(DISPLACEMENT) {
+        displacement.values.iter_mut().for_each(|value| *value *= factor);
+    }
     let unit = units::of_field(folder, &field.array);
     Ok(Some((Surface::new(&grid, DRAWN)?, units::with_unit(&field.label, unit.as_deref()))))
 }
@@ -243,7 +264,7 @@ pub(crate) fn has_values(surface: &Surface) -> bool {
 /// The field that is drawn if none is asked for.
 pub(crate) fn default_field(folder: &Folder, grid: &Grid) -> Result<&'static str, String> {
     for name in [VON_MISES, DISPLACEMENT].into_iter().filter(|name| grid.point_data.contains_key(*name)) {
-        if surface(folder, grid, name)?.is_some_and(|(surface, _)| has_values(&surface)) {
+        if surface(folder, grid, name, 1.0)?.is_some_and(|(surface, _)| has_values(&surface)) {
             return Ok(name);
         }
     }
@@ -259,9 +280,14 @@ pub(crate) fn no_values(grid: &Grid, name: &str) -> String {
 }
 
 /// The surface with the values of a field that is there and has some, and the field's name for people with its unit.
-pub(crate) fn coloured(folder: &Folder, grid: &Grid, wanted: Option<&str>) -> Result<(Surface, String), String> {
+pub(crate) fn coloured(
+    folder: &Folder,
+    grid: &Grid,
+    wanted: Option<&str>,
+    factor: f64,
+) -> Result<(Surface, String), String> {
     let name = wanted.map_or_else(|| default_field(folder, grid), Ok)?;
-    match surface(folder, grid, name)? {
+    match surface(folder, grid, name, factor)? {
         None => Err(no_such_field(grid, name)),
         Some((surface, _)) if !has_values(&surface) => Err(no_values(grid, name)),
         Some(found) => Ok(found),
@@ -298,6 +324,22 @@ mod tests {
         assert!((right - 3.0).abs() < 1e-14 && (up - 4.0).abs() < 1e-14);
         for view in [[0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 1.0]] {
             assert!(camera(Some(view)).unwrap_err().contains("--view"));
+        }
+    }
+
+    /// Places move by the factor, and the displacement as a field stays what it is.
+    #[test]
+    fn displacements_are_enlarged() {
+        let path = tempfile::tempdir().unwrap();
+        std::fs::write(path.path().join("balance.csv"), "step,time\n").unwrap();
+        let folder = Folder::open(path.path()).unwrap();
+        let mut grid = crate::vtu::tests::cube(&[1.0; 8]);
+        let values = grid.points.iter().flatten().map(|x| 0.25 * x).collect();
+        grid.point_data.insert(DISPLACEMENT.into(), Array { components: 3, values });
+        for (factor, farthest) in [(0.0, 1.0), (1.0, 1.25), (4.0, 2.0), (-2.0, 0.5)] {
+            let (surface, _) = surface(&folder, &grid, DISPLACEMENT, factor).unwrap().unwrap();
+            assert_eq!(surface.places().flatten().fold(0.0, f64::max), farthest);
+            assert!((surface.values().fold(0.0, f64::max) - 0.25 * 3.0_f64.sqrt()).abs() < 1e-7);
         }
     }
 

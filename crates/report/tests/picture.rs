@@ -128,6 +128,10 @@ fn title_time_and_field_are_written() {
     for text in ["&lt;cube> &amp; plate: cube<", ">time 0.2, frame 2<", ">displacement<"] {
         assert!(last.contains(text), "{text}");
     }
+    let doubled = Options { deformation: Some(2.0), ..of(&["cube"]) };
+    assert!(picture(folder.path(), &doubled).unwrap().contains(">time 0.2, frame 2, displacements times 2<"));
+    let wrong = Options { deformation: Some(f64::NAN), ..Options::default() };
+    assert!(refusal(&folder, &wrong).contains("--deformation"));
     assert!(svg(Which::Nearest(0.14)).contains(">time 0.1, frame 1<"));
     assert!(svg(Which::Nearest(-7.0)).contains(">time 0, frame 0<"));
     assert_eq!(svg(Which::Number(1)), svg(Which::Nearest(0.1)));

@@ -216,7 +216,7 @@ class App {
   }
 }
 
-/** What the address asks for behind its `#`, such as `t=0.5&field=velocity&tab=Contact&view=0,90`, and controls by their names, such as `clip=0&extremes=true`. */
+/** What the address asks for behind its `#`, such as `t=0.5&field=velocity&tab=Contact&view=0,90`, and controls by their names, such as `clip=0&extremes=true`; `fit=true` fills the picture. */
 function obey(app, wishes) {
   const time = Number(wishes.get('t'));
   const field = app.run.animation?.fields.findIndex(({ label }) => label === wishes.get('field')) ?? -1;
@@ -233,6 +233,7 @@ function obey(app, wishes) {
   }
   if (app.panels.tabs.has(wishes.get('tab'))) app.panels.open(wishes.get('tab'));
   if (wishes.has('t') && Number.isFinite(time)) app.setTime(time);
+  if (app.isAnimated() && wishes.get('fit') === 'true') app.viewer.fit();
 }
 
 async function start() {

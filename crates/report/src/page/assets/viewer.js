@@ -106,19 +106,22 @@ class Viewer {
     this.atHome = JSON.stringify(this.camera);
   }
 
-  /** Looks at what is shown at this moment, from the same side. */
+  /** Looks at what is shown at this moment on this side of the plane, from the same side. */
   fit() {
     const places = this.places();
+    const [x, y, z, offset] = this.clip();
     const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
-    for (const node of this.shownNodes()) {
-      for (let k = 0; k < 3; k++) {
-        low[k] = Math.min(low[k], places[3 * node + k]);
-        high[k] = Math.max(high[k], places[3 * node + k]);
+    for (const copy of this.copies) {
+      for (const node of this.shownNodes()) {
+        const place = placed(copy, places.subarray(3 * node, 3 * node + 3));
+        if (dot([x, y, z], place) > offset) continue;
+        for (let k = 0; k < 3; k++) {
+          low[k] = Math.min(low[k], place[k]);
+          high[k] = Math.max(high[k], place[k]);
+        }
       }
     }
-    if (low[0] > high[0]) return;
-    const [from, to] = boxOfCopies(this.copies, [low, high]);
-    this.camera.show(from, subtract(to, from), this.aspect());
+    if (low[0] <= high[0]) this.camera.show(low, subtract(high, low), this.aspect());
   }
 
   /** Whether the camera is where it was put, and not where somebody has moved it. */
