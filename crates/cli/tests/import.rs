@@ -112,6 +112,21 @@ fn a_bar_of_two_materials_is_pulled() {
     assert!((value(&row, "end.x") / (soft + hard) - 1.0).abs() < 1e-7, "{row:?}");
 }
 
+/// CAX8R become an axisymmetric section: Lame's tube with open ends and an axial stress `s`, `u = p a ((1 - nu) a^2 + (1 + nu) b^2) / (E (b^2 - a^2)) - nu s a / E` at the bore. Forces on nodes of the deck are those
+/// of the whole circumference, reactions of the scene those of a radian.
+#[test]
+fn a_tube_of_axisymmetric_elements() {
+    let more = "[[set]]\nname = \"tube.bore\"\nbody = \"tube\"\nbox = { min = [9.9, -1, 0], max = [10.1, 9, 0] }\n\
+                [[set]]\nname = \"tube.floor\"\nbody = \"tube\"\nbox = { min = [0, -1, 0], max = [30, 0.1, 0] }\n\
+                [[probe]]\nname = \"bore\"\nset = \"tube.bore\"\nquantity = \"displacement\"\n\
+                [[probe]]\nname = \"floor\"\nset = \"tube.floor\"\nquantity = \"reaction\"\n";
+    let row = Folder::new("tube.inp").run("tube.inp", more);
+    let [a, b, p, s, young, nu] = [10.0_f64, 20.0, 10.0, 2.0, 2e5, 0.3];
+    let u = p * a * ((1.0 - nu) * a * a + (1.0 + nu) * b * b) / (young * (b * b - a * a)) - nu * s * a / young;
+    assert!((value(&row, "bore.x") / u - 1.0).abs() < 1e-3, "{row:?} {u}");
+    assert!((value(&row, "floor.y") / (-0.5 * s * (b * b - a * a)) - 1.0).abs() < 1e-6, "{row:?}");
+}
+
 #[test]
 fn what_is_left_out_is_said_and_files_stay() {
     let folder = Folder::new("left-out.inp");

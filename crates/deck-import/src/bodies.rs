@@ -103,8 +103,8 @@ fn variants(solids: &Solids, elements: &[u32], yields: bool) -> Variants {
     }
     let kind = |name: &str| solids.mesh.elements.kind(types[name].0 as usize);
     let letters = |name: &str| {
-        let rest = name.trim_start_matches("C3D").trim_start_matches(|c: char| c.is_ascii_digit());
-        rest.to_owned()
+        // Behind the family, C3D, CAX, CPE or CPS, and the number of nodes.
+        name.get(3..).unwrap_or_default().trim_start_matches(|c: char| c.is_ascii_digit()).to_owned()
     };
     let can_reduce = |name: &str| kind(name).rule(Integration::Reduced).is_some();
     let reducible: Vec<&str> = types.keys().copied().filter(|name| can_reduce(name)).collect();

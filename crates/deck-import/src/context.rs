@@ -7,6 +7,7 @@ use crate::bodies::Bodies;
 use crate::history::amplitude;
 use crate::left_out::List;
 use crate::references::References;
+use crate::section::Section;
 use crate::set_names::SetNames;
 use crate::sets::{Lookup, Selection};
 use crate::severity::Severity;
@@ -19,6 +20,7 @@ pub(crate) struct Context<'a> {
     pub bodies: &'a Bodies,
     pub lookup: &'a Lookup<'a>,
     pub timeline: &'a Timeline,
+    pub section: Option<Section>,
     pub axes: &'a LocalAxes,
     pub references: References,
     pub sets: SetNames<'a>,

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | `sets` | names and numbers of the deck, looked up in the mesh |
 //! | `bodies` | sections to bodies: one for each material and connected piece |
+//! | `section` | plane elements |
 //! | `material` | laws |
 //! | `timeline`, `history` | steps to stages; what several steps say of one degree of freedom to one function of time |
 //! | `axes` | those of `*TRANSFORM` at each node |
@@ -47,6 +48,7 @@ mod material;
 mod records;
 mod reference_loads;
 mod references;
+mod section;
 mod set_names;
 mod sets;
 mod severity;
@@ -118,6 +120,7 @@ pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
     let lookup = sets::Lookup::new(&deck.contents, &solids);
     let mut bodies = bodies::bodies(deck, &solids, &lookup, &mut list)?;
     let timeline = timeline::Timeline::new(deck, &mut list);
+    let section = section::Section::of(deck, &solids, &mut list);
     dynamics::damping(deck, &mut bodies, &timeline, &mut list);
     let velocities = dynamics::velocities(deck, &bodies, &lookup, &timeline, &mut list);
     let mut context = context::Context {
@@ -125,10 +128,11 @@ pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
         bodies: &bodies,
         lookup: &lookup,
         timeline: &timeline,
+        section,
         axes: &axes::LocalAxes::new(deck, &lookup, &solids.mesh.nodes),
         references: references::References::new(deck, &solids, &bodies),
         sets: set_names::SetNames::new(deck, &solids, &bodies, names, !cuts.is_empty()),
-        scene: write::Tables::default(),
+        scene: write::Tables::of_section(section),
         list,
     };
     couplings::couplings(&mut context);

@@ -72,7 +72,8 @@ impl Context<'_> {
                 let members = nodes.members.clone();
                 lines[force.freedom].push(DeckLine { step: Some(s), record: values.len() as u32, members });
                 selections.push(nodes);
-                values.push(Value { value: force.value, amplitude, is_rate: false });
+                let value = force.value / self.section.map_or(1.0, |section| section.extent);
+                values.push(Value { value, amplitude, is_rate: false });
             }
         }
         let mut found: BTreeMap<String, [Option<History>; 3]> = BTreeMap::new();
@@ -128,6 +129,8 @@ impl Context<'_> {
                 let Some(amplitude) = amplitude else { continue };
                 let elements = self.elements_of_bodies(load);
                 let mesh = self.sets.mesh();
+                // The edges of a plane element are the faces of its layer behind the first two.
+                let face = if self.section.is_some() { face + 2 } else { face };
                 let has_face = |e: &u32| face < mesh.elements.kind(*e as usize).faces().len();
                 let facets: Vec<Facet> =
                     elements.iter().filter(|e| has_face(e)).map(|&e| mesh.facet(e, face)).collect();

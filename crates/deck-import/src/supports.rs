@@ -127,7 +127,8 @@ impl Context<'_> {
         let mut lines: [Vec<DeckLine<u32>>; 3] = Default::default();
         for (step, support) in of_model.chain(of_steps) {
             let Some((nodes, value)) = self.record(support) else { continue };
-            for component in (0..3).filter(|&i| support.freedoms[i]) {
+            let across = if self.section.is_some() { 2 } else { 3 };
+            for component in (0..across).filter(|&i| support.freedoms[i]) {
                 let members = nodes.members.clone();
                 lines[component].push(DeckLine { step, record: values.len() as u32, members });
             }

@@ -7,6 +7,7 @@ use stoss_mesh_io::deck::Deck;
 
 use crate::bodies::{Bodies, Body};
 use crate::history::{History, between_jumps};
+use crate::section::Section;
 use crate::set_names::Source;
 use crate::text::{comment, count, list, number, string, vector};
 use crate::timeline::Timeline;
@@ -32,6 +33,8 @@ pub(crate) fn series(columns: &[&History]) -> String {
 /// The tables of the scene that refer to sets, as text.
 #[derive(Debug, Default)]
 pub(crate) struct Tables {
+    /// What plane elements are a section of.
+    section: Option<&'static str>,
     /// Points and rigid bodies.
     parts: Vec<String>,
     /// Couplings, equations, joints, springs, supports.
@@ -47,6 +50,11 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
+    /// No tables yet.
+    pub fn of_section(section: Option<Section>) -> Self {
+        Self { section: section.map(|section| section.name), ..Self::default() }
+    }
+
     pub fn tie(&mut self, slave: &str, master: &str, keys: &[String]) {
         self.ties.push(pair("tie", &[], slave, master, keys));
     }
@@ -290,7 +298,8 @@ pub(crate) fn scene(
     });
     let title = deck.title.as_deref().map(str::trim).filter(|title| !title.is_empty()).unwrap_or(&names.deck);
     let kind = if timeline.is_dynamic() { "dynamic" } else { "quasi-static" };
-    let _ = write!(text, "\n[scene]\ntitle = {}\nkind = \"{kind}\"\n\n", string(&comment(title)));
+    let section = tables.section.map_or(String::new(), |name| format!("section = \"{name}\"\n"));
+    let _ = write!(text, "\n[scene]\ntitle = {}\nkind = \"{kind}\"\n{section}\n", string(&comment(title)));
     let (time, stages) = time(timeline, tables);
     let _ = writeln!(text, "{time}");
     for ((own, source), velocity) in bodies.all.iter().zip(sources).zip(velocities) {
@@ -299,7 +308,7 @@ pub(crate) fn scene(
     for table in &tables.parts {
         let _ = writeln!(text, "{table}");
     }
-    if bodies.all.len() > 1 && tables.contacts.is_empty() {
+    if bodies.all.len() > 1 && tables.contacts.is_empty() && tables.section.is_none() {
         text.push_str("# The deck names no contact.\n[general_contact]\nenabled = false\n\n");
     }
     for table in

@@ -40,6 +40,12 @@ impl Slice {
 }
 
 impl Mesh {
+    /// Whether the mesh is a layer from z = -1 to z = 1, with nodes on its sides and in the middle alone.
+    pub fn is_layer(&self) -> bool {
+        let all = |at: &[f64]| self.nodes.iter().all(|x| at.contains(&x[2]));
+        !self.nodes.is_empty() && all(&[-1.0, 0.0, 1.0]) && !all(&[0.0, 1.0]) && !all(&[-1.0, 0.0])
+    }
+
     /// The slice of a layer from z = -1 to z = 1, with the node sets [`LOW`], [`MIDDLE`], [`HIGH`], [`AXIS`], as far as there are such nodes. The set of the boundary is that of the section.
     ///
     /// # Errors

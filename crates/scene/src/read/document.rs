@@ -217,7 +217,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let parameters = root.default("parameters", BTreeMap::new(), parameters::values);
     let sweep = root.optional("sweep", sweep::sweep);
     root.finish();
-    super::section::check(root, section, &parts.bodies, &held)?;
+    super::section::check(root, kind, section, &parts.bodies, &held, &loads)?;
 
     Some(Scene {
         parameters: parameters?,

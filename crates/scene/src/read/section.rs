@@ -2,21 +2,21 @@
 
 use super::table::Table;
 use super::world::raw;
-use crate::{Body, MeshSource, PlaneSection};
+use crate::{Body, Kind, Load, MeshSource, PlaneSection};
 use std::collections::BTreeSet;
 use toml::de::DeValue;
 
 /// What stands in the whole of space, and not in a section.
-const SPATIAL: [&str; 7] = ["beam", "string", "mass", "joint", "spring", "support", "general_contact"];
-/// Keys of loads that a section has no place for.
-const TURNING: [&str; 2] = ["moment", "angular_velocity"];
+const SPATIAL: [&str; 7] = ["beam", "string", "joint", "spring", "support", "coupling", "general_contact"];
 
 /// Reports what does not go with sections, and plane meshes in scenes without one. `held` are the rigid bodies whose motion is prescribed all the time.
 pub(super) fn check(
     root: &Table<'_>,
+    kind: Option<Kind>,
     section: Option<PlaneSection>,
     bodies: &[Option<Body>],
     held: &BTreeSet<String>,
+    loads: &[Option<Load>],
 ) -> Option<()> {
     let mut good = Some(());
     let mut fail = |table: &Table<'_>, key, message: &str, remedy: &str| {
@@ -62,6 +62,14 @@ pub(super) fn check(
             "remove it, or model the whole in space without `section`",
         );
     }
+    if kind != Some(Kind::QuasiStatic) && root.has("mass") {
+        fail(
+            root,
+            "mass",
+            "has no place in the motion of plane sections",
+            "remove it, or model the whole in space without `section`",
+        );
+    }
     for table in root.tables("rigid").iter().flatten() {
         let is_fixed = table.get("fixed").is_some_and(|node| matches!(node.value, DeValue::Boolean(true)));
         if !is_fixed && !raw(table, "name").is_some_and(|name| held.contains(&name)) {
@@ -73,14 +81,20 @@ pub(super) fn check(
             );
         }
     }
-    for table in root.tables("load").iter().flatten() {
-        for key in TURNING.into_iter().filter(|key| table.has(key)) {
+    let along = if section == Some(PlaneSection::Axisymmetric) { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
+    for (table, load) in root.tables("load").iter().zip(loads) {
+        let (Some(table), Some(load)) = (table, load) else { continue };
+        if table.has("moment") {
             fail(
                 table,
-                key,
+                "moment",
                 "has no place in a scene of plane sections",
                 "remove it, or model the whole in space without `section`",
             );
+        }
+        let is_off = |axis: &[f64; 3]| (0..3).any(|i| along[i] == 0.0 && axis[i] != 0.0);
+        if table.has("angular_velocity") && load.axis.as_ref().is_some_and(is_off) {
+            fail(table, "axis", "is not that of the section", "a body of revolution turns about y, all else about z");
         }
     }
     good

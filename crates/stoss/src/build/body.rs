@@ -104,7 +104,8 @@ pub(super) fn bodies(
         }
         let quality = mesh.quality();
         warnings.extend(quality.warning().map(|warning| format!("body `{}`: {warning}", body.name)));
-        if body.integration == Integration::Reduced {
+        // The sides of a slice hold such modes.
+        if body.integration == Integration::Reduced && scene.header.section.is_none() {
             warnings.extend(warn_of_single_rows(&body.name, &mesh));
         }
         lines.push(format!(
@@ -282,7 +283,8 @@ fn mesh(
     let mut mesh = source_mesh(&body.mesh, &format!("{key}.mesh"), mesh_files, notes, problems)?;
     #[cfg(feature = "mesh-files")]
     if let MeshSource::File(source) = &body.mesh {
-        let is_plane = mesh_files.is_plane(&source.file);
+        // The import of decks writes layers as they are.
+        let is_plane = mesh_files.is_plane(&source.file) || (scene.header.section.is_some() && mesh.is_layer());
         section::fits(scene, is_plane, &format!("{key}.mesh"), &source.file, problems)?;
     }
     if let Some(cell) = body.cell {

@@ -146,7 +146,8 @@ impl Filler<'_> {
                 let material = block.require(self.contents, "MATERIAL")?;
                 self.other_parameters(block, &["ELSET", "MATERIAL"]);
                 let part = self.part.clone();
-                self.deck.sections.push(SolidSection { elements, material, part, place: block.place() });
+                let thickness = block.rows(self.contents).next().and_then(|row| row.numbers().ok()?.first().copied());
+                self.deck.sections.push(SolidSection { elements, material, part, thickness, place: block.place() });
             }
             "PART" => self.part = block.keyword.value("NAME").map(str::to_owned),
             "ENDPART" => self.part = None,

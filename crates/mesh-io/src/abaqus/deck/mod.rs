@@ -135,6 +135,8 @@ pub struct SolidSection {
     pub material: String,
     /// The part that the section belongs to, if it is in one: the set is then one of its instances.
     pub part: Option<String>,
+    /// The thickness of plane elements, a length, if it is given.
+    pub thickness: Option<f64>,
     /// Its place.
     pub place: DeckPlace,
 }
