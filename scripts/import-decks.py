@@ -12,6 +12,7 @@ displacements over the largest displacement of CalculiX at any time, `R` the sam
 import argparse
 import base64
 import gzip
+import json
 import math
 import os
 import re
@@ -180,11 +181,13 @@ def deck(name, options):
         fields = ["displacement"] + ["reaction"] * any("set" in item for item in data.get("prescribe", []))
         file.write(f"\n[output]\ntimes = {ends}\nfields = {fields}\n")
     ran, said = run([options.stoss, "run", "scene.toml", "--quiet", "--force", "--no-report", "--threads", "1", "--out", "out"], folder)
-    verdict = re.findall(r'"verdict"\s*:\s*"(\w+)"', open(f"{folder}/out/summary.json").read()) if os.path.exists(f"{folder}/out/summary.json") else []
+    verdict = ""
+    if os.path.exists(f"{folder}/out/summary.json"):
+        verdict = json.load(open(f"{folder}/out/summary.json"))["verdict"]["level"]
     u, forces = compare(folder, name, nodes, ends) if os.path.exists(f"{folder}/{name}.dat") else (None, None)
     left = [f"{entry['keyword']} ({entry['severity']})" for entry in data.get("left_out", []) if entry["severity"] != "note"]
     number = lambda x: "-" if x is None else f"{x:.1e}"
-    return [name, "yes" if code == 0 else f"rc {code}", f"rc {ran} {verdict[0] if verdict else ''}".strip(), number(u), number(forces), "; ".join(left)]
+    return [name, "yes" if code == 0 else f"rc {code}", f"{verdict} ({ran})", number(u), number(forces), "; ".join(left)]
 
 
 def main():

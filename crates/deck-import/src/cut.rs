@@ -32,7 +32,7 @@ pub(crate) fn cuts(deck: &Deck, solids: &mut Solids, list: &mut List) -> Vec<Cut
         let copies = solids.mesh.nodes.len() - first;
         solids.node_numbers.extend((0..copies as u64).map(|k| u64::MAX - (first as u64 + k)));
         let consequence =
-            format!("the mesh beside the scene is cut at {name}: {copies} nodes are there twice, joined by equations");
+            format!("the mesh beside the scene is cut at {name}: {copies} nodes are doubled, and joined by equations");
         list.add(Severity::Note, item.place, "*PRE-TENSION SECTION", consequence, "");
         all.push(Cut { pretension: p, pairs, normal });
     }
