@@ -80,7 +80,7 @@ fn joint(column: &str) -> Option<&'static str> {
 
 fn field(name: &str) -> Option<&'static str> {
     match name {
-        "displacement" | "gap" | "slip" => Some("length"),
+        "displacement" | "gap" | "slip" | "distance_to_other_bodies" => Some("length"),
         "velocity" => Some("velocity"),
         "contact_pressure" | "friction_traction" | "von_mises" => Some("stress"),
         _ if name.contains("stress") => Some("stress"),

@@ -553,7 +553,10 @@ fn a_browser_shows_a_scene_before_its_run() {
     write_as(folder.path(), &file).unwrap();
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.contains("<title>Before &lt;/script></title>"));
-    assert_eq!(unpacked(&text).0["setup"], setup);
+    let (header, _) = unpacked(&text);
+    assert_eq!(header["setup"], setup);
+    // The only body with a surface has no other one beside it.
+    assert!(!header["animation"]["arrays"].to_string().contains("distance_to_other_bodies"));
     let Some(browser) = chromium() else {
         println!("skipped: no chromium on this machine");
         return;

@@ -6,6 +6,7 @@
 //! Not here: pictures without a browser ([`crate::picture`]).
 
 pub mod coding;
+mod distance;
 mod fields;
 mod payload;
 mod shape;

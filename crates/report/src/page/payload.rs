@@ -12,6 +12,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::coding::{Scale, encode};
+use super::distance;
 use super::fields::{self, Field};
 use super::shape::{Body, Shape};
 use super::tables::{self, Columns};
@@ -192,7 +193,7 @@ fn animation(
         return None;
     }
     if cache.stamps.first() != Some(&stamp(folder, 0)) {
-        let first = folder.grid(0).map_err(|error| notes.push(error.to_string())).ok()?;
+        let first = frame(folder, 0).map_err(|error| notes.push(error.to_string())).ok()?;
         *cache = Cache::new(&first, folder, runs, notes);
     }
     if cache.shape.nodes.is_empty() {
@@ -214,6 +215,15 @@ fn animation(
         return None;
     }
     Some(cache.packed(folder, every, arrays))
+}
+
+/// A frame; that of a scene before its run with the distances between bodies.
+fn frame(folder: &Folder, number: usize) -> Outcome<Grid> {
+    let mut grid = folder.grid(number)?;
+    if let Some(distances) = folder.setup.as_ref().and_then(|_| distance::distances(&grid)) {
+        grid.point_data.insert(distance::NAME.to_owned(), distances);
+    }
+    Ok(grid)
 }
 
 fn stamp(folder: &Folder, frame: usize) -> Stamp {
@@ -265,7 +275,7 @@ impl Cache {
             // Before reading: what is written again meanwhile is read again.
             let stamp = stamp(folder, number);
             let fits = |grid: Grid| if self.shape.fits(&grid) { Ok(grid) } else { Err(unlike(folder, number).into()) };
-            let grid = match folder.grid(number).and_then(fits) {
+            let grid = match frame(folder, number).and_then(fits) {
                 Ok(grid) => grid,
                 Err(error) => {
                     notes.push(format!("{error}; this frame and those after it are not shown"));

@@ -57,7 +57,8 @@ class Controls {
   /** The lists for a run: fields by arrays, arrows, bodies; planes of mirrors lie at its faces. */
   setRun(animation) {
     const { app } = this;
-    const first = app.run.setup ? 'gap' : 'von Mises stress';
+    const firsts = app.run.setup ? ['gap', 'distance to other bodies'] : ['von Mises stress'];
+    const first = firsts.find((name) => animation.fields.some(({ label }) => label === name));
     const before = byId('field').selectedOptions[0]?.textContent ?? first;
     const groups = new Map();
     animation.fields.forEach(({ array, label }, k) => {
