@@ -78,7 +78,9 @@ pub(crate) struct Motif<'a> {
 impl<'a> Motif<'a> {
     pub fn open(path: &Path, options: &'a Options) -> Outcome<Self> {
         let folder = Folder::open(path)?;
-        let camera = camera(options.view).map_err(|text| unfit(&folder, text))?;
+        let is_section = folder.run.as_ref().is_some_and(|run| run.get("section").is_some());
+        let view = options.view.or(is_section.then_some([0.0, 0.0, 1.0]));
+        let camera = camera(view).map_err(|text| unfit(&folder, text))?;
         if let Some([a, b]) = options.range.filter(|[a, b]| !(a < b && (b - a).is_finite())) {
             let text = format!("--range {a},{b}: give two finite numbers, the smaller first");
             return Err(unfit(&folder, text).into());

@@ -195,3 +195,14 @@ fn a_body_without_width_is_drawn_in_a_picture_of_some_width() {
         assert!(svg.len() < 20_000 && !svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }
 }
+
+/// Without a view a section is seen along z, and anything else from the side.
+#[test]
+fn a_section_is_seen_along_z() {
+    let folder = folder();
+    let seen = |view| picture(folder.path(), &Options { view, ..Options::default() }).unwrap();
+    assert_ne!(seen(None), seen(Some([0.0, 0.0, 1.0])));
+    std::fs::write(folder.path().join("run.json"), r#"{"bodies":["cube","plate","rope"],"section":"plane-strain"}"#)
+        .unwrap();
+    assert_eq!(seen(None), seen(Some([0.0, 0.0, 1.0])));
+}

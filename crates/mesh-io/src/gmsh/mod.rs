@@ -121,7 +121,8 @@ impl State {
     }
 
     fn finish(mut self) -> Result<Contents, MeshIoError> {
-        let is_plane = self.builder.contents.elements.is_empty() && !self.surfaces.is_empty();
+        let contents = &self.builder.contents;
+        let is_plane = contents.elements.is_empty() && contents.others.is_empty() && !self.surfaces.is_empty();
         if is_plane {
             self.plane_elements()?;
         }

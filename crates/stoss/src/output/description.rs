@@ -19,6 +19,9 @@ pub struct Description {
     pub file: String,
     /// Text of the scene.
     pub scene: String,
+    /// What the bodies are sections of, if they are: they are seen along z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub section: Option<String>,
     /// Labels of the units, if the scene says what its numbers are measured in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub units: Option<UnitLabels>,

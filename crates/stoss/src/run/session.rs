@@ -296,6 +296,7 @@ fn settings(scene: &Scene, built: &Built) -> Result<FolderSettings, RunError> {
         plan: plan_lines(scene, built),
         file: scene.file().to_owned(),
         scene: scene.text().to_owned(),
+        section: scene.header.section.map(|section| section.name().to_owned()),
         units: UnitLabels::new(scene, probes),
         ..Description::new(simulation.model(), drawing)
     };

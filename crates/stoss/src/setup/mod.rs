@@ -44,6 +44,7 @@ pub fn write(path: &Path, options: &RunOptions, folder: &Path) -> Result<(), Run
         plan: report_lines(path, options, &scene, &built)?,
         file: scene.file().to_owned(),
         scene: scene.text().to_owned(),
+        section: scene.header.section.map(|section| section.name().to_owned()),
         units: UnitLabels::new(&scene, &built.probes),
         ..Description::new(built.simulation.model(), &built.drawing)
     };

@@ -143,7 +143,7 @@ pub const STILLS: &[Still] = &[
     Still { scene: "ironing-mortar-friction", until: 6.0, options: &["--size", "640x400"] },
     Still { scene: "rigid-punch", until: 3.0, options: &["--size", "640x400"] },
     Still { scene: "bolt", until: 3.0, options: &["--size", "640x400"] },
-    Still { scene: "o-ring", until: 1.0, options: &["--size", "640x400", "--view", "0,0,1"] },
+    Still { scene: "o-ring", until: 1.0, options: &["--size", "640x400"] },
 ];
 
 /// The picture of a scene, if it has one.

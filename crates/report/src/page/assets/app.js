@@ -61,6 +61,8 @@ class App {
     classList.toggle('plain', !this.isAnimated());
     classList.toggle('setup', Boolean(run.setup));
     if (this.isAnimated()) {
+      // A section is seen along z.
+      if (run.run?.section) Object.assign(this.viewer.camera, { azimuth: -90, elevation: 90 });
       this.viewer.setRun(run.animation);
       this.viewer.layers = run.setup ? new Layers(this, run.setup.layers) : null;
       this.controls.setRun(run.animation);
