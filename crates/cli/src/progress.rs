@@ -60,7 +60,7 @@ impl Progress {
                     self.bar = Some(bar);
                 }
             }
-            Event::Step { record, end, watched, .. } => {
+            Event::Step { record, end, extent, watched } => {
                 let active = record.contact.as_ref().map_or(0, |c| c.active);
                 let line = format!(
                     "step {:5}  t = {:<10}  Newton {:2}  contacts {active:4}{}",
@@ -74,7 +74,7 @@ impl Progress {
                         bar.set_position((1000.0 * record.time / end).clamp(0.0, 1000.0) as u64);
                         bar.set_message(line);
                     }
-                    None => say!("{line}  energy {:.10e}", record.balance.total()),
+                    None => say!("{line}  energy {:.10e}", record.balance.total() / extent),
                 }
                 for decision in &record.decisions {
                     let time = short(decision.time, decision.dt);

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use stoss_mesh::Facet;
-use stoss_mesh_io::deck::{Coupling, Followers, Following, Target};
+use stoss_mesh_io::deck::{Coupling, Followers, Following, Force, Target};
 
 use crate::context::Context;
 use crate::references::Role;
@@ -42,6 +42,14 @@ impl Context<'_> {
             && self.reference(rotations, Role::RotationsOf(body)).is_none()
         {
             return Err(format!("its nodes are not coupled: {} is no node", text(rotations)));
+        }
+        let turns = |force: &Force| force.freedom > 2 && self.references.of(&force.nodes).contains(&body);
+        let has_moment = self.deck.steps.iter().flat_map(|step| &step.forces).any(turns);
+        if kind == "distributing" && item.freedoms[3..] == [false; 3] && has_moment {
+            let text =
+                "the moment on its reference node acts on its nodes: in the deck their rotations are not coupled";
+            let remedy = "remove the moment from the scene";
+            self.list.add(Severity::Missing, item.place, item.keyword, text, remedy);
         }
         let name = self.references.all[body].name.clone();
         sets.iter().for_each(|set| self.scene.coupling(kind, set, &name));

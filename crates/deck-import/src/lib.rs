@@ -135,9 +135,15 @@ pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
         scene: write::Tables::of_section(section),
         list,
     };
-    couplings::couplings(&mut context);
+    if context.section.is_none() {
+        couplings::couplings(&mut context);
+    } else {
+        section::without_couplings(&mut context);
+    }
     equations::equations(&mut context, &cuts);
-    connections::connections(&mut context);
+    if context.section.is_none() {
+        connections::connections(&mut context);
+    }
     contacts::ties(&mut context);
     contacts::pairs(&mut context);
     supports::supports(&mut context);

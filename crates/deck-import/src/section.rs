@@ -1,5 +1,6 @@
 //! Decks of plane elements: what they are sections of, and how their forces are counted.
 
+use crate::context::Context;
 use crate::left_out::List;
 use crate::severity::Severity;
 use stoss_mesh_io::Solids;
@@ -29,7 +30,7 @@ impl Section {
         let place = deck.sections.first()?.place;
         if families.len() > 1 {
             let text = format!("all plane elements are {family}: a scene is one kind of section");
-            list.add(Severity::Changed, place, "*ELEMENT", text, "make scenes of their own");
+            list.add(Severity::Missing, place, "*ELEMENT", text, "make scenes of their own");
         }
         let thicknesses: Vec<f64> = deck.sections.iter().map(|section| section.thickness.unwrap_or(1.0)).collect();
         let thickness = thicknesses[0];
@@ -47,5 +48,18 @@ impl Section {
             );
         }
         Some(Self { name, extent: thickness })
+    }
+}
+
+/// Tells what scenes of sections have no place for.
+pub(crate) fn without_couplings(context: &mut Context<'_>) {
+    let remedy = "model the whole in space without `section`";
+    for coupling in &context.deck.couplings {
+        let text = "sections have no couplings: its nodes are not coupled";
+        context.list.add(Severity::Missing, coupling.place, coupling.keyword, text, remedy);
+    }
+    for connection in &context.deck.connections {
+        let text = "sections have no springs, dashpots and masses: these elements are not in the scene";
+        context.list.add(Severity::Missing, connection.place, "*ELEMENT", text, remedy);
     }
 }

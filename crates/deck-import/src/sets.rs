@@ -101,8 +101,17 @@ impl<'a> Lookup<'a> {
         name.and_then(|name| self.element_set(name))
     }
 
+    /// A name without the only instance, whose sets have none of it.
+    fn own<'n>(&self, name: &'n str) -> &'n str {
+        let after = |instance: &str| {
+            let (before, after) = name.split_once('.')?;
+            before.eq_ignore_ascii_case(instance).then_some(after)
+        };
+        self.contents.only_instance().and_then(after).unwrap_or(name)
+    }
+
     pub fn node_set(&self, name: &str) -> Option<Selection<u32>> {
-        find(&self.node_sets, &self.solids.mesh.node_sets, name)
+        find(&self.node_sets, &self.solids.mesh.node_sets, self.own(name))
     }
 
     /// How many nodes a set has, whether or not they belong to elements which are read.
@@ -132,7 +141,7 @@ impl<'a> Lookup<'a> {
     }
 
     pub fn element_set(&self, name: &str) -> Option<Selection<u32>> {
-        find(&self.element_sets, &self.solids.mesh.element_sets, name)
+        find(&self.element_sets, &self.solids.mesh.element_sets, self.own(name))
     }
 
     /// The elements of a set of a part: those of its instances.
@@ -149,7 +158,7 @@ impl<'a> Lookup<'a> {
 
     /// The facets of a surface. A surface of nodes is the boundary facets all of whose corners belong to it; true then.
     pub fn surface(&self, name: &str) -> Option<(Selection<Facet>, bool)> {
-        if let Some(facets) = find(&self.facet_sets, &self.solids.mesh.facet_sets, name) {
+        if let Some(facets) = find(&self.facet_sets, &self.solids.mesh.facet_sets, self.own(name)) {
             return Some((facets, false));
         }
         let nodes: BTreeSet<u32> = self.node_set(name)?.members.into_iter().collect();

@@ -110,6 +110,11 @@ impl Contents {
         .collect()
     }
 
+    /// The instance of a file that has one.
+    pub fn only_instance(&self) -> Option<&str> {
+        self.instances.keys().next().filter(|_| self.instances.len() == 1).map(String::as_str)
+    }
+
     /// The instances of a part, by their names; names compare without regard to case.
     pub fn instances_of(&self, part: &str) -> Vec<&str> {
         let own = self.parts.iter().filter(|(_, of)| of.eq_ignore_ascii_case(part));

@@ -104,6 +104,7 @@ impl Quantity {
                 | Self::ContactMoment
                 | Self::JointForce
                 | Self::JointMoment
+                | Self::EquationForce
                 | Self::Energy
                 | Self::KineticEnergy
                 | Self::StrainEnergy

@@ -85,7 +85,8 @@ impl Prescription {
     pub fn agrees(&self, other: &Self, component: u8) -> bool {
         let column = |p: &Self| p.components.iter().position(|&c| c == component);
         let (Some(own), Some(others)) = (column(self), column(other)) else { return false };
-        self.rotation == other.rotation
+        let [turn, others_turn] = [self, other].map(|p| p.rotation.as_ref().filter(|turn| !turn.keeps(component)));
+        turn == others_turn
             && self.ramp_until == other.ramp_until
             && self.displacement.is_same_function(own, &other.displacement, others)
     }

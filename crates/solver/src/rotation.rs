@@ -11,6 +11,11 @@ pub struct AxisRotation {
 }
 
 impl AxisRotation {
+    /// Whether the rotation leaves this component of every point as it is: the axis lies along it.
+    pub fn keeps(&self, component: u8) -> bool {
+        (0..3).all(|i| i == usize::from(component) || self.axis[i] == 0.0)
+    }
+
     /// About the direction `axis` (any length but zero) through the point `about` (a length each); `degrees` has one column, positive by the
     /// right-hand rule. Nothing if the axis is zero, a number is not finite or the table has not one column.
     pub fn new(axis: [f64; 3], about: [f64; 3], degrees: Table) -> Option<Self> {

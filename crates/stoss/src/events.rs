@@ -207,7 +207,9 @@ impl EventRecord {
                 resumed: *resumed,
             }),
             Event::Warning(text) => Some(Self::Warning { message: (*text).to_owned() }),
-            Event::Step { record, end, watched } => Some(Self::Step(step_event(record, *end, watched))),
+            Event::Step { record, end, extent, watched } => {
+                Some(Self::Step(step_event(record, *end, *extent, watched)))
+            }
             Event::Diagnosis(diagnosis) => diagnosis.findings.first().map(|first| {
                 let name = |value: serde_json::Result<serde_json::Value>| {
                     // Units of an enum: printing cannot fail, and gives a string.
@@ -272,7 +274,7 @@ fn sentences(verdict: &Verdict) -> Vec<String> {
     verdict.reasons.iter().map(|found| found.sentence.clone()).collect()
 }
 
-fn step_event(record: &StepRecord, end: f64, watched: &Watched) -> StepEvent {
+fn step_event(record: &StepRecord, end: f64, extent: f64, watched: &Watched) -> StepEvent {
     StepEvent {
         step: record.step,
         stage: record.stage,
@@ -280,9 +282,9 @@ fn step_event(record: &StepRecord, end: f64, watched: &Watched) -> StepEvent {
         dt: record.dt,
         end,
         iterations: record.iterations,
-        kinetic: record.balance.kinetic,
-        strain: record.balance.strain,
-        total: record.balance.total(),
+        kinetic: record.balance.kinetic / extent,
+        strain: record.balance.strain / extent,
+        total: record.balance.total() / extent,
         contact: record.contact.as_ref().map(|contact| ContactEvent {
             active: contact.active,
             closed: contact.closed,

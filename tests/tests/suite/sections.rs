@@ -252,6 +252,25 @@ fn what_a_section_cannot_have_is_refused() {
             "both sides",
         ),
         (good.replace("section", "symmetry = \"x\"\nsection"), "scene.symmetry", "no deformable body"),
+        (good.clone() + "[gravity]\nacceleration = [0, 0, -9.81]\n", "gravity", "mirrored"),
+        (good.clone() + "[[load]]\nset = \"tube.top\"\ntraction = [0, 0, 1]\n", "load[0].set", "out of the section"),
+        (
+            good.replace("components = [\"y\"]\nfixed = true", "components = [\"y\", \"z\"]\ndisplacement = [0, 0.1]"),
+            "components",
+            "along z",
+        ),
+        (
+            good.clone()
+                + "[[rigid]]\nname = \"tool\"\nshape = { kind = \"box\", size = [1, 1, 1] }\nposition = [0, 0, 2]\nfixed = true\n",
+            "rigid[0].position",
+            "miss it",
+        ),
+        (
+            good.replace("section", "symmetry = \"y\"\nsection")
+                + &ring("other", [1.0, 2.0], 1.0, [1, 1], "position = [0, -1, 0]"),
+            "scene.symmetry",
+            "two sides",
+        ),
     ];
     for (text, key, message) in cases {
         let error = match stoss::scene::parse(&text, "test.toml") {
@@ -260,4 +279,38 @@ fn what_a_section_cannot_have_is_refused() {
         };
         assert!(error.contains(key) && error.contains(message), "{key}, {message}: {error}");
     }
+}
+
+/// A section of a plate turns in its plane by a prescribed rotation, without strain.
+#[test]
+fn a_plate_turns_in_its_plane() {
+    let text = head("plane-strain")
+        + &format!(
+            "[[body]]\nname = \"b\"\nmesh = {{ generator = \"rectangle\", min = [0, 0], max = [2, 1], divisions = [4, 2] }}\n{STEEL}\n"
+        )
+        + "[[prescribe]]\nset = \"b.left\"\nrotation = { axis = [0, 0, 1], degrees = 90 }\n"
+        + &probe("end", "set = \"b.right\"", "position")
+        + &probe("energy", "body = \"b\"", "strain_energy");
+    let text =
+        text.replace("step = 1.0", "step = 0.05").replace("degrees = 90", "degrees = { table = [[0, 0], [1, 90]] }");
+    let values = probes(&text);
+    assert!((values[0][0] + 0.5).abs() < 1e-9 && (values[0][1] - 2.0).abs() < 1e-9, "{:?}", values[0]);
+    assert!(values[1][0].abs() < 1e-12, "{:?}", values[1]);
+}
+
+/// A body that flies through a plane of symmetry would meet its mirror image, and the verdict says so.
+#[test]
+fn a_body_that_passes_a_plane_of_symmetry_is_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("fly.toml");
+    let text = format!(
+        "[scene]\ntitle = \"fly\"\nkind = \"dynamic\"\nsymmetry = \"x\"\n[time]\nend = 1.0\nstep = 0.1\nintegrator = {{ scheme = \"energy-momentum\" }}\n\
+         [[body]]\nname = \"wall\"\nmesh = {{ generator = \"block\", min = [0, 0, 3], max = [1, 1, 4], divisions = [1, 1, 1] }}\n{STEEL}\ndensity = 1.0\n\
+         [[body]]\nname = \"stone\"\nmesh = {{ generator = \"block\", min = [0.5, 0, 0], max = [1, 1, 1], divisions = [1, 1, 1] }}\n{STEEL}\ndensity = 1.0\nvelocity = [-2, 0, 0]\n"
+    );
+    std::fs::write(&scene, text).unwrap();
+    let options = stoss::run::RunOptions { out: folder.path().join("out"), ..Default::default() };
+    let summary = stoss::run::run_scene(&scene, &options, &mut |_| {}).unwrap();
+    let reason = &summary.verdict.reasons[0].sentence;
+    assert!(reason.contains("`stone` has passed the plane of symmetry x = 0"), "{reason}");
 }

@@ -49,7 +49,9 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         kind,
         end: time.as_ref().map(|time| time.end),
         has_elastic_support: !support_tables.is_empty(),
-        has_prescribed: !prescribe_tables.is_empty() || parts.known.iter().any(|part| part.fixed),
+        has_prescribed: !prescribe_tables.is_empty()
+            || parts.known.iter().any(|part| part.fixed)
+            || header.as_ref().is_some_and(|header| !header.symmetry.is_empty()),
         parts: parts.known,
         parts_complete: parts.complete,
         joints: Vec::new(),
@@ -217,7 +219,15 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let parameters = root.default("parameters", BTreeMap::new(), parameters::values);
     let sweep = root.optional("sweep", sweep::sweep);
     root.finish();
-    super::section::check(root, kind, section, &parts.bodies, &held, &loads)?;
+    if let Some(header) = &header {
+        let scene = super::section::Content {
+            bodies: &parts.bodies,
+            held: &held,
+            loads: &loads,
+            prescriptions: &prescriptions,
+        };
+        super::section::check(root, header, gravity.as_ref().and_then(Option::as_ref), &scene)?;
+    }
 
     Some(Scene {
         parameters: parameters?,

@@ -41,6 +41,8 @@ pub struct DrawnPoint {
 pub struct Drawing {
     /// What is modelled of a scene of plane sections ([`super::Built::extent`]).
     pub extent: Option<f64>,
+    /// Axes across planes of symmetry, and the side of each on which the bodies are.
+    pub symmetry: Vec<(usize, f64)>,
     /// Surfaces.
     pub surfaces: Vec<DrawnSurface>,
     /// Lines.
@@ -88,6 +90,7 @@ impl Drawing {
         };
         Self {
             extent: self.extent,
+            symmetry: self.symmetry.clone(),
             surfaces: self.surfaces.iter().map(surface).collect(),
             lines: self.lines.iter().map(line).collect(),
             points: self.points.iter().map(point).collect(),

@@ -187,6 +187,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let (mut probes, mut plans, mut names) = (Vec::new(), Vec::new(), BTreeMap::new());
     let mut set_lines = Vec::new();
     // Sets can be resolved only if every body has its mesh: otherwise missing sets would be reported for the wrong reason.
+    section::tools(scene, &placed, &mut problems);
     if problems.list.is_empty() {
         set_lines = sets::add(scene, &mut placed, &mut problems);
     }
@@ -207,6 +208,7 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
         let inclined = section::without_tied(inclined, own_prescriptions, &ties.tied);
         let supports =
             sliding_support::add(scene, inclined, own_prescriptions, &places, &ties.tied, &mut model, &mut problems);
+        parts.drawing.symmetry = symmetry::sides(scene, &placed);
         parts.drawing.extent = scene.header.section.map(|_| section.extent());
         #[cfg(any(feature = "general", feature = "multibody"))]
         parts.drawing.joined.extend(joined::surroundings(scene, &placed, &model.reference));

@@ -2,7 +2,7 @@
 
 use super::Problems;
 use super::condition::InclinedPrescription;
-use super::placed::Placed;
+use super::placed::{Placed, Shape};
 use crate::scene::{BoxRegion, Component, PlaneSection, Prescribe, Scene, SetDefinition};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -66,6 +66,22 @@ pub(super) fn across<'a>(scene: &Scene, set: &'a SetDefinition) -> Cow<'a, SetDe
             Cow::Owned(SetDefinition { inside: Some(BoxRegion { min, max }), ..set.clone() })
         }
         _ => Cow::Borrowed(set),
+    }
+}
+
+/// Reports tools that do not reach over the section.
+pub(super) fn tools(scene: &Scene, placed: &[Placed], problems: &mut Problems<'_>) {
+    if scene.header.section.is_none() {
+        return;
+    }
+    for part in placed {
+        let Shape::Surface(surface) = &part.shape else { continue };
+        let has = |side: f64| surface.nodes.iter().any(|x| side * x[2] > 0.0);
+        if !(has(1.0) && has(-1.0)) {
+            let key = scene.rigids.iter().position(|rigid| rigid.name == part.name).unwrap_or_default();
+            let message = "lies on one side of the section, z = 0, or in it: the slice would miss it";
+            problems.add(format!("rigid[{key}].position"), &part.name, message, "let it reach over z = 0");
+        }
     }
 }
 

@@ -53,11 +53,31 @@ pub(super) fn cut(scene: &Scene, key: &str, mut mesh: Mesh, problems: &mut Probl
     Some(mesh)
 }
 
+/// The side of the plane that a mesh lies on: 1 or -1.
+fn side(mesh: &Mesh, component: Component) -> f64 {
+    let (low, high) = mesh.bounding_box();
+    (low[component.index()] + high[component.index()]).signum()
+}
+
+/// Axes across the planes, and the sides of the planes on which the bodies lie.
+pub(super) fn sides(scene: &Scene, placed: &[Placed]) -> Vec<(usize, f64)> {
+    let first = placed.iter().find_map(Placed::mesh);
+    let planes = scene.header.symmetry.as_slice().iter();
+    planes.filter_map(|&component| Some((component.index(), side(first?, component)))).collect()
+}
+
 /// What holds the bodies in the planes; a plane that no body reaches is reported.
 pub(super) fn supports(scene: &Scene, placed: &[Placed], problems: &mut Problems<'_>) -> Vec<Prescribe> {
     let mut held = Vec::new();
     for &component in scene.header.symmetry.as_slice() {
         let before = held.len();
+        let sides = placed.iter().filter_map(|part| Some((side(part.mesh()?, component), part)));
+        let sides: Vec<(f64, &Placed)> = sides.collect();
+        if let Some((_, other)) = sides.iter().find(|(side, _)| Some(*side) != sides.first().map(|first| first.0)) {
+            let message =
+                format!("`{}` and `{}` lie on two sides of the plane {component} = 0", sides[0].1.name, other.name);
+            problems.add("scene.symmetry".into(), component, message, "model one side, or leave the plane out");
+        }
         let meets = |part: &&Placed| part.mesh().is_some_and(|mesh| mesh.node_sets.contains_key(&set(component)));
         held.extend(placed.iter().filter(meets).map(|part| Prescribe {
             components: vec![component],

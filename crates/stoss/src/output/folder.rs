@@ -253,6 +253,11 @@ impl ResultFolder {
         self.watch.worst()
     }
 
+    /// What sums over the model are divided by.
+    pub fn extent(&self) -> f64 {
+        self.settings.extent
+    }
+
     /// Ends a session: a checkpoint, and a frame of the last completed step if it has none. That frame is not in the checkpoint, so that
     /// a run that goes on has frames where a run without a break has them.
     ///

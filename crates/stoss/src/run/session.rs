@@ -197,7 +197,8 @@ impl Session {
         if let Some(systems) = &self.systems {
             systems.check()?;
         }
-        report(Event::Step { record: &record, end: self.end, watched: self.folder.worst() });
+        let (extent, watched) = (self.folder.extent(), self.folder.worst());
+        report(Event::Step { record: &record, end: self.end, extent, watched });
         if self.folder.must_stop() {
             self.state = Progress::Done;
         } else {

@@ -89,7 +89,15 @@ impl Filler<'_> {
             }
             let mut nodes = Vec::new();
             for k in usize::from(!continues)..row.count() {
-                if !row.field(k).is_empty() {
+                let field = row.field(k);
+                if field.starts_with(|c: char| c.is_ascii_alphabetic()) {
+                    // Sets of nodes: not read.
+                    if let Some(last) = self.deck.multi_points.last_mut() {
+                        last.kind += " of sets";
+                    }
+                    break;
+                }
+                if !field.is_empty() {
                     nodes.push(row.number(k, "a node")?);
                 }
             }

@@ -22,8 +22,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use stoss_solver::{Balance, Simulation, StepRecord};
 use stoss_watch::{
-    BalanceState, BalanceWatch, ContactPoint, ContactState, Finding, Judge, KeptGaps, Limits, Meeting, PointFriction,
-    Promises, Resolution, Verdict, Watch, WatchModel,
+    BalanceState, BalanceWatch, ContactPoint, ContactState, Finding, FindingKind, Judge, KeptGaps, Limits, Meeting,
+    PointFriction, Promises, Resolution, Severity, Verdict, Watch, WatchModel,
 };
 
 /// Columns of `watch.csv`. Depth in the scene's length, and over the edge length of the facet that the node passed.
@@ -72,6 +72,9 @@ pub struct Watched {
     pub relative_depth: f64,
 }
 
+/// How far a body may pass a plane of symmetry, in edges.
+const PAST_PLANE: f64 = 0.05;
+
 /// The watch on a running simulation.
 #[derive(Debug)]
 pub(super) struct RunWatch {
@@ -108,6 +111,8 @@ pub(super) struct RunWatch {
     deepest: [f64; 2],
     /// The finding that the scene lacks something of its deck.
     left_out: Option<Finding>,
+    /// Axes across planes of symmetry, and the sides on which the bodies are.
+    symmetry: Vec<(usize, f64)>,
     spent: Duration,
 }
 
@@ -180,6 +185,7 @@ impl RunWatch {
             last: None,
             deepest: [0.0; 2],
             left_out,
+            symmetry: drawing.symmetry.clone(),
             spent: Duration::ZERO,
         })
     }
@@ -229,6 +235,7 @@ impl RunWatch {
         let meetings: Vec<Meeting> = self.observe_acting(simulation, record);
         let meetings: Vec<Meeting> = meetings.into_iter().map(|meeting| meeting.beyond(&kept, record.time)).collect();
         self.judge.observe_driven(record.step, record.time, &seen, &solids, &meetings);
+        self.observe_planes(simulation, record);
         self.previous.clear();
         self.previous.extend_from_slice(&q);
         self.last = Some(record.step);
@@ -319,6 +326,37 @@ impl RunWatch {
             }
         }
         meetings
+    }
+
+    /// Bodies that have passed a plane of symmetry, where they would meet their mirror images.
+    fn observe_planes(&mut self, simulation: &Simulation, record: &StepRecord) {
+        let q = &simulation.state().q;
+        for (k, body) in simulation.model().bodies.iter().enumerate() {
+            let edge = body.solid.characteristic_length();
+            for &(axis, side) in &self.symmetry {
+                let beyond = |node: u32| -side * q[3 * node as usize + axis];
+                let Some(node) = body.nodes.clone().max_by(|a, b| beyond(*a).total_cmp(&beyond(*b))) else { continue };
+                let depth = beyond(node) / edge;
+                if depth < PAST_PLANE {
+                    continue;
+                }
+                let name = ["x", "y", "z"][axis];
+                self.judge.add(Finding {
+                    level: Severity::Wrong,
+                    kind: FindingKind::Penetration,
+                    bodies: Some([k; 2]),
+                    step: record.step,
+                    time: record.time,
+                    worst_time: None,
+                    sentence: format!(
+                        "`{}` has passed the plane of symmetry {name} = 0 by {depth:.2} of an edge: it would meet its mirror image there, and no contact holds it. Put a fixed tool in the plane, or model the whole",
+                        body.solid.name()
+                    ),
+                    position: Some([0, 1, 2].map(|i| q[3 * node as usize + i])),
+                    figure: depth,
+                });
+            }
+        }
     }
 
     /// Findings about the energy in the present stage beside the largest so far.
