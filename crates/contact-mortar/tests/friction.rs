@@ -215,7 +215,7 @@ proptest! {
     fn tangents_are_derivatives(
         surfaces in surfaces(), d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
         kind in 0usize..4, midpoint in 0usize..2, exact: bool, moves: bool, m in prop::collection::vec(-0.05f64..0.05, 2 * SLAVE),
-        v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE), before in prop_oneof![Just(0.6), Just(1.5)],
+        v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE), before in prop_oneof![Just(0.6), Just(1.5)], mirrored: bool,
     ) {
         let rule = RULES[rule];
         let midpoint = [MidpointFriction::B, MidpointFriction::C][midpoint];
@@ -224,7 +224,8 @@ proptest! {
         let integrals = if rule == GradientRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
         let options = MortarOptions { integrals, ..options(dual) };
         let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap().with_surface_velocity(belt(moves));
-        let mut plain = method(surfaces, options);
+        let planes = (0..SLAVE as u32).map(|n| (n, if mirrored { u8::from(n % 3 == 0) + 2 * u8::from(n % 2 == 0) } else { 0 }));
+        let mut plain = method(surfaces, options).with_symmetry(planes);
         let mut method = plain.clone().with_friction(friction, measure(of, rule)).unwrap();
         let (q_0, q_n) = (moved(&f), moved(&d));
         // Another pressure before: stepping `C` has a kink where the history lies on the cone.

@@ -56,6 +56,8 @@ pub(crate) struct NodeFriction<'a> {
     pub pressure: f64,
     /// Linearised as if the node stuck.
     pub reversed: bool,
+    /// [`crate::rows::Row::across`]: with the facets behind the planes neither normal nor slip has these components.
+    pub across: [bool; 3],
 }
 
 /// What became of a node in the step.
@@ -96,7 +98,15 @@ struct Node<T> {
 }
 
 impl<T: Scalar> Node<T> {
-    fn new(normal: V3<T>, along: [V3<T>; 2], (weighted_slip, support): (V3<T>, f64), way: V3<f64>) -> Self {
+    fn new(
+        [normal, weighted_slip]: [V3<T>; 2],
+        across: [bool; 3],
+        along: [V3<T>; 2],
+        support: f64,
+        way: V3<f64>,
+    ) -> Self {
+        let within = |v: V3<T>| std::array::from_fn(|i| if across[i] { T::constant(0.0) } else { v[i] });
+        let [normal, weighted_slip] = [normal, weighted_slip].map(within);
         let tangents = tangents(normal, along);
         let way = way.map(T::constant);
         // A node that had no partner at the start of the step begins to slip with the next one.
@@ -164,7 +174,8 @@ impl NodeFriction<'_> {
             start.push(at_n);
         }
         let way = self.way(at_end);
-        let node = Node::new(normal, along(arguments, material), (slip, self.support(slot, at_end)), way);
+        let along = along(arguments, material);
+        let node = Node::new([normal, slip], self.across, along, self.support(slot, at_end), way);
         let size: f64 = arguments.iter().map(|x| (dot(&x[1], &x[1]) * dot(&x[2], &x[2])).sqrt()).sum();
         let regular = dot(&normal, &normal).sqrt() > 1e-12 * size && node.slip.iter().all(|s| s.is_finite());
         if !regular {
@@ -265,9 +276,10 @@ impl NodeFriction<'_> {
         let [a, b] = along(&work.arguments, &work.material);
         let variable = |v: V3<f64>, first: usize| std::array::from_fn(|i| Dual::variable(v[i], first + i));
         let node = Node::<Dual<NODE>>::new(
-            variable(normal, 0),
+            [variable(normal, 0), variable(slip, 9)],
+            self.across,
             [variable(a, 3), variable(b, 6)],
-            (variable(slip, 9), support),
+            support,
             self.way(at_end),
         );
         let step = state.branch.as_ref().map_or(&state.step, |(branch, _)| branch);

@@ -129,6 +129,7 @@ impl MortarContact {
             measure: surface.measure,
             frames: &surface.frames,
             local: self.surfaces.rows[slot].local,
+            across: self.surfaces.rows[slot].across,
             start,
             area: self.slip_area(slot),
             history: point.start,
