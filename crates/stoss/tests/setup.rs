@@ -55,6 +55,9 @@ fixed = true
 set = "lower.left"
 components = ["y"]
 displacement = { table = [[0.0, 0.0], [1.0, 0.1]] }
+[[equation]]
+name = "glide"
+terms = [{ set = "upper.back", component = "x", mean = true }, { set = "upper.front", component = "x", factor = -1.0, mean = true }]
 [[support]]
 set = "lower.back"
 stiffness = [0.0, 2.0, 0.0]
@@ -99,6 +102,7 @@ fn every_named_thing_is_where_it_acts() {
     let moved = layer(&setup, Kind::Prescribed, "prescribe[1] of lower.left");
     assert_eq!(moved.about, "lower.left moved along y");
     assert!(moved.arrows.iter().all(|arrow| arrow.at[0] == 0.0 && arrow.along == [0.0, 1.0, 0.0]));
+    assert_eq!(layer(&setup, Kind::Equation, "glide").places.len(), 16);
     let support = layer(&setup, Kind::Support, "support[0] of lower.back");
     assert!(support.arrows.len() == 6 && support.arrows.iter().all(|arrow| arrow.along == [0.0, 1.0, 0.0]));
     // A pressure pushes inwards, at the middle of each facet; a force is along itself.

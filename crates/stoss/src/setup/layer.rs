@@ -14,6 +14,10 @@ pub enum Kind {
     Contact,
     /// A surface of a tie.
     Tie,
+    /// A set that a coupling joins to a rigid body.
+    Coupling,
+    /// The points of an equation.
+    Equation,
     /// A joint.
     Joint,
     /// A spring between two parts.

@@ -13,7 +13,7 @@ pub use layer::{Arrow, Kind, Layer};
 use crate::build::{Built, Placed, named_parts};
 use crate::output::{Description, OutputError, UnitLabels, write_start};
 use crate::run::{RunError, RunOptions, load, report_lines, scene_folder};
-use crate::scene::{Contact, Field, Joint, Scene, Spring, split_set};
+use crate::scene::{Contact, Equation, Field, Joint, Scene, Spring, split_set};
 use layer::Space;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -68,6 +68,11 @@ fn layers(scene: &Scene, built: &Built, placed: &[Placed]) -> Vec<Layer> {
             layers.push(space.surface(Kind::Tie, format!("{}: {role}", tie.label()), set, set));
         }
     }
+    layers.extend(scene.couplings.iter().map(|item| {
+        let about = format!("{} to {}", item.set, item.rigid);
+        space.surface(Kind::Coupling, item.name.clone(), &item.set, &about)
+    }));
+    layers.extend(scene.equations.iter().map(|item| equation(&space, item)));
     layers.extend(scene.joints.iter().map(joint));
     layers.extend(scene.springs.iter().map(spring));
     layers.extend(conditions::prescriptions(scene, &space));
@@ -81,6 +86,16 @@ fn contact_surfaces(space: &Space, contact: &Contact) -> [Layer; 2] {
     let roles = if contact.between.is_some() { ["first surface", "second surface"] } else { ["slave", "master"] };
     let sets = contact.surfaces();
     [0, 1].map(|k| space.surface(Kind::Contact, format!("{}: {}", contact.label(), roles[k]), sets[k], sets[k]))
+}
+
+fn equation(space: &Space, equation: &Equation) -> Layer {
+    let mut layer = Layer::new(Kind::Equation, equation.name.clone(), String::new());
+    for term in &equation.terms {
+        let nodes = term.set.as_deref().map(|set| space.nodes(set)).unwrap_or_default();
+        layer.add_places(&nodes.iter().map(|&node| space.place(node)).collect::<Vec<_>>());
+        layer.add_places(term.point.as_slice());
+    }
+    layer
 }
 
 fn joint(joint: &Joint) -> Layer {

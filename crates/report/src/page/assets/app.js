@@ -221,9 +221,11 @@ class App {
 /** What the address asks for behind its `#`, such as `t=0.5&field=velocity&tab=Contact&view=0,90`, and controls by their names, such as `clip=0&extremes=true`; `fit=true` fills the picture. */
 function obey(app, wishes) {
   const time = Number(wishes.get('t'));
-  const field = app.run.animation?.fields.findIndex(({ label }) => label === wishes.get('field')) ?? -1;
-  if (app.isAnimated() && wishes.has('view')) {
-    [app.viewer.camera.azimuth, app.viewer.camera.elevation] = wishes.get('view').split(',').map(Number);
+  const named = wishes.get('field')?.replaceAll('_', ' ');
+  const field = app.run.animation?.fields.findIndex(({ label }) => label === named) ?? -1;
+  const view = wishes.get('view')?.split(',').map(Number) ?? [];
+  if (app.isAnimated() && view.length === 2 && view.every(Number.isFinite)) {
+    [app.viewer.camera.azimuth, app.viewer.camera.elevation] = view;
     app.viewer.home();
   }
   if (app.isAnimated() && field >= 0) app.setField(field);

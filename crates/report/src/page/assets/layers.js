@@ -1,8 +1,8 @@
 'use strict';
-// What a scene has where before its run: surfaces of contacts and ties, joints, springs, supports, loads and sets, each a layer that is shown or not.
+// What a scene has where before its run: surfaces of contacts and ties, couplings, equations, joints, springs, supports, loads and sets, each a layer that is shown or not.
 
 /** Layers that are shown at first: what acts. */
-const ACTING = ['contact', 'tie', 'joint', 'spring', 'prescribed', 'support', 'load'];
+const ACTING = ['contact', 'tie', 'coupling', 'equation', 'joint', 'spring', 'prescribed', 'support', 'load'];
 /** Length of the arrows, in parts of the size of what is shown. */
 const ARROW_LENGTH = 0.08;
 
