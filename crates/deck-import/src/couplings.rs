@@ -21,6 +21,19 @@ pub(crate) fn couplings(context: &mut Context<'_>) {
     }
 }
 
+/// Tells what scenes of sections have no place for.
+pub(crate) fn left_out_of_sections(context: &mut Context<'_>) {
+    let remedy = "model the whole in space without `section`";
+    for coupling in &context.deck.couplings {
+        let text = "sections have no couplings: its nodes are not coupled";
+        context.list.add(Severity::Missing, coupling.place, coupling.keyword, text, remedy);
+    }
+    for connection in &context.deck.connections {
+        let text = "sections have no springs, dashpots and masses: these elements are not in the scene";
+        context.list.add(Severity::Missing, connection.place, "*ELEMENT", text, remedy);
+    }
+}
+
 impl Context<'_> {
     fn coupling(&mut self, item: &Coupling) -> Result<(), String> {
         let kind = match item.following {

@@ -138,7 +138,7 @@ pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
     if context.section.is_none() {
         couplings::couplings(&mut context);
     } else {
-        section::without_couplings(&mut context);
+        couplings::left_out_of_sections(&mut context);
     }
     equations::equations(&mut context, &cuts);
     if context.section.is_none() {

@@ -1,6 +1,5 @@
 //! Decks of plane elements: what they are sections of, and how their forces are counted.
 
-use crate::context::Context;
 use crate::left_out::List;
 use crate::severity::Severity;
 use stoss_mesh_io::Solids;
@@ -48,18 +47,5 @@ impl Section {
             );
         }
         Some(Self { name, extent: thickness })
-    }
-}
-
-/// Tells what scenes of sections have no place for.
-pub(crate) fn without_couplings(context: &mut Context<'_>) {
-    let remedy = "model the whole in space without `section`";
-    for coupling in &context.deck.couplings {
-        let text = "sections have no couplings: its nodes are not coupled";
-        context.list.add(Severity::Missing, coupling.place, coupling.keyword, text, remedy);
-    }
-    for connection in &context.deck.connections {
-        let text = "sections have no springs, dashpots and masses: these elements are not in the scene";
-        context.list.add(Severity::Missing, connection.place, "*ELEMENT", text, remedy);
     }
 }

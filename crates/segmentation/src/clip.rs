@@ -41,13 +41,14 @@ fn is_left(a: [f64; 2], b: [f64; 2], p: [f64; 2], shift_sign: f64) -> bool {
 impl Signs {
     fn new(s: &Piece, m: &Piece) -> Self {
         let none = [[false; MAX_NODES]; MAX_NODES];
+        let ends = reached(s, m);
         let mut signs = Self { master_in: none, slave_in: none };
         for i in 0..s.count {
             for j in 0..m.count {
                 let (s_next, m_next) = (s.points[(i + 1) % s.count], m.points[(j + 1) % m.count]);
                 let beyond = s.planes_of_side(i) & m.planes[j] != 0;
                 let behind = m.planes_of_side(j) & s.planes[i] != 0;
-                signs.master_in[i][j] = !beyond && is_left(s.points[i], s_next, m.points[j], 1.0);
+                signs.master_in[i][j] = !beyond && is_left(s.points[i], s_next, ends[j], 1.0);
                 signs.slave_in[j][i] = behind || is_left(m.points[j], m_next, s.points[i], -1.0);
             }
         }
@@ -58,6 +59,29 @@ impl Signs {
         self.master_in[i][j] != self.master_in[i][(j + 1) % m.count]
             && self.slave_in[j][i] != self.slave_in[j][(i + 1) % s.count]
     }
+}
+
+/// Corners of the master as far as they count: one in a plane in which the slave has a side is where its side across the plane, prolonged, meets the slave's. Neighbours over that side find the same
+/// point to the last bit.
+fn reached(s: &Piece, m: &Piece) -> [[f64; 2]; MAX_NODES] {
+    let mut ends = m.points;
+    for j in 0..m.count {
+        let Some(i) = (0..s.count).find(|&i| s.planes_of_side(i) & m.planes[j] != 0) else { continue };
+        let plane = s.planes_of_side(i) & m.planes[j];
+        let (before, after) = ((j + m.count - 1) % m.count, (j + 1) % m.count);
+        let inner = if m.planes[before] & plane == 0 { before } else { after };
+        if m.planes[inner] & plane != 0 {
+            continue;
+        }
+        let (a, b) = (m.points[inner], m.points[j]);
+        let (along, side) = (sub(b, a), sub(s.points[(i + 1) % s.count], s.points[i]));
+        let slope = cross(along, side);
+        if slope != 0.0 {
+            let part = cross(sub(s.points[i], a), side) / slope;
+            ends[j] = [a[0] + part * along[0], a[1] + part * along[1]];
+        }
+    }
+    ends
 }
 
 /// Vertices of the intersection, counter-clockwise; returns how many there are (0, or 3 to 8).
