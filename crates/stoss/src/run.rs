@@ -68,7 +68,7 @@ pub enum Event<'a> {
         record: &'a StepRecord,
         /// End time.
         end: f64,
-        /// What sums over the model are divided by ([`Built::extent`]).
+        /// What sums over the model are divided by ([`crate::build::Built::extent`]).
         extent: f64,
         /// The worst drift and the deepest penetration so far.
         watched: Watched,

@@ -30,7 +30,7 @@ pub struct FolderSettings {
     pub checkpoint_every: u64,
     /// Fields of the frames; `None`: all.
     pub fields: Option<Vec<Field>>,
-    /// What sums over the model are divided by in tables and frames ([`crate::Built::extent`]).
+    /// What sums over the model are divided by in tables and frames ([`crate::build::Built::extent`]).
     pub extent: f64,
     /// Probes.
     pub probes: Vec<Probe>,
