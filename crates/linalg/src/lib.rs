@@ -1,4 +1,5 @@
-//! Fixed sparsity patterns, deterministic scatter, the trait of a linear solver, multifrontal solver, smoothed aggregation, faer backends, refinement.
+//! Fixed sparsity patterns, deterministic scatter, the trait of a linear solver, multifrontal solver, smoothed aggregation, faer backends, refinement, and what the ranks of a distributed run tell
+//! each other.
 //!
 //! The stages are types: stencils -> [`SparsityPattern`] and [`ScatterMap`] (once per pattern) -> [`SparseMatrix`] (values
 //! added per iteration) -> [`LinearSolver`] (analyse once, factorise, solve). Every solution's residual is measured row by
@@ -18,9 +19,11 @@ pub mod multifrontal;
 pub mod vector;
 
 mod auto;
+mod communicator;
 mod direct;
 mod equation;
 mod error;
+mod gathered;
 mod gmres;
 mod iterative;
 mod matrix;
@@ -30,15 +33,19 @@ mod refinement;
 mod scaling;
 mod scatter;
 mod solver;
+mod threads;
 
 pub use auto::AutoSolver;
+pub use communicator::{Communicator, Serial, Traffic};
 pub use direct::{DirectSolver, Factorisation};
 pub use equation::EquationPlace;
 pub use error::{LinalgError, Place};
 pub use faer_backend::{DenseSolver, FaerSolver};
+pub use gathered::GatheredSolver;
 pub use matrix::SparseMatrix;
 pub use multifrontal::MultifrontalSolver;
 pub use pattern::{NONE, SparsityPattern};
 pub use recording::{Recorder, RecordingSolver, SolvedSystem};
 pub use scatter::ScatterMap;
 pub use solver::{LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics};
+pub use threads::Threads;

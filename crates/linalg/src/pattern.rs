@@ -6,7 +6,7 @@ use crate::LinalgError;
 /// entry is dropped.
 pub const NONE: u32 = u32::MAX;
 
-/// Pattern of an `n x n` matrix, stored by columns; the rows of a column increase strictly. The diagonal is always there.
+/// Pattern of an `n x n` matrix, stored by columns; the rows of a column increase strictly. The diagonal is always there, but for [`SparsityPattern::from_own_stencils`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SparsityPattern {
     n: usize,
@@ -23,12 +23,24 @@ impl SparsityPattern {
     /// # Errors
     /// [`LinalgError::EquationOutOfRange`], [`LinalgError::TooLarge`].
     pub fn from_stencils<'a>(n: usize, stencils: impl Iterator<Item = &'a [u32]> + Clone) -> Result<Self, LinalgError> {
+        Self::from_own_stencils(n, stencils, |_| true)
+    }
+
+    /// As [`SparsityPattern::from_stencils`], for the part of a matrix that a rank has: an equation that no stencil names has its diagonal if it is one of the rank's own.
+    ///
+    /// # Errors
+    /// As of [`SparsityPattern::from_stencils`].
+    pub fn from_own_stencils<'a>(
+        n: usize,
+        stencils: impl Iterator<Item = &'a [u32]> + Clone,
+        is_own: impl Fn(usize) -> bool,
+    ) -> Result<Self, LinalgError> {
         if n >= NONE as usize {
             return Err(LinalgError::TooLarge { what: "number of equations", count: n });
         }
         let blocks = Blocks::new(n, stencils.clone())?;
         // Which blocks are coupled: the pattern of a matrix of blocks.
-        let coupled = blocks.coupled(stencils);
+        let coupled = blocks.coupled(stencils, is_own);
         let size = |block: usize| (blocks.starts[block + 1] - blocks.starts[block]) as usize;
         let rows = |block: usize| coupled.rows(block).iter().map(|&row| size(row as usize)).sum::<usize>();
         let count = (0..blocks.count()).map(|block| size(block) * rows(block)).sum();
@@ -228,7 +240,11 @@ impl Blocks {
         stencil.iter().map(beginning).filter(|&block| block != NONE)
     }
 
-    fn coupled<'a>(&self, stencils: impl Iterator<Item = &'a [u32]> + Clone) -> Coupled {
+    fn coupled<'a>(
+        &self,
+        stencils: impl Iterator<Item = &'a [u32]> + Clone,
+        is_own: impl Fn(usize) -> bool,
+    ) -> Coupled {
         let count = self.count();
         // Which stencils touch a block: offsets by counting, then the list.
         let mut offsets = vec![0usize; count + 1];
@@ -252,8 +268,12 @@ impl Blocks {
         for block in 0..count as u32 {
             let start = rows.len();
             mark[block as usize] = block;
-            rows.push(block);
-            for stencil in &list[offsets[block as usize]..offsets[block as usize + 1]] {
+            let stencils = &list[offsets[block as usize]..offsets[block as usize + 1]];
+            // One that is not named is a single equation.
+            if !stencils.is_empty() || is_own(self.starts[block as usize] as usize) {
+                rows.push(block);
+            }
+            for stencil in stencils {
                 for other in self.of(stencil) {
                     if mark[other as usize] != block {
                         mark[other as usize] = block;

@@ -48,6 +48,14 @@ impl LinearSolver for RecordingSolver {
         self.inner.place(equations);
     }
 
+    fn communicator(&self) -> Arc<dyn crate::Communicator> {
+        self.inner.communicator()
+    }
+
+    fn spread(&mut self, owners: &mut dyn ExactSizeIterator<Item = u32>) {
+        self.inner.spread(owners);
+    }
+
     fn analyse(&mut self, pattern: &Arc<SparsityPattern>, kind: MatrixKind) -> Result<(), LinalgError> {
         (self.pattern, self.kind) = (Some(Arc::clone(pattern)), kind);
         self.inner.analyse(pattern, kind)

@@ -120,12 +120,13 @@ impl ScatterMap {
         self.len() == 0
     }
 
-    /// Adds a local matrix (row-major, as large as stencil `k`) to the values. The sums are formed in the order of the
+    /// Adds a local matrix (row-major, as large as stencil `k`) to the values; one of any size adds nothing where the stencil is empty. The sums are formed in the order of the
     /// calls, and within a call row by row if a stencil names an equation twice; hence the result is the same bits whenever the order of the calls is.
     pub fn add(&self, k: usize, local_row_major: &[f64], values: &mut [f64]) {
         let Stencil { runs, positions, dimension } = self.stencils[k];
         let end = self.stencils.get(k + 1).map_or(self.runs.len(), |next| next.runs);
-        debug_assert_eq!(dimension * dimension, local_row_major.len(), "stencil {k}");
+        // The stencil of what another rank adds is empty.
+        debug_assert!(dimension == 0 || dimension * dimension == local_row_major.len(), "stencil {k}");
         let runs = &self.runs[runs..end];
         let positions = self.positions[positions..][..runs.len() * dimension].chunks_exact(dimension.max(1));
         for (run, positions) in runs.iter().zip(positions) {

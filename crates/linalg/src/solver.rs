@@ -6,7 +6,7 @@
 //! a line to the battery in `tests/solvers.rs`. What iterates offers [`LinearSolver::solve_nearby`] and leaves the rest to a direct solver behind it, as
 //! [`crate::AutoSolver`] does.
 
-use crate::{EquationPlace, LinalgError, SparsityPattern};
+use crate::{Communicator, EquationPlace, LinalgError, Serial, SparsityPattern};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -134,6 +134,15 @@ pub trait LinearSolver: Send + Debug {
     /// Where the equations of the pattern are that is given to [`Self::analyse`] next, with the present positions of nodes. Called before each `analyse` for the sake of solvers that
     /// iterate; without it they leave a pattern to factorisation. Ignored by default.
     fn place(&mut self, _equations: &mut dyn ExactSizeIterator<Item = EquationPlace>) {}
+
+    /// The ranks over which the matrix is spread. With more than one, `analyse`, `factorise` and whatever else takes a pattern or values get those of each rank's own contributions, in the numbers of
+    /// the whole; the matrix is their sum over the ranks. Right-hand sides and solutions are whole on all ranks, and every method is collective. One rank by default.
+    fn communicator(&self) -> Arc<dyn Communicator> {
+        Serial::shared()
+    }
+
+    /// The rank that has the row of each equation of the pattern that is given to [`Self::analyse`] next. Called with [`Self::place`], and only with more than one rank. Ignored by default.
+    fn spread(&mut self, _owners: &mut dyn ExactSizeIterator<Item = u32>) {}
 
     /// Symbolic phase: ordering, storage. A no-op if pattern (the same `Arc`, or an equal one) and kind are those of the last
     /// call. A change invalidates the factorisation.

@@ -6,4 +6,5 @@ mod inertia;
 mod matrix_market;
 mod multifrontal;
 mod nearby;
+mod ranks;
 mod solvers;
