@@ -31,6 +31,9 @@ pub enum RunError {
     /// An option does not fit the scene.
     #[error("{0}")]
     Option(String),
+    /// Another rank of the run has an error, and this one has none; the text has its number.
+    #[error("{0}")]
+    Elsewhere(String),
     /// The checkpoint does not fit.
     #[error("cannot resume from {path}: {reason}", path = .path.display())]
     Resume {

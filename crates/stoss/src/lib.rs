@@ -71,6 +71,8 @@ pub mod output;
     allow(dead_code, reason = "probes need a part of it only")
 )]
 mod points;
+#[cfg(feature = "scene")]
+pub mod ranks;
 #[cfg(any(feature = "output", all(feature = "scene", feature = "mesh-files")))]
 mod regular;
 #[cfg(feature = "output")]

@@ -2,12 +2,13 @@
 
 mod session;
 
-use crate::build::{Built, OwnLaws, build_with};
+use crate::build::{Built, OwnLaws, build_on};
 use crate::diagnosis::{Case, Cause, Confidence, Diagnosis};
 use crate::left_out;
 #[cfg(doc)]
 use crate::output::Outcome;
 use crate::output::{Overwrite, Watched, judge_start};
+use crate::ranks::Ranks;
 use crate::scene::{LinearSolver, Scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -39,6 +40,8 @@ pub struct RunOptions {
     pub set: Vec<(String, String)>,
     /// Loads and prescribed motions that the program sets between steps ([`Session::lead`]), by their names in the scene, or `load[0]`, `prescribe[1]` of those that have none.
     pub steered: Vec<String>,
+    /// The ranks that run the scene together, each with the same options: the first one writes.
+    pub ranks: Ranks,
     /// Once true, the run ends after the step that it is doing, with a checkpoint, and its outcome is [`Outcome::Interrupted`].
     pub stop: Arc<AtomicBool>,
 }
@@ -95,11 +98,21 @@ pub(crate) fn read_text(path: &Path) -> Result<String, RunError> {
     })
 }
 
-pub(crate) fn load(path: &Path, laws: &OwnLaws, set: &[(String, String)]) -> Result<(Scene, Built), RunError> {
-    let text = read_text(path)?;
-    let scene =
-        crate::scene::parse_set(&text, &path.display().to_string(), &laws.names(), set).map_err(RunError::Scene)?;
-    let mut built = build_with(&scene, scene_folder(path), laws).map_err(RunError::Scene)?;
+/// The same, or an error on all ranks if one has one. Collective.
+pub(crate) fn agreed<T>(ranks: &Ranks, result: Result<T, RunError>) -> Result<T, RunError> {
+    let error = result.as_ref().err().map(|error| error as &dyn std::fmt::Display);
+    match ranks.elsewhere(error) {
+        Some(text) => Err(RunError::Elsewhere(text)),
+        None => result,
+    }
+}
+
+pub(crate) fn load(path: &Path, options: &RunOptions) -> Result<(Scene, Built), RunError> {
+    let RunOptions { laws, set, ranks, .. } = options;
+    let text = agreed(ranks, read_text(path))?;
+    let scene = crate::scene::parse_set(&text, &path.display().to_string(), &laws.names(), set);
+    let scene = agreed(ranks, scene.map_err(RunError::Scene))?;
+    let mut built = build_on(&scene, scene_folder(path), laws, ranks).map_err(RunError::Scene)?;
     built.warnings.extend(left_out::warnings(&scene));
     Ok((scene, built))
 }
@@ -140,7 +153,7 @@ fn watched_bodies(built: &Built) -> Vec<String> {
 /// # Errors
 /// As [`check_scene`].
 pub fn diagnose_scene(path: &Path, options: &RunOptions) -> Result<Diagnosis, RunError> {
-    let (scene, built) = load(path, &options.laws, &options.set)?;
+    let (scene, built) = load(path, options)?;
     diagnose_start(path, options, &scene, &built)
 }
 
@@ -199,7 +212,7 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
 /// # Errors
 /// As [`check_scene`].
 pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, RunError> {
-    let (scene, built) = load(path, &options.laws, &options.set)?;
+    let (scene, built) = load(path, options)?;
     Ok(PlanReport { lines: report_lines(path, options, &scene, &built)? })
 }
 

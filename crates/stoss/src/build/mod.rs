@@ -77,6 +77,7 @@ pub use plan::{ContactPlan, FrictionPlan};
 pub use probe::{Probe, ProbeTarget};
 pub use schedule::Schedule;
 
+use crate::ranks::Ranks;
 use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
 use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, Stage, StepControl};
 #[cfg(feature = "output")]
@@ -88,6 +89,7 @@ pub(crate) use plausible::{DENSITY, MODULUS};
 use schedule::Named;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::path::Path;
 use stoss_integrators::{SCHEMES, Scheme};
 use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver, SolverOptions};
@@ -140,13 +142,7 @@ pub(crate) struct Problems<'a> {
 }
 
 impl Problems<'_> {
-    pub fn add(
-        &mut self,
-        key: String,
-        value: impl std::fmt::Display,
-        message: impl Into<String>,
-        remedy: impl Into<String>,
-    ) {
+    pub fn add(&mut self, key: String, value: impl Display, message: impl Into<String>, remedy: impl Into<String>) {
         self.list.push(Problem::at(self.scene, key, value, message, remedy));
     }
 }
@@ -165,6 +161,14 @@ pub fn build(scene: &Scene, folder: &Path) -> Result<Built, SceneErrors> {
 /// # Errors
 /// As [`build`].
 pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built, SceneErrors> {
+    build_on(scene, folder, laws, &Ranks::default())
+}
+
+/// As [`build_with`] for a run on these ranks, all of which build the same scene.
+///
+/// # Errors
+/// As [`build`], on all ranks if on one.
+pub fn build_on(scene: &Scene, folder: &Path, laws: &OwnLaws, ranks: &Ranks) -> Result<Built, SceneErrors> {
     if let Some(errors) = SceneErrors::new(unsupported::unsupported(scene).into_iter().collect(), scene.text()) {
         return Err(errors);
     }
@@ -249,10 +253,16 @@ pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built,
     let schedule = Schedule::new(scene, &names, &probes, &mut problems);
     let scheme = scheme(scene, &mut problems);
     general_schemes::check(scene, &placed, &mut problems, &mut warnings);
+    let list = &problems.list;
+    let failed = (!list.is_empty()).then(|| list.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "));
+    // A rank may be on a machine that lacks a mesh file.
+    if let Some(text) = ranks.elsewhere(failed.as_ref().map(|text| text as &dyn Display)) {
+        problems.add("scene".into(), "", text, "give all machines the same files");
+    }
     if let Some(errors) = SceneErrors::new(problems.list, scene.text()) {
         return Err(errors);
     }
-    let mut settings = settings(scene, scheme);
+    let mut settings = settings(scene, scheme, ranks);
     let mut first = FirstStage { later_dynamics: schedule.has_later_dynamics(), ..FirstStage::default() };
     if let Some(stage) = schedule.stage(1) {
         let Stage { step, end, automatic, newton, .. } = stage;
@@ -367,7 +377,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
     }
 }
 
-fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
+fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>, ranks: &Ranks) -> Settings {
     let solver = &scene.solver;
     Settings {
         control: StepControl {
@@ -387,7 +397,7 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>) -> Settings {
             InsideOut::Refuse => InsideOutRule::Refuse,
             InsideOut::Warn => InsideOutRule::Warn,
         },
-        solver: linear_solver(solver.linear, solver.factors),
+        solver: ranks.spread(linear_solver(solver.linear, solver.factors)),
     }
 }
 

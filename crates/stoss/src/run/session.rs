@@ -69,7 +69,7 @@ impl Session {
     /// # Errors
     /// See [`RunError`].
     pub fn start(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Self, RunError> {
-        let (scene, mut built) = load(path, &options.laws, &options.set)?;
+        let (scene, mut built) = load(path, options)?;
         let watched = watched_bodies(&built);
         let end = options.until.unwrap_or(scene.time.end);
         if !(end.is_finite() && end > 0.0 && end <= scene.time.end) {

@@ -37,7 +37,7 @@ pub struct Setup {
 /// # Errors
 /// As [`crate::run::check_scene_for`], and what the system says about writing.
 pub fn write(path: &Path, options: &RunOptions, folder: &Path) -> Result<(), RunError> {
-    let (scene, built) = load(path, &options.laws, &options.set)?;
+    let (scene, built) = load(path, options)?;
     let placed = named_parts(&scene, scene_folder(path), &options.laws);
     let setup = Setup { title: scene.header.title.clone(), layers: layers(&scene, &built, &placed) };
     let description = Description {
