@@ -3,8 +3,9 @@
 use crate::{
     ForceRule, SolidOptions, SolidStep, StepEnd, TimeLevel, Volumetric,
     assembly::{self, AssemblyTarget, ElementEvaluator},
+    blocks,
     element::{self, ElementHistory, ElementStep, Failure, FailureKind, Geometry, gather, natural_gradients},
-    element_block::{BlockError, ElementBlock, ElementFailure, Material, PointStrain},
+    element_block::{ElementBlock, ElementFailure, InvertedCell, Material, PointStrain},
     kernel::{self, ElementIntegration, Gradients, LocalTangent, NodalVectors, PointBuffers, TangentFactors},
     laws::Laws,
     mixed::{self, Averages, Basis, Mixed, Parts},
@@ -58,17 +59,19 @@ impl<const N: usize, const G: usize> Block<N, G> {
         reference: &[[f64; 3]],
         options: SolidOptions,
         law: &dyn HyperelasticLaw,
-    ) -> Result<Self, BlockError> {
+    ) -> Result<Self, InvertedCell> {
         let kind = cells.kind();
-        let rule = kind.rule(options.integration).ok_or(BlockError::NoRule)?;
+        let rule = blocks::rule_of(kind, options.integration);
         let natural: [Gradients<N>; G] = std::array::from_fn(|g| natural_gradients(kind, rule[g].0));
         let weights: [f64; G] = std::array::from_fn(|g| rule[g].1);
-        let elements =
-            cells.nodes().as_chunks::<N>().0.iter().enumerate().map(|(element, nodes)| {
-                let x = std::array::from_fn(|i| std::array::from_fn(|node| reference[nodes[node] as usize][i]));
-                ElementReference::new(&x, &natural, &weights)
-                    .map_err(|(gauss_point, determinant)| BlockError::Inverted { element, gauss_point, determinant })
-            });
+        let elements = cells.nodes().as_chunks::<N>().0.iter().enumerate().map(|(element, nodes)| {
+            let x = std::array::from_fn(|i| std::array::from_fn(|node| reference[nodes[node] as usize][i]));
+            ElementReference::new(&x, &natural, &weights).map_err(|(gauss_point, determinant)| InvertedCell {
+                element,
+                gauss_point,
+                determinant,
+            })
+        });
         let references: Vec<ElementReference<G>> = elements.collect::<Result<_, _>>()?;
         let projection = match (options.volumetric, kind) {
             // The averages of tet4 are those of nodes.

@@ -3,12 +3,17 @@
 use crate::{
     SolidOptions, Volumetric,
     block::Block,
-    element_block::{BlockError, ElementBlock},
+    element_block::{ElementBlock, InvertedCell},
     nodal::NodalTetrahedra,
 };
 use stoss_continuum::HyperelasticLaw;
 use stoss_mesh::CellBlock;
-use stoss_reference_element::{CellKind, Integration};
+use stoss_reference_element::{CellKind, Integration, Rule};
+
+/// The points of a kind of cells: those that are asked for if the kind has them, else those of the full rule, which every kind has.
+pub(crate) fn rule_of(kind: CellKind, asked: Integration) -> Rule {
+    kind.rule(asked).or_else(|| kind.rule(Integration::Full)).unwrap_or_default()
+}
 
 /// The block of these cells. A new kind of cell needs a line here. `law` is the part of the body's law that may have a state, `offset` the global number of the first node.
 pub(crate) fn of_cells(
@@ -17,14 +22,14 @@ pub(crate) fn of_cells(
     options: SolidOptions,
     law: &dyn HyperelasticLaw,
     offset: u32,
-) -> Result<Box<dyn ElementBlock>, BlockError> {
+) -> Result<Box<dyn ElementBlock>, InvertedCell> {
     use Integration::{Full, Reduced};
     Ok(match (cells.kind(), options.integration) {
-        (CellKind::Hex8, Full) => Box::new(Block::<8, 8>::new(cells, reference, options, law)?),
+        (CellKind::Hex8, _) => Box::new(Block::<8, 8>::new(cells, reference, options, law)?),
         (CellKind::Hex20, Full) => Box::new(Block::<20, 27>::new(cells, reference, options, law)?),
         (CellKind::Hex20, Reduced) => Box::new(Block::<20, 8>::new(cells, reference, options, law)?),
-        (CellKind::Hex27, Full) => Box::new(Block::<27, 27>::new(cells, reference, options, law)?),
-        (CellKind::Tet4, Full) => {
+        (CellKind::Hex27, _) => Box::new(Block::<27, 27>::new(cells, reference, options, law)?),
+        (CellKind::Tet4, _) => {
             let block = Block::<4, 1>::new(cells, reference, options, law)?;
             match options.volumetric {
                 Volumetric::Displacement => Box::new(block),
@@ -33,10 +38,7 @@ pub(crate) fn of_cells(
         }
         (CellKind::Tet10, Full) => Box::new(Block::<10, 8>::new(cells, reference, options, law)?),
         (CellKind::Tet10, Reduced) => Box::new(Block::<10, 4>::new(cells, reference, options, law)?),
-        (CellKind::Wedge6, Full) => Box::new(Block::<6, 6>::new(cells, reference, options, law)?),
-        (CellKind::Wedge15, Full) => Box::new(Block::<15, 21>::new(cells, reference, options, law)?),
-        (CellKind::Hex8 | CellKind::Hex27 | CellKind::Tet4 | CellKind::Wedge6 | CellKind::Wedge15, Reduced) => {
-            return Err(BlockError::NoRule);
-        }
+        (CellKind::Wedge6, _) => Box::new(Block::<6, 6>::new(cells, reference, options, law)?),
+        (CellKind::Wedge15, _) => Box::new(Block::<15, 21>::new(cells, reference, options, law)?),
     })
 }

@@ -5,8 +5,9 @@ use crate::{
     assembly::{AssemblyTarget, TangentTarget, Visit, Workspace, adder},
     blocks,
     element::{Failure, FailureKind},
-    element_block::{BlockError, ElementBlock, ElementFailure, Material},
+    element_block::{ElementBlock, ElementFailure, InvertedCell, Material},
     mass::{self, Carried},
+    share::Own,
     viscous::Viscosity,
 };
 use std::sync::{Arc, Mutex, PoisonError};
@@ -24,8 +25,12 @@ pub struct SolidBody {
     reference: Arc<[[f64; 3]]>,
     /// With global nodes.
     elements: Arc<Elements>,
-    /// One for each block of the elements.
+    /// Those that are evaluated here: all, or the share of a rank.
+    own: Own,
+    /// One for each block of the own elements.
     blocks: Vec<Box<dyn ElementBlock>>,
+    /// Of all elements.
+    volume: f64,
     options: SolidOptions,
     /// The parts of the law, in a mixed body.
     split: Option<VolumetricSplit>,
@@ -41,7 +46,9 @@ impl Clone for SolidBody {
             node_offset: self.node_offset,
             reference: self.reference.clone(),
             elements: self.elements.clone(),
+            own: self.own.clone(),
             blocks: self.blocks.iter().map(|block| block.boxed()).collect(),
+            volume: self.volume,
             options: self.options,
             split: self.split.clone(),
             workspace: Mutex::default(),
@@ -89,32 +96,30 @@ impl SolidBody {
             }
         }
         let mut blocks = Vec::with_capacity(mesh.elements.blocks().len());
+        let mut volume = 0.0;
         for cells in mesh.elements.blocks() {
-            let first = cells.first() as usize;
-            let mut block = blocks::of_cells(cells, &mesh.nodes, options, seen, node_offset);
-            if let Err(BlockError::NoRule) = block {
-                let options = SolidOptions { integration: Integration::Full, ..options };
-                block = blocks::of_cells(cells, &mesh.nodes, options, seen, node_offset);
-            }
+            let block = blocks::of_cells(cells, &mesh.nodes, options, seen, node_offset);
             // Where the rule of the mass has points of its own.
             let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
-            let block: Box<dyn ElementBlock> = block.map_err(|refused| match refused {
-                BlockError::Inverted { element, gauss_point, determinant } => {
-                    SolidError::InvertedReference { body: body(), element: first + element, gauss_point, determinant }
-                }
-                BlockError::NoRule => unreachable!("every kind of cell has a full rule"),
+            let block = block.map_err(|InvertedCell { element, gauss_point, determinant }| {
+                let element = cells.first() as usize + element;
+                SolidError::InvertedReference { body: body(), element, gauss_point, determinant }
             })?;
+            block.add_volume(&mut volume);
             blocks.push(block);
         }
         let mut elements = Elements::new();
         elements.extend(&mesh.elements, |node| node + node_offset);
+        let elements = Arc::new(elements);
         Ok(Self {
             name: name.to_string(),
             law,
             node_offset,
             reference: mesh.nodes.as_slice().into(),
-            elements: Arc::new(elements),
+            own: Own::all(&elements),
+            elements,
             blocks,
+            volume,
             options,
             split,
             workspace: Mutex::default(),
@@ -146,15 +151,15 @@ impl SolidBody {
         self.options.integration == Integration::Reduced && self.elements.kinds().contains(&CellKind::Hex20)
     }
 
-    /// The elements with global node numbers.
+    /// All elements of the body, of whatever rank, with global node numbers.
     pub fn elements(&self) -> &Elements {
         &self.elements
     }
 
     /// Global nodes of each stencil of the tangent, block by block: those of the elements in their order, then those of nodes with averages of their own, which
-    /// mixed tet4 have.
+    /// mixed tet4 have. Of a share those of its elements.
     pub fn stencils(&self) -> impl Iterator<Item = &[u32]> + Clone {
-        self.elements.blocks().iter().zip(&self.blocks).flat_map(|(cells, block)| {
+        self.own.elements.blocks().iter().zip(&self.blocks).flat_map(|(cells, block)| {
             let more = (0..block.stencil_count()).map(move |k| block.stencil(k));
             cells.iter().chain(more)
         })
@@ -162,7 +167,7 @@ impl SolidBody {
 
     /// Number of the first stencil of each block.
     pub(crate) fn first_stencils(&self) -> impl Iterator<Item = usize> {
-        let counts = self.elements.blocks().iter().zip(&self.blocks);
+        let counts = self.own.elements.blocks().iter().zip(&self.blocks);
         let counts = counts.map(|(cells, block)| cells.len() + block.stencil_count());
         counts.scan(0, |next, count| Some(std::mem::replace(next, *next + count)))
     }
@@ -177,19 +182,17 @@ impl SolidBody {
         self.reference.len()
     }
 
-    /// Number of elements.
+    /// Number of all elements of the body, of whatever rank.
     pub fn element_count(&self) -> usize {
         self.elements.len()
     }
 
-    /// Reference volume.
+    /// Reference volume, of a share that of the whole body.
     pub fn volume(&self) -> f64 {
-        let mut total = 0.0;
-        self.blocks.iter().for_each(|block| block.add_volume(&mut total));
-        total
+        self.volume
     }
 
-    /// Edge of the cube that has the mean reference volume of an element: a length.
+    /// Edge of the cube that has the mean reference volume of an element: a length, of a share that of the whole body.
     pub fn characteristic_length(&self) -> f64 {
         (self.volume() / self.element_count() as f64).cbrt()
     }
@@ -197,7 +200,8 @@ impl SolidBody {
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
         let numbers: usize = self.elements.blocks().iter().map(|cells| size_of_val(cells.nodes())).sum();
-        numbers + size_of_val(&*self.reference) + self.blocks.iter().map(|block| block.memory_bytes()).sum::<usize>()
+        let blocks: usize = self.blocks.iter().map(|block| block.memory_bytes()).sum();
+        numbers + self.own.memory_bytes() + size_of_val(&*self.reference) + blocks
     }
 
     /// Caches what depends on `q_n` only: `C_n` and `W_n` at every Gauss point for [`ForceRule::DiscreteGradient`]; for
@@ -211,9 +215,9 @@ impl SolidBody {
         }
         self.check_length("the positions q_n", q_n)?;
         let material = material(&self.law, &self.split);
-        for (cells, block) in self.elements.blocks().iter().zip(&mut self.blocks) {
+        for (cells, block) in self.own.elements.blocks().iter().zip(&mut self.blocks) {
             if let Err((element, failure)) = block.begin_step(material, cells.nodes(), q_n, rule, dt) {
-                let error = self.error(cells.first() as usize + element, failure);
+                let error = self.error(self.own.number(cells.first() as usize + element), failure);
                 self.blocks.iter_mut().for_each(|block| block.end_step());
                 return Err(error);
             }
@@ -225,8 +229,9 @@ impl SolidBody {
     /// `target.factor * dF/dq_np1` to its values (theory/kinematics#force, theory/integrators#eq-ems-stiffness). A target is left untouched under
     /// [`ForceRule::Configuration`] with `theta = 0`, whose tangent is zero.
     ///
-    /// The target's stencils are [`Self::stencils`]. In rayon's current pool, if it has more than one thread; the bits do not depend on their number. After the first
-    /// call with a workspace (the first with a tangent, if there are some) nothing is allocated.
+    /// The target's stencils are [`Self::stencils`]. Of a share it is the part of its elements, and the sum over all ranks is that of the body. In rayon's current
+    /// pool, if it has more than one thread; the bits do not depend on their number. After the first call with a workspace (the first with a tangent, if there are some)
+    /// nothing is allocated.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Constitutive`], [`SolidError::StepNotBegun`],
@@ -302,7 +307,7 @@ impl SolidBody {
 
     /// Adds the nodal forces of `S_v = b C_0 : E'` to `force` and, if a target is given, `target.factor` times their derivative with respect to the
     /// unknown positions to its values. The isotropic part of `C_0` counts, that of [`stoss_continuum::HyperelasticLaw::small_strain_moduli`]; in a mixed body that of
-    /// the law without its energy of the change of volume, which would lock. Threads and allocation
+    /// the law without its energy of the change of volume, which would lock. Shares, threads and allocation
     /// are as in [`SolidBody::assemble`].
     ///
     /// # Errors
@@ -341,6 +346,15 @@ impl SolidBody {
         &mut self.blocks
     }
 
+    pub(crate) fn own(&self) -> &Own {
+        &self.own
+    }
+
+    /// Takes other elements, with their blocks.
+    pub(crate) fn set_own(&mut self, own: Own, blocks: Vec<Box<dyn ElementBlock>>) {
+        (self.own, self.blocks) = (own, blocks);
+    }
+
     /// Whether a step has begun.
     pub(crate) fn has_begun(&self) -> bool {
         self.blocks.iter().all(|block| block.has_begun())
@@ -350,7 +364,7 @@ impl SolidBody {
     pub(crate) fn blocks_with_material(
         &mut self,
     ) -> (Material<'_>, impl Iterator<Item = (&CellBlock, &mut Box<dyn ElementBlock>)>) {
-        (material(&self.law, &self.split), self.elements.blocks().iter().zip(&mut self.blocks))
+        (material(&self.law, &self.split), self.own.elements.blocks().iter().zip(&mut self.blocks))
     }
 
     /// Calls with each block and its elements.
@@ -358,15 +372,15 @@ impl SolidBody {
         &self,
         mut call: impl FnMut(&dyn ElementBlock, &CellBlock) -> Result<(), ElementFailure>,
     ) -> Result<(), SolidError> {
-        for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
+        for (cells, block) in self.own.elements.blocks().iter().zip(&self.blocks) {
             call(block.as_ref(), cells)
-                .map_err(|(element, failure)| self.error(cells.first() as usize + element, failure))?;
+                .map_err(|(element, failure)| self.error(self.own.number(cells.first() as usize + element), failure))?;
         }
         Ok(())
     }
 
     /// `int W dV` over the reference volume; in a mixed body that of the averaged energy. Of a law with a state the energy that the accepted states store at `q`,
-    /// elastically and by hardening.
+    /// elastically and by hardening. Of a share that of its elements; the sum over all ranks is that of the body.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
@@ -375,7 +389,7 @@ impl SolidBody {
     }
 
     /// The energy whose gradient is the force of a step by [`ForceRule::END_POINT`], for iterates: that of deformation, and of a law with a state the work of the
-    /// step that has begun, but for a constant.
+    /// step that has begun, but for a constant. Of a share as [`Self::strain_energy`].
     ///
     /// # Errors
     /// Those of [`Self::strain_energy`].
@@ -391,14 +405,14 @@ impl SolidBody {
     }
 
     /// Elements that are turned inside out at a node (`det dx/dxi <= 0` there), which the integrals do not notice as long as
-    /// `det F > 0` at the Gauss points. `None` if there are none.
+    /// `det F > 0` at the Gauss points. `None` if there are none. Of a share among its elements: [`InsideOut::and`] makes that of the body of those of all ranks.
     ///
     /// # Errors
     /// [`SolidError::Length`].
     pub fn inside_out(&self, q: &[f64]) -> Result<Option<InsideOut>, SolidError> {
         self.check_length("the positions", q)?;
         let mut found: Option<InsideOut> = None;
-        for (cells, block) in self.elements.blocks().iter().zip(&self.blocks) {
+        for (cells, block) in self.own.elements.blocks().iter().zip(&self.blocks) {
             let natural = cells.kind().table().family.volume();
             for local in 0..cells.len() {
                 let (node, determinant) = block.worst_node(cells.nodes(), local, q);
@@ -406,19 +420,16 @@ impl SolidBody {
                 if determinant > 0.0 {
                     continue;
                 }
-                let element = cells.first() as usize + local;
+                let element = self.own.number(cells.first() as usize + local);
                 let relative_volume = natural * determinant / block.element_volume(local);
-                let count = found.map_or(0, |f| f.count) + 1;
-                found = match found {
-                    Some(f) if f.relative_volume <= relative_volume => Some(InsideOut { count, ..f }),
-                    _ => Some(InsideOut { count, element, node, relative_volume }),
-                };
+                let one = InsideOut { count: 1, element, node, relative_volume };
+                found = Some(found.map_or(one, |found| found.and(&one)));
             }
         }
         Ok(found)
     }
 
-    /// The mass of the body for a reference density.
+    /// The mass of the body for a reference density. Of a share that of its elements, whose products, momenta and energies add up to those of the body over all ranks.
     pub fn mass(&self, density: f64, kind: MassKind) -> MassMatrix {
         self.mass_of((density, kind), None)
     }
@@ -429,7 +440,7 @@ impl SolidBody {
     }
 
     fn mass_of(&self, of: (f64, MassKind), carried: Option<(&Carried, usize)>) -> MassMatrix {
-        MassMatrix::new(self.elements.clone(), self.reference(), of, self.first_stencils(), carried)
+        MassMatrix::new(&self.own, self.reference(), of, self.first_stencils(), carried)
     }
 
     /// Reference positions of the nodes, and the number of the first one.
@@ -443,7 +454,7 @@ impl SolidBody {
     }
 
     /// Adds the nodal forces `int N_I b_0 dV` of a constant force per *reference volume* to `out` (`3 * nodes` of the
-    /// model).
+    /// model). Of a share those of the whole body.
     ///
     /// # Errors
     /// [`SolidError::Length`].
@@ -457,11 +468,11 @@ impl SolidBody {
         Ok(())
     }
 
-    /// An element's cells, block, and number in there.
-    pub(crate) fn locate(&self, element: usize) -> (&CellBlock, &dyn ElementBlock, usize) {
-        let blocks = self.elements.blocks();
-        let at = blocks.partition_point(|cells| cells.first() as usize <= element) - 1;
-        (&blocks[at], self.blocks[at].as_ref(), element - blocks[at].first() as usize)
+    /// The cells and the block of an element, and its number in there; nothing if another rank has it.
+    pub(crate) fn locate(&self, element: usize) -> Option<(&CellBlock, &dyn ElementBlock, usize)> {
+        let (blocks, own) = (self.own.elements.blocks(), self.own.place(element)?);
+        let at = blocks.partition_point(|cells| cells.first() as usize <= own) - 1;
+        Some((&blocks[at], self.blocks[at].as_ref(), own - blocks[at].first() as usize))
     }
 
     /// Every node of the body is inside a vector of the model.
@@ -473,6 +484,7 @@ impl SolidBody {
         Ok(())
     }
 
+    /// The failure of an element, by its number in the body.
     pub(crate) fn error(&self, element: usize, failure: Failure) -> SolidError {
         let (body, gauss_point) = (self.name.clone(), failure.gauss_point);
         match failure.kind {
@@ -505,4 +517,13 @@ pub struct InsideOut {
     pub node: usize,
     /// `det dx/dxi` there over its mean in the element's reference volume: 1 for an undeformed parallelepiped or a tetrahedron with straight edges, not positive here.
     pub relative_volume: f64,
+}
+
+impl InsideOut {
+    /// Those of two shares of a body: their number, and the worst; of equal ones the first element.
+    pub fn and(&self, other: &Self) -> Self {
+        let rank = |of: &Self| (of.relative_volume, of.element);
+        let worst = if rank(self) < rank(other) { self } else { other };
+        Self { count: self.count + other.count, ..*worst }
+    }
 }

@@ -15,12 +15,11 @@ use stoss_reference_element::Rule;
 /// An element of the block and what is wrong with it.
 pub(crate) type ElementFailure = (usize, Failure);
 
-/// Why a block cannot be made.
-pub(crate) enum BlockError {
-    /// `det dX/dxi` of an element at a Gauss point.
-    Inverted { element: usize, gauss_point: usize, determinant: f64 },
-    /// The kind has no such rule.
-    NoRule,
+/// Why a block cannot be made: `det dX/dxi` of an element at a Gauss point.
+pub(crate) struct InvertedCell {
+    pub element: usize,
+    pub gauss_point: usize,
+    pub determinant: f64,
 }
 
 /// The law of a body: `W(C)` and, in a mixed body, `U` of the averaged change of volume.

@@ -131,6 +131,20 @@ pub enum SolidError {
         /// The length that is needed.
         expected: usize,
     },
+    /// A body whose elements have averages in common was to be divided among ranks.
+    #[error("body '{body}': averages at the nodes are over all its elements, which one rank has to have")]
+    Indivisible {
+        /// Name of the body.
+        body: String,
+    },
+    /// An element of which nothing is kept here, because another rank has it.
+    #[error("body '{body}': the states of element {element} are on another rank")]
+    Elsewhere {
+        /// Name of the body.
+        body: String,
+        /// Element in the body.
+        element: usize,
+    },
     /// A loaded facet has no area, or names a node beyond the positions.
     #[error("facet {facet} of the loaded surface is degenerate (area {area:e})")]
     DegenerateFacet {

@@ -1,6 +1,7 @@
 //! States of the Gauss points of a body whose law has some: the end of a step, what it lost, and the states as numbers for restarts and output.
 
-use crate::{MaterialPoint, OutputPlace, SolidBody, SolidError, StepEnd, recovery};
+use crate::{MaterialPoint, OutputPlace, SolidBody, SolidError, StepEnd, blocks::rule_of, recovery};
+use std::iter::repeat_n;
 use stoss_continuum::{Material, Mechanisms, StateEntry};
 
 impl SolidBody {
@@ -18,7 +19,7 @@ impl SolidBody {
         self.material().law.history()
     }
 
-    /// What the step that has begun did if it ends at `q_np1`: what is stored then and what was lost; `None` of an elastic law. Changes nothing.
+    /// What the step that has begun did if it ends at `q_np1`: what is stored then and what was lost; `None` of an elastic law. Changes nothing. Of a share what its elements did.
     ///
     /// # Errors
     /// Those of [`Self::strain_energy`], [`SolidError::StepNotBegun`].
@@ -35,7 +36,7 @@ impl SolidBody {
         Ok(Some(end))
     }
 
-    /// What hardening has stored in the accepted states.
+    /// What hardening has stored in the accepted states; of a share in those of its elements.
     pub fn hardening_energy(&self) -> f64 {
         let mut total = 0.0;
         self.blocks().iter().for_each(|block| block.add_hardening_energy(self.material(), &mut total));
@@ -63,7 +64,7 @@ impl SolidBody {
         }
         match failed {
             None => Ok(()),
-            Some((element, failure)) => Err(self.error(element, failure)),
+            Some((element, failure)) => Err(self.error(self.own().number(element), failure)),
         }
     }
 
@@ -72,7 +73,8 @@ impl SolidBody {
         self.history().map_or(&[], |material| material.state())
     }
 
-    /// The numbers of an output at a material point: the functions through the Gauss points of its element, as for stresses; means of the element of what jumps.
+    /// The numbers of an output at a material point: the functions through the Gauss points of its element, as for stresses; means of the element of what jumps. Zeros where another
+    /// rank has the element, so that the sum over all ranks is the value.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::CollapsedElement`], [`SolidError::Length`].
@@ -83,7 +85,7 @@ impl SolidBody {
         place: OutputPlace,
     ) -> Result<Vec<f64>, SolidError> {
         self.check_length("the positions", q)?;
-        let (cells, block, local) = self.locate(point.element);
+        let Some((cells, block, local)) = self.locate(point.element) else { return Ok(vec![0.0; place.len]) };
         let weights = recovery::to_places(cells.kind(), block.rule(), &[point.natural], place.jumps);
         let (mut values, mut all) = (vec![0.0; place.len], vec![0.0; place.all]);
         block
@@ -98,7 +100,7 @@ impl SolidBody {
     }
 
     /// Sets an entry of the accepted states to the same numbers at all points of an element: `[element][number]`, for constants of the material that differ from element to
-    /// element, as directions of fibres. Nothing else is touched.
+    /// element, as directions of fibres. Nothing else is touched. A share takes the numbers of all elements of the body, too.
     ///
     /// # Errors
     /// [`SolidError::Length`] if there is no such entry, or another count of numbers.
@@ -116,27 +118,43 @@ impl SolidBody {
             let (name, what) = (self.name().to_string(), "the numbers of the elements");
             return Err(SolidError::Length { name, what, found: numbers.len(), expected });
         }
-        let mut of_elements = numbers.chunks_exact(place.len());
-        for block in self.blocks_mut() {
-            let points = len * block.rule().len();
-            for (states, own) in block.states_mut().chunks_exact_mut(points).zip(&mut of_elements) {
-                states.chunks_exact_mut(len).for_each(|state| state[place.clone()].copy_from_slice(own));
-            }
-        }
+        self.for_each_state_mut(|element, states| {
+            let own = &numbers[place.len() * element..place.len() * (element + 1)];
+            states.chunks_exact_mut(len).for_each(|state| state[place.clone()].copy_from_slice(own));
+        });
         Ok(())
     }
 
-    /// The accepted states of all Gauss points, `[element][point][number]`, the elements in their order; empty of an elastic law.
+    /// Calls with the number in the body of each element that is here, and with the states of its points.
+    pub(crate) fn for_each_state_mut(&mut self, mut call: impl FnMut(usize, &mut [f64])) {
+        let (own, len) = (self.own().clone(), self.state_len());
+        let mut elements = 0..;
+        for block in self.blocks_mut() {
+            let of_element = (len * block.rule().len()).max(1);
+            for (states, element) in block.states_mut().chunks_exact_mut(of_element).zip(&mut elements) {
+                call(own.number(element), states);
+            }
+        }
+    }
+
+    /// Numbers of the state of a point.
+    pub(crate) fn state_len(&self) -> usize {
+        self.history().map_or(0, |material| material.state_len())
+    }
+
+    /// The accepted states of the Gauss points, `[element][point][number]`, the elements in their order; empty of an elastic law. Of a share those of its elements:
+    /// [`Self::merge_history`] makes those of the body of them.
     pub fn states(&self) -> impl Iterator<Item = &[f64]> {
         self.blocks().iter().map(|block| block.states())
     }
 
-    /// Takes accepted states, as many as [`Self::states`] gives.
+    /// Takes accepted states of all elements of the body; a share keeps those of its own.
     ///
     /// # Errors
     /// [`SolidError::Length`] if they are of another mesh or law.
     pub fn set_states(&mut self, states: &[f64]) -> Result<(), SolidError> {
-        let expected: usize = self.states().map(<[f64]>::len).sum();
+        let lengths = self.state_lengths();
+        let expected: usize = lengths.iter().sum();
         if states.len() != expected {
             return Err(SolidError::Length {
                 name: self.name().to_string(),
@@ -145,12 +163,19 @@ impl SolidBody {
                 expected,
             });
         }
-        let mut rest = states;
-        for block in self.blocks_mut() {
-            let (own, others) = rest.split_at(block.states().len());
-            block.states_mut().copy_from_slice(own);
-            rest = others;
-        }
+        let (mut next, mut start) = (0, 0);
+        self.for_each_state_mut(|element, own| {
+            start += lengths[next..element].iter().sum::<usize>();
+            own.copy_from_slice(&states[start..start + own.len()]);
+            (next, start) = (element + 1, start + own.len());
+        });
         Ok(())
+    }
+
+    /// How many numbers the states of each element of the body are.
+    pub(crate) fn state_lengths(&self) -> Vec<usize> {
+        let (len, asked) = (self.state_len(), self.options().integration);
+        let blocks = self.elements().blocks().iter();
+        blocks.flat_map(|cells| repeat_n(len * rule_of(cells.kind(), asked).len(), cells.len())).collect()
     }
 }

@@ -3,8 +3,9 @@
 use crate::{
     TangentTarget,
     element::natural_gradients,
-    element_block::BlockError,
+    element_block::InvertedCell,
     kernel::{self, Gradients, NodalVectors},
+    share::Own,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -51,7 +52,8 @@ struct MassBlock {
     values: Vec<f64>,
 }
 
-/// The mass of a body: one scalar square block (or diagonal) an element, acting alike on each component.
+/// The mass of a body: one scalar square block (or diagonal) an element, acting alike on each component. Of a body that is shared out among ranks it is that of the elements of
+/// one rank: the products, diagonals, momenta, energies and totals of all ranks add up to those of the body.
 #[derive(Clone, Debug)]
 pub struct MassMatrix {
     elements: Arc<Elements>,
@@ -98,14 +100,14 @@ fn places<const N: usize>(nodes: &[u32; N], reference: &[[f64; 3]], offset: u32)
 }
 
 /// `det dX/dxi` is positive at the points of the mass of every element.
-pub(crate) fn check(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), BlockError> {
-    fn check<const N: usize>(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), BlockError> {
+pub(crate) fn check(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), InvertedCell> {
+    fn check<const N: usize>(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), InvertedCell> {
         let points = MassRule::<N>::new(cells.kind());
         for (element, nodes) in cells.nodes().as_chunks::<N>().0.iter().enumerate() {
             for (gauss_point, volume) in points.volumes(&places(nodes, reference, 0)).enumerate() {
                 let determinant = volume / points.rule[gauss_point].1;
                 if !(determinant > 0.0 && determinant.is_finite()) {
-                    return Err(BlockError::Inverted { element, gauss_point, determinant });
+                    return Err(InvertedCell { element, gauss_point, determinant });
                 }
             }
         }
@@ -287,12 +289,13 @@ impl MassBlock {
 
 impl MassMatrix {
     pub(crate) fn new(
-        elements: Arc<Elements>,
+        own: &Own,
         (reference, offset): (&[[f64; 3]], u32),
         (density, kind): (f64, MassKind),
         first_stencils: impl Iterator<Item = usize>,
         carried: Option<(&Carried, usize)>,
     ) -> Self {
+        let elements = Arc::clone(&own.elements);
         let block = |(cells, first_stencil): (&CellBlock, usize)| MassBlock {
             kind: cells.kind(),
             first_stencil,
@@ -307,7 +310,7 @@ impl MassMatrix {
             }
             let mut factor = 1.0;
             if let Some((carried, _)) = carried {
-                factor = carried.densities.get(element).copied().unwrap_or(1.0);
+                factor = carried.densities.get(own.number(element)).copied().unwrap_or(1.0);
                 if nodes.iter().any(|node| carried.weights.contains_key(node)) {
                     carried.add(nodes, mass, factor, &mut pairs);
                     factor = 0.0;

@@ -21,7 +21,7 @@ pub struct MaterialPoint {
 }
 
 /// What the element's interpolation gives at a point. Symmetric tensors in the order 11, 22, 33, 12, 23, 13.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointState {
     /// `F`, row: current direction, column: reference direction.
     pub deformation_gradient: [[f64; 3]; 3],
@@ -96,13 +96,15 @@ impl SolidBody {
         (kind.table().family.excess(natural) <= beyond).then_some(MaterialPoint { element, natural, gradients })
     }
 
-    /// Deformation gradient, strain and stress at a material point, at positions `q` of the model.
+    /// Deformation gradient, strain and stress at a material point, at positions `q` of the model. Zeros where another rank has the element, so that the sum over all ranks is the
+    /// state.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::Length`]; the number of the Gauss point is then
     /// that of Gauss points, which is none.
     pub fn state_at(&self, point: &MaterialPoint, q: &[f64]) -> Result<PointState, SolidError> {
         self.check_length("the positions", q)?;
+        let Some((cells, block, local)) = self.locate(point.element) else { return Ok(PointState::default()) };
         let mut f: Matrix3 = [[0.0; 3]; 3];
         for (&node, gradient) in self.elements()[point.element].iter().zip(&point.gradients) {
             for i in 0..3 {
@@ -111,7 +113,6 @@ impl SolidBody {
                 }
             }
         }
-        let (cells, block, local) = self.locate(point.element);
         let failure = |kind| self.error(point.element, Failure { gauss_point: block.rule().len(), kind });
         let determinant = kernel::determinant(&f);
         // `!(det > 0)` also catches a NaN.

@@ -28,7 +28,7 @@ pub fn von_mises(stress: &[f64; 6]) -> f64 {
 }
 
 impl SolidBody {
-    /// The state at the Gauss points of each element, in the order of its quadrature rule, at positions `q` of the model.
+    /// The state at the Gauss points of each element, in the order of its quadrature rule, at positions `q` of the model. Of a share those of its elements.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
@@ -54,13 +54,12 @@ impl SolidBody {
     /// Cauchy stress at the body's nodes: the function through the Gauss points of each element, evaluated at
     /// its nodes, then the mean over the elements at a node, weighted by their reference volumes. The function is that of the linear cell with the same
     /// corners (trilinear in a hexahedron) which fits the points best, with the weights of the rule: through all of them in hex8 and wedge6; the mean if there
-    /// are fewer points than corners. `out` has one entry for
-    /// each node of the body (order 11, 22, 33, 12, 23, 13) and is overwritten; nodes without element get zero.
+    /// are fewer points than corners. Order 11, 22, 33, 12, 23, 13; [`NodalSums::means`] has the stresses.
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Constitutive`], [`SolidError::Length`].
-    pub fn nodal_cauchy_stress(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
-        self.nodal_mean(q, out, |f, point| {
+    pub fn nodal_cauchy_stress(&self, q: &[f64]) -> Result<NodalSums<6>, SolidError> {
+        self.nodal_sums(q, false, |f, point| {
             let stress = point.law.stress(&point.right_cauchy_green)?;
             Ok(with_pressure(stoss_continuum::cauchy_stress(f, &stress).to_components(), point.pressure))
         })
@@ -72,8 +71,8 @@ impl SolidBody {
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Length`].
-    pub fn nodal_deformation_gradient(&self, q: &[f64], out: &mut [[f64; 9]]) -> Result<(), SolidError> {
-        self.nodal_mean(q, out, |f, _| Ok(std::array::from_fn(|k| f[(k / 3, k % 3)])))
+    pub fn nodal_deformation_gradient(&self, q: &[f64]) -> Result<NodalSums<9>, SolidError> {
+        self.nodal_sums(q, false, |f, _| Ok(std::array::from_fn(|k| f[(k / 3, k % 3)])))
     }
 
     /// Green-Lagrange strain `E = (F^T F - 1)/2` at the body's nodes, made and ordered as [`Self::nodal_cauchy_stress`]; shears are tensor
@@ -81,8 +80,8 @@ impl SolidBody {
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Length`].
-    pub fn nodal_green_lagrange_strain(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
-        self.nodal_mean(q, out, |_, point| {
+    pub fn nodal_green_lagrange_strain(&self, q: &[f64]) -> Result<NodalSums<6>, SolidError> {
+        self.nodal_sums(q, false, |_, point| {
             Ok(stoss_continuum::green_lagrange(&point.right_cauchy_green).to_components())
         })
     }
@@ -92,8 +91,8 @@ impl SolidBody {
     ///
     /// # Errors
     /// [`SolidError::InvertedElement`], [`SolidError::Length`].
-    pub fn nodal_logarithmic_strain(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), SolidError> {
-        self.nodal_mean(q, out, |f, _| Ok(stoss_continuum::logarithmic_strain(f).to_components()))
+    pub fn nodal_logarithmic_strain(&self, q: &[f64]) -> Result<NodalSums<6>, SolidError> {
+        self.nodal_sums(q, false, |f, _| Ok(stoss_continuum::logarithmic_strain(f).to_components()))
     }
 
     /// Numbers of an output of the states at the body's nodes, made as [`Self::nodal_cauchy_stress`]; of what jumps means of elements in place of functions through their points.
@@ -104,49 +103,28 @@ impl SolidBody {
         &self,
         q: &[f64],
         place: OutputPlace,
-        out: &mut [[f64; N]],
-    ) -> Result<(), SolidError> {
+    ) -> Result<NodalSums<N>, SolidError> {
         if place.len != N {
             let (name, what) = (self.name().to_string(), "the numbers of the output");
             return Err(SolidError::Length { name, what, found: N, expected: place.len });
         }
         let all = std::cell::RefCell::new(vec![0.0; place.all]);
-        self.nodal_mean_of(q, place.jumps, out, |_, point| {
+        self.nodal_sums(q, place.jumps, |_, point| {
             let mut all = all.borrow_mut();
             self.write_outputs(point.before, point.state, &mut all);
             Ok(std::array::from_fn(|k| all[place.first + k]))
         })
     }
 
-    /// [`Self::nodal_mean_of`] of what does not jump.
-    fn nodal_mean<const N: usize>(
-        &self,
-        q: &[f64],
-        out: &mut [[f64; N]],
-        value: impl Fn(&Tensor2, &PointStrain<'_>) -> Result<[f64; N], ConstitutiveError>,
-    ) -> Result<(), SolidError> {
-        self.nodal_mean_of(q, false, out, value)
-    }
-
-    /// The mean at the body's nodes of what `value` makes of `F` and the other strains at the Gauss points, see [`Self::nodal_cauchy_stress`].
-    fn nodal_mean_of<const N: usize>(
+    /// The sums for means at the body's nodes of what `value` makes of `F` and the other strains at the Gauss points, see [`Self::nodal_cauchy_stress`].
+    fn nodal_sums<const N: usize>(
         &self,
         q: &[f64],
         jumps: bool,
-        out: &mut [[f64; N]],
         value: impl Fn(&Tensor2, &PointStrain<'_>) -> Result<[f64; N], ConstitutiveError>,
-    ) -> Result<(), SolidError> {
+    ) -> Result<NodalSums<N>, SolidError> {
         self.check_length("the positions", q)?;
-        if out.len() != self.node_count() {
-            return Err(SolidError::Length {
-                name: self.name().to_string(),
-                what: "the nodal values",
-                found: out.len(),
-                expected: self.node_count(),
-            });
-        }
-        out.fill([0.0; N]);
-        let mut volumes = vec![0.0; out.len()];
+        let mut out = NodalSums::<N> { numbers: vec![0.0; (N + 1) * self.node_count()] };
         self.for_each_block(|block, cells| {
             let extrapolation = to_places(cells.kind(), block.rule(), cells.kind().table().nodes, jumps);
             let points = block.rule().len();
@@ -161,25 +139,47 @@ impl SolidBody {
                     .map_err(|failure| (element, failure))?;
                 let volume = block.element_volume(element);
                 for (&node, weights) in nodes.iter().zip(extrapolation.chunks_exact(points)) {
-                    let local = (node - self.node_offset()) as usize;
-                    volumes[local] += volume;
+                    let (sums, of_node) = out.of_node_mut((node - self.node_offset()) as usize);
+                    *of_node += volume;
                     for (weight, values) in weights.iter().zip(&values) {
-                        for (out, value) in out[local].iter_mut().zip(values) {
-                            *out += volume * weight * value;
+                        for (sum, value) in sums.iter_mut().zip(values) {
+                            *sum += volume * weight * value;
                         }
                     }
                 }
             }
             Ok(())
         })?;
-        for (values, volume) in out.iter_mut().zip(&volumes) {
-            if *volume > 0.0 {
-                for value in values {
-                    *value /= volume;
-                }
-            }
-        }
-        Ok(())
+        Ok(out)
+    }
+}
+
+/// Sums over elements from which values at the nodes of a body are made, `N` numbers a node: the sums of the elements' values times their reference volumes, and of these volumes. Of a
+/// share those of its elements, which add up to those of the body over all ranks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodalSums<const N: usize> {
+    /// Of each node its sums, then the volume.
+    numbers: Vec<f64>,
+}
+
+impl<const N: usize> NodalSums<N> {
+    fn of_node_mut(&mut self, node: usize) -> (&mut [f64], &mut f64) {
+        let (sums, volume) = self.numbers[(N + 1) * node..(N + 1) * (node + 1)].split_at_mut(N);
+        (sums, &mut volume[0])
+    }
+
+    /// The sums as plain numbers, `N + 1` for each node of the body: what is to be added up over ranks.
+    pub fn numbers_mut(&mut self) -> &mut [f64] {
+        &mut self.numbers
+    }
+
+    /// The means at the nodes of the body; zero at nodes without element.
+    pub fn means(&self) -> Vec<[f64; N]> {
+        let of_node = |numbers: &[f64]| -> [f64; N] {
+            let volume = numbers[N];
+            std::array::from_fn(|k| if volume > 0.0 { numbers[k] / volume } else { numbers[k] })
+        };
+        self.numbers.chunks_exact(N + 1).map(of_node).collect()
     }
 }
 

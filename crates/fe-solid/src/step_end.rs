@@ -2,7 +2,7 @@
 
 use stoss_continuum::Loss;
 
-/// What a step did to a body whose law has a state.
+/// What a step did to a body whose law has a state, or to the elements of it that a rank has: over all ranks energies and losses add up, and the largest [`Self::flow`] counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepEnd {
     /// `int psi dV` at the end, elastic and by hardening.

@@ -11,6 +11,8 @@ impl From<SolidError> for Fault {
     }
 }
 
+/// Of a body that is shared out among ranks the stencils, contributions, energies and works are those of the elements of this rank, and those of all ranks add up to the
+/// body's; of [`MaterialWork::flow`] the largest counts. Name, scales and symmetry are those of the body.
 impl Term for SolidBody {
     fn name(&self) -> &str {
         self.name()
@@ -73,11 +75,12 @@ impl Term for SolidBody {
         self.end_step(at.q_np1).unwrap_or(());
     }
 
-    /// The states of the Gauss points.
+    /// The states of the Gauss points; of a share those of its elements, see [`SolidBody::merge_history`].
     fn save_history(&self) -> Vec<u8> {
         self.states().flatten().flat_map(|number| number.to_le_bytes()).collect()
     }
 
+    /// The bytes are those of the whole body.
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let states: Vec<f64> = bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
         self.set_states(&states).map_err(Fault::other)

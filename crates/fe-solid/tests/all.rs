@@ -11,6 +11,7 @@ mod loads;
 mod mass_and_momenta;
 mod mixed;
 mod patch;
+mod share;
 mod theta;
 mod threads;
 mod viscous;

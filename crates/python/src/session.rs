@@ -286,8 +286,9 @@ impl Session {
         let mut stress = vec![[f64::NAN; 6]; model.node_count()];
         for body in &model.bodies {
             let nodes = body.nodes.start as usize..body.nodes.end as usize;
-            let found = body.solid.nodal_cauchy_stress(q, &mut stress[nodes]);
-            found.map_err(|error| Refused::output(&error.to_string()).raise(py))?;
+            let found = body.solid.nodal_cauchy_stress(q);
+            let found = found.map_err(|error| Refused::output(&error.to_string()).raise(py))?;
+            stress[nodes].copy_from_slice(&found.means());
         }
         state.of_points(py, stress.as_flattened(), 6)
     }

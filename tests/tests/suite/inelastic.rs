@@ -47,8 +47,7 @@ fn uniaxial_tension_follows_the_hardening_curve() {
         assert!((force * 0.5_f64.exp() / stress - 1.0).abs() < 1e-8, "{plasticity}: {}", force * 0.5_f64.exp());
         let solid = &run.model().bodies[0].solid;
         let place = solid.state_output("equivalent_plastic_strain").unwrap();
-        let mut nodal = vec![[0.0]; solid.node_count()];
-        solid.nodal_state_output(&run.state().q, place, &mut nodal).unwrap();
+        let nodal = solid.nodal_state_output::<1>(&run.state().q, place).unwrap().means();
         assert!(nodal.iter().all(|a| (a[0] - strain).abs() < 1e-9), "{plasticity}: {:?}", nodal[0]);
     }
 }
@@ -482,8 +481,7 @@ fn plastic_increments_can_be_limited() {
     let (mut before, mut largest, mut steps) = (0.0, 0.0_f64, 0);
     while !run.finished() {
         let record = run.advance().unwrap();
-        let mut nodal = vec![[0.0]; 8];
-        run.model().bodies[0].solid.nodal_state_output(&run.state().q, place, &mut nodal).unwrap();
+        let nodal = run.model().bodies[0].solid.nodal_state_output::<1>(&run.state().q, place).unwrap().means();
         assert!((record.books.bodies[0].material.flow - (nodal[0][0] - before)).abs() < 1e-12);
         largest = largest.max(nodal[0][0] - before);
         before = nodal[0][0];
@@ -495,8 +493,7 @@ fn plastic_increments_can_be_limited() {
     let mut at_once = simulation(&text(""));
     at_once.advance().unwrap();
     assert!(at_once.finished());
-    let mut nodal = vec![[0.0]; 8];
-    at_once.model().bodies[0].solid.nodal_state_output(&at_once.state().q, place, &mut nodal).unwrap();
+    let nodal = at_once.model().bodies[0].solid.nodal_state_output::<1>(&at_once.state().q, place).unwrap().means();
     assert!((nodal[0][0] - before).abs() < 1e-9, "{before} {}", nodal[0][0]);
     // Below the smallest step the run says why it stops.
     let mut stopped = simulation(&text("max_plastic_increment = 1e-3\nmax_cuts = 2"));

@@ -89,28 +89,25 @@ impl Extreme {
     /// Of a stress or strain at each node.
     fn tensors(&self, simulation: &Simulation) -> Vec<f64> {
         let Some(body) = self.body.map(|body| &simulation.model().bodies[body]) else { return Vec::new() };
-        let (q, mut nodal) = (&simulation.state().q, vec![[0.0; 6]; body.nodes.len()]);
+        let q = &simulation.state().q;
         let of_state = self.quantity.is_of_state().then(|| body.solid.state_output(self.quantity.name())).flatten();
         if let Some(place) = of_state.filter(|place| place.len == 1) {
-            let mut nodal = vec![[0.0]; body.nodes.len()];
-            if body.solid.nodal_state_output(q, place, &mut nodal).is_err() {
-                return Vec::new();
-            }
+            let Ok(sums) = body.solid.nodal_state_output::<1>(q, place) else { return Vec::new() };
+            let nodal = sums.means();
             return self.nodes.iter().map(|&node| nodal[(node - body.nodes.start) as usize][0]).collect();
         }
-        let done = match self.quantity {
+        let sums = match self.quantity {
             quantity if quantity.is_of_state() => match of_state {
-                Some(place) => body.solid.nodal_state_output(q, place, &mut nodal),
+                Some(place) => body.solid.nodal_state_output(q, place),
                 // Refused when the scene was built.
                 None => return Vec::new(),
             },
-            Quantity::GreenLagrangeStrain => body.solid.nodal_green_lagrange_strain(q, &mut nodal),
-            Quantity::LogarithmicStrain => body.solid.nodal_logarithmic_strain(q, &mut nodal),
-            _ => body.solid.nodal_cauchy_stress(q, &mut nodal),
+            Quantity::GreenLagrangeStrain => body.solid.nodal_green_lagrange_strain(q),
+            Quantity::LogarithmicStrain => body.solid.nodal_logarithmic_strain(q),
+            _ => body.solid.nodal_cauchy_stress(q),
         };
-        if done.is_err() {
-            return Vec::new();
-        }
+        let Ok(sums) = sums else { return Vec::new() };
+        let nodal = sums.means();
         let value = |tensor: &[f64; 6]| match (self.quantity, self.component) {
             (Quantity::VonMises, _) => stoss_fe_solid::von_mises(tensor),
             (Quantity::PrincipalStresses, Some(c)) => stoss_fe_solid::principal_stresses(tensor)[c],

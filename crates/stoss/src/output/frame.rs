@@ -133,7 +133,7 @@ fn bodies(model: &Model, drawing: &Drawing) -> Vec<f64> {
 /// the range. Empty without solids.
 fn of_solids<const N: usize>(
     simulation: &Simulation,
-    nodal: impl Fn(&SolidBody, &[f64], &mut [[f64; N]]) -> Result<(), SolidError>,
+    nodal: impl Fn(&SolidBody, &[f64]) -> Result<Vec<[f64; N]>, SolidError>,
 ) -> Result<Vec<[f64; N]>, OutputError> {
     let (model, state) = (simulation.model(), simulation.state());
     if model.bodies.is_empty() {
@@ -142,7 +142,7 @@ fn of_solids<const N: usize>(
     let mut values = vec![[f64::NAN; N]; model.node_count()];
     for body in &model.bodies {
         let nodes = body.nodes.start as usize..body.nodes.end as usize;
-        nodal(&body.solid, &state.q, &mut values[nodes]).map_err(StepError::from)?;
+        values[nodes].copy_from_slice(&nodal(&body.solid, &state.q).map_err(StepError::from)?);
     }
     Ok(values)
 }
@@ -154,12 +154,9 @@ fn has_output(simulation: &Simulation, field: SceneField) -> bool {
 
 /// An output of states at the nodes; zero of bodies without.
 fn of_states<const N: usize>(simulation: &Simulation, field: SceneField) -> Result<Vec<[f64; N]>, OutputError> {
-    of_solids(simulation, |solid, q, out| match solid.state_output(field.name()) {
-        Some(place) => solid.nodal_state_output(q, place, out),
-        None => {
-            out.fill([0.0; N]);
-            Ok(())
-        }
+    of_solids(simulation, |solid, q| match solid.state_output(field.name()) {
+        Some(place) => Ok(solid.nodal_state_output(q, place)?.means()),
+        None => Ok(vec![[0.0; N]; solid.node_count()]),
     })
 }
 
@@ -184,7 +181,7 @@ impl SolidFields {
         let mut fields = Self::default();
         let [von_mises, principal] = [SceneField::VonMises, SceneField::PrincipalStresses].map(&want);
         if want(SceneField::CauchyStress) || von_mises || principal {
-            fields.stress = of_solids(simulation, SolidBody::nodal_cauchy_stress)?;
+            fields.stress = of_solids(simulation, |solid, q| Ok(solid.nodal_cauchy_stress(q)?.means()))?;
         }
         if von_mises {
             fields.von_mises = fields.stress.iter().map(stoss_fe_solid::von_mises).collect();
@@ -209,13 +206,15 @@ impl SolidFields {
             fields.principal = fields.stress.iter().map(stoss_fe_solid::principal_stresses).collect();
         }
         if want(SceneField::DeformationGradient) {
-            fields.deformation_gradient = of_solids(simulation, SolidBody::nodal_deformation_gradient)?;
+            fields.deformation_gradient =
+                of_solids(simulation, |solid, q| Ok(solid.nodal_deformation_gradient(q)?.means()))?;
         }
         if want(SceneField::GreenLagrangeStrain) {
-            fields.green_lagrange = of_solids(simulation, SolidBody::nodal_green_lagrange_strain)?;
+            fields.green_lagrange =
+                of_solids(simulation, |solid, q| Ok(solid.nodal_green_lagrange_strain(q)?.means()))?;
         }
         if want(SceneField::LogarithmicStrain) {
-            fields.logarithmic = of_solids(simulation, SolidBody::nodal_logarithmic_strain)?;
+            fields.logarithmic = of_solids(simulation, |solid, q| Ok(solid.nodal_logarithmic_strain(q)?.means()))?;
         }
         Ok(fields)
     }
