@@ -7,10 +7,12 @@ use crate::inertia::{Inertia, Scales};
 use crate::matrix::Matrix;
 use crate::numbering::Numbering;
 use crate::rows::Rows;
+use crate::shares::Shares;
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{Load, Model, PhaseTime, StepError};
 use std::ops::Range;
+use std::sync::Arc;
 use stoss_fe_solid::Volumetric;
 use stoss_integrators::Buffers;
 use stoss_linalg::LinearSolver;
@@ -132,6 +134,8 @@ pub(crate) struct Scratch {
 /// Everything of fixed size that a step needs, allocated once (contact parts: once a change of the contact pattern).
 #[derive(Debug)]
 pub(crate) struct System {
+    /// The share of this rank: vectors are whole, patterns and values are those of its contributions.
+    pub shares: Arc<Shares>,
     pub matrix: Matrix,
     pub inertia: Inertia,
     pub scales: Scales,
@@ -174,8 +178,14 @@ pub(crate) fn has_condensed(model: &Model) -> bool {
 
 impl System {
     /// With a mass matrix if `dynamic`, whether or not the present stage needs it.
-    pub fn new(model: &Model, acting: Acting, dynamic: bool, solver: Box<dyn LinearSolver>) -> Result<Self, StepError> {
-        let inertia = Inertia::new(model, dynamic);
+    pub fn new(
+        model: &Model,
+        acting: Acting,
+        dynamic: bool,
+        solver: Box<dyn LinearSolver>,
+        shares: Arc<Shares>,
+    ) -> Result<Self, StepError> {
+        let inertia = Inertia::new(model, dynamic, &shares);
         let matrix = Matrix::new(model, Numbering::of(model, &acting), &inertia)?;
         let components = model.reference.len();
         let own = model.embedding.own(components);
@@ -207,6 +217,7 @@ impl System {
             increment: vec![0.0; n],
             base: Base::new(model),
             excess: 0,
+            shares,
             matrix,
             inertia,
         })

@@ -10,8 +10,10 @@ use stoss_term::Auxiliary;
 impl Matrix {
     /// Where the compliance of closed slots goes: of pressures, and of the multipliers of friction, which are the first two auxiliaries.
     pub fn set_closed_diagonal(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
-        let Slots { equation, closed, .. } = &mut self.slots;
+        let mut closed = std::mem::take(&mut self.slots.closed);
         closed.clear();
+        let Slots { equation, .. } = &self.slots;
+        let mut has_closed = false;
         for ((equations, active), pair) in equation.iter().zip(active).zip(&model.contacts) {
             // Between rigid bodies in statics there is no stiffness to measure it by.
             if pair.unilateral().is_none() || pair.complementarity <= 0.0 {
@@ -25,7 +27,8 @@ impl Matrix {
             for (slot, (&first, _)) in slots.filter(|&(_, (&first, &active))| first != NONE && active) {
                 let weight = term.slot_weight(slot);
                 let softness = weight / pair.complementarity;
-                for k in 0..=multipliers {
+                has_closed = true;
+                for k in (0..=multipliers).filter(|k| self.is_own((first + k) as usize)) {
                     let equation = first + k;
                     let missing = LinalgError::EntryNotInPattern { stencil: 0, row: equation, column: equation };
                     let position = self.pattern.position(equation, equation).ok_or(missing)?;
@@ -34,6 +37,7 @@ impl Matrix {
                 }
             }
         }
+        (self.slots.closed, self.slots.has_closed) = (closed, has_closed);
         Ok(())
     }
 
@@ -59,6 +63,7 @@ impl Matrix {
         if first {
             let diagonal = (0..self.numbering.free.len() as u32).filter_map(|i| fixed.pattern.position(i, i));
             let largest = diagonal.map(|at| fixed.values[at].abs()).fold(0.0, f64::max);
+            let largest = self.shares.max(largest);
             slots.stiffness = if largest > 0.0 { largest } else { 1.0 };
         }
         let stiffness = slots.stiffness;
@@ -72,7 +77,7 @@ impl Matrix {
 impl System {
     /// After a matrix that is singular: gives rows of closed slots a compliance from now on, and in the present matrix. False if they have one, or if there are none.
     pub fn soften_singular(&mut self) -> bool {
-        if self.rows.compliance > 0.0 || self.matrix.slots.closed.is_empty() {
+        if self.rows.compliance > 0.0 || !self.matrix.slots.has_closed {
             return false;
         }
         self.rows.compliance = COMPLIANCE;

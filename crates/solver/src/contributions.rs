@@ -2,6 +2,7 @@
 
 use crate::Model;
 use crate::numbering::Numbering;
+use crate::shares::Shares;
 use std::ops::Range;
 use stoss_linalg::NONE;
 use stoss_term::Term;
@@ -19,10 +20,13 @@ impl StencilList {
         fill(&mut self.entries);
     }
 
-    /// Those of a term without slots; returns their numbers.
-    pub fn push_term(&mut self, term: &dyn Term, numbering: &Numbering) -> Range<usize> {
+    /// Those of a term without slots; returns their numbers. What is not kept has an empty one.
+    pub fn push_term(&mut self, term: &dyn Term, numbering: &Numbering, keep: impl Fn(u32) -> bool) -> Range<usize> {
         let first = self.starts.len();
-        term.stencils(&[], &mut |nodes, _| self.push(|out| numbering.node_equations(nodes, out)));
+        term.stencils(&[], &mut |nodes, _| {
+            let kept = if nodes.first().is_none_or(|&node| keep(node)) { nodes } else { &[] };
+            self.push(|out| numbering.node_equations(kept, out));
+        });
         first..self.starts.len()
     }
 
@@ -37,8 +41,8 @@ impl StencilList {
 /// Nodes and slots of contact contributions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Contributions {
-    /// Pair, number of nodes and number of slots.
-    heads: Vec<[u32; 3]>,
+    /// Pair, number of nodes and number of slots, and the first node as the method names it.
+    heads: Vec<[u32; 4]>,
     /// Nodes, then slots, of one after the other.
     entries: Vec<u32>,
 }
@@ -55,14 +59,14 @@ impl Contributions {
 
     /// With carriers in place of embedded nodes.
     pub fn push(&mut self, model: &Model, pair: usize, nodes: &[u32], slots: &[u32]) {
-        let mut expanded = Vec::new();
+        let (mut expanded, first) = (Vec::new(), nodes.first().copied().unwrap_or(0));
         let nodes = if model.embedding.touches(nodes) {
             model.embedding.expand(nodes, &mut expanded);
             &expanded
         } else {
             nodes
         };
-        self.heads.push([pair as u32, nodes.len() as u32, slots.len() as u32]);
+        self.heads.push([pair as u32, nodes.len() as u32, slots.len() as u32, first]);
         self.entries.extend_from_slice(nodes);
         self.entries.extend_from_slice(slots);
     }
@@ -70,7 +74,7 @@ impl Contributions {
     /// Pair, nodes, slots.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &[u32], &[u32])> + Clone {
         let mut start = 0;
-        self.heads.iter().map(move |&[pair, nodes, slots]| {
+        self.heads.iter().map(move |&[pair, nodes, slots, _]| {
             let (middle, end) = (start + nodes as usize, start + (nodes + slots) as usize);
             let item = (pair as usize, &self.entries[start..middle], &self.entries[middle..end]);
             start = end;
@@ -83,12 +87,21 @@ impl Contributions {
         self.entries.extend_from_slice(&other.entries);
     }
 
-    /// Equations of each: those of the displacements, then those of the pressures, then those of the auxiliaries, slot by slot.
-    pub fn stencils(&self, numbering: &Numbering, slot_equation: &[Vec<u32>], slot_width: &[u32]) -> StencilList {
-        let mut list = StencilList::default();
-        for (pair, nodes, slots) in self.iter() {
+    /// Equations of each: those of the displacements, then those of the pressures, then those of the auxiliaries, slot by slot; of those of other ranks none.
+    pub fn stencils(
+        &self,
+        numbering: &Numbering,
+        slot_equation: &[Vec<u32>],
+        slot_width: &[u32],
+        shares: &Shares,
+    ) -> StencilList {
+        let (mut list, share) = (StencilList::default(), shares.of_couplings());
+        for ((pair, nodes, slots), [.., first]) in self.iter().zip(&self.heads) {
             let (equations, width) = (&slot_equation[pair], slot_width[pair]);
             list.push(|out| {
+                if !share.has(*first) {
+                    return;
+                }
                 numbering.node_equations(nodes, out);
                 out.extend(slots.iter().map(|&slot| equations[slot as usize]));
                 for &slot in slots {

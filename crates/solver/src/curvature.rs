@@ -34,8 +34,7 @@ impl StepProblem<'_> {
         let Ok(mut values) = self.without_softening() else { return count };
         // Motions that nothing resists, as sliding without friction, have no sign.
         let (s, shift) = (&*self.system, SMALLEST_SHIFT * self.mean_diagonal());
-        let free = s.matrix.free() as u32;
-        (0..free).filter_map(|i| s.matrix.pattern.position(i, i)).for_each(|at| values[at] += shift);
+        s.matrix.diagonal().for_each(|(at, _)| values[at] += shift);
         let count = self.negative(Some(&values));
         // The next step starts with the factors of this one.
         self.negative(None);

@@ -4,9 +4,11 @@ use crate::assembly::System;
 use crate::matrix::Fixed;
 use crate::system::FeSystem;
 use crate::{Damping, Model, StepError};
+use std::sync::Arc;
 use stoss_fe_solid::{TangentTarget, ViscousRate};
 use stoss_integrators::DampingTangent;
 use stoss_linalg::vector;
+use stoss_term::Fault;
 
 impl System {
     /// Whether the present stage has inertia; without, nothing has a rate and bodies are not damped.
@@ -38,20 +40,20 @@ impl System {
     /// Energy whose gradient the forces of the stabilisation are in a static step of this `increment`.
     pub fn stabilisation_energy(&self, increment: &[f64], dt: f64) -> f64 {
         let Some(of) = self.present.stabilisation.as_ref().filter(|_| self.present.has_damping) else { return 0.0 };
-        vector::dot(&of.sum(&[(0.5 * of.ramp / dt, increment)]), increment)
+        vector::dot(&of.sum(&self.shares, &[(0.5 * of.ramp / dt, increment)]), increment)
     }
 
     /// Work that stabilisation took in a static step with this `increment`, by the trapezium rule as that of loads is measured: before the step, where `ramp_n` of it acted, the
     /// velocities were `v_n`.
     pub fn stabilised(&self, ramp_n: f64, v_n: &[f64], increment: &[f64], dt: f64) -> f64 {
         let Some(of) = &self.present.stabilisation else { return 0.0 };
-        vector::dot(&of.sum(&[(0.5 * ramp_n, v_n), (0.5 * of.ramp / dt, increment)]), increment)
+        vector::dot(&of.sum(&self.shares, &[(0.5 * ramp_n, v_n), (0.5 * of.ramp / dt, increment)]), increment)
     }
 
     /// Sum of the magnitudes of the components of the forces of stabilisation at the end of a static step with this `increment`; nothing without a stabilisation.
     pub fn stabilising(&self, increment: &[f64], dt: f64) -> Option<f64> {
         let of = self.present.stabilisation.as_ref()?;
-        Some(of.sum(&[(of.ramp / dt, increment)]).iter().map(|f| f.abs()).sum())
+        Some(of.sum(&self.shares, &[(of.ramp / dt, increment)]).iter().map(|f| f.abs()).sum())
     }
 }
 
@@ -64,6 +66,19 @@ impl FeSystem<'_> {
         tangent: Option<DampingTangent>,
         out: &mut [f64],
     ) -> Result<(), StepError> {
+        let shares = Arc::clone(&self.system.shares);
+        let added = shares.add_sum(out, |out| self.add_own_damping(q, v, tangent, out));
+        Ok(shares.agree(added)?)
+    }
+
+    /// Of this rank's elements.
+    fn add_own_damping(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        tangent: Option<DampingTangent>,
+        out: &mut [f64],
+    ) -> Result<(), Fault> {
         let System { matrix, inertia, present, .. } = &mut *self.system;
         let Fixed { map, values, forces, .. } = &mut matrix.fixed;
         if let Some(stabilisation) = present.stabilisation.as_ref().filter(|_| !present.has_rates) {

@@ -331,7 +331,9 @@ fn position_hint(model: &Model, system: &System, iterate: &Iterate, dynamic: boo
             )
         }
         // Without stress nothing buckles.
-        _ if body.solid.strain_energy(&iterate.q).is_ok_and(|energy| energy <= UNSTRESSED * system.scales.energy) => {
+        _ if system.shares.sum(body.solid.strain_energy(&iterate.q).unwrap_or(f64::INFINITY))
+            <= UNSTRESSED * system.scales.energy =>
+        {
             format!("body {name} has too few supports, a rigid motion is free: prescribe more displacements")
         }
         _ => format!(

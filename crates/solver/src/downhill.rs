@@ -143,6 +143,6 @@ impl StepProblem<'_> {
     /// Mean of the magnitudes on the diagonal of the tangent.
     pub fn mean_diagonal(&self) -> f64 {
         let matrix = &self.system.matrix;
-        matrix.diagonal().map(|(_, value)| value.abs()).sum::<f64>() / matrix.free().max(1) as f64
+        matrix.diagonal_sum() / matrix.free().max(1) as f64
     }
 }

@@ -3,6 +3,7 @@
 //! Not a diagnosis: what the facts mean for a scene is not known here.
 
 use crate::error::StepError;
+use crate::shares::Elsewhere;
 use crate::{Model, NewtonRow, Place};
 use serde::{Deserialize, Serialize};
 use stoss_fe_solid::SolidError;
@@ -127,11 +128,17 @@ fn of_element(model: &Model, body: &str, element: usize) -> Place {
 
 fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
     match cause {
-        StepError::Term(fault) => match fault.cause() {
-            Some(
-                SolidError::InvertedElement { body, element, .. }
-                | SolidError::CollapsedElement { body, element, .. }
-                | SolidError::Constitutive { body, element, .. },
+        StepError::Term(fault) => match (fault.cause(), fault.cause::<Elsewhere>()) {
+            (None, Some(Elsewhere { element: Some((body, element)), .. })) => {
+                (FailureKind::InvertedElement, of_element(model, body, *element))
+            }
+            (
+                Some(
+                    SolidError::InvertedElement { body, element, .. }
+                    | SolidError::CollapsedElement { body, element, .. }
+                    | SolidError::Constitutive { body, element, .. },
+                ),
+                _,
             ) => (FailureKind::InvertedElement, of_element(model, body, *element)),
             _ => (FailureKind::Other, Place::default()),
         },

@@ -3,6 +3,8 @@
 use crate::Model;
 use crate::mass_solve::MassSolver;
 use crate::masses::{Masses, PartMass};
+use crate::shares::Shares;
+use std::sync::Arc;
 
 /// Masses, and what is solved with them.
 #[derive(Debug)]
@@ -18,8 +20,8 @@ pub(crate) struct Inertia {
 
 impl Inertia {
     /// Of bodies that have densities if it `exists`.
-    pub fn new(model: &Model, exists: bool) -> Self {
-        let mut masses = Masses::default();
+    pub fn new(model: &Model, exists: bool, shares: &Arc<Shares>) -> Self {
+        let mut masses = Masses { shares: Arc::clone(shares), ..Masses::default() };
         if exists {
             masses.bodies = model.bodies.iter().filter_map(|body| Some(body.mass(body.density?))).collect();
             masses.parts = model.parts.iter().map(|part| PartMass::new(&**part)).collect();
@@ -52,7 +54,7 @@ impl Scales {
             scales.force += shear * h * h;
             scales.energy += shear * body.solid.element_count() as f64 * h * h * h;
             if let Some(mass) = masses.bodies.get(b) {
-                scales.mass_length += mass.total() / (body.nodes.len().max(1) as f64) * h;
+                scales.mass_length += masses.shares.sum(mass.total()) / (body.nodes.len().max(1) as f64) * h;
             }
         }
         for (part, mass) in model.parts.iter().zip(&masses.parts) {

@@ -93,7 +93,7 @@ mod tests {
             let mesh = block.with_cells(kind).unwrap();
             let law = Arc::new(NeoHooke::from_young_poisson(1.0, 0.3).unwrap());
             let mass = SolidBody::new("a", &mesh, 0, law).unwrap().mass(3.0, MassKind::Consistent);
-            let masses = Masses { bodies: vec![mass], parts: Vec::new() };
+            let masses = Masses { bodies: vec![mass], ..Masses::default() };
             let n = 3 * mesh.nodes.len();
             let exact: Vec<f64> = (0..n).map(|c| ((7 * c + 3) as f64).sin()).collect();
             let mut rhs = vec![0.0; n];

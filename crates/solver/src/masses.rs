@@ -1,5 +1,7 @@
 //! The mass of all bodies and parts: products, momenta, energy. Constant, and no global matrix.
 
+use crate::shares::Shares;
+use std::sync::Arc;
 use stoss_fe_solid::MassMatrix;
 use stoss_term::Term;
 
@@ -82,6 +84,8 @@ impl PartMass {
 /// All masses of a model; both lists are empty in statics.
 #[derive(Debug, Default)]
 pub(crate) struct Masses {
+    /// Those of bodies are of this rank's elements.
+    pub shares: Arc<Shares>,
     /// One a body.
     pub bodies: Vec<MassMatrix>,
     /// One a part.
@@ -89,15 +93,20 @@ pub(crate) struct Masses {
 }
 
 impl Masses {
+    /// Entries of the masses of parts that go into this rank's part of a matrix.
+    pub fn own_entries(&self) -> impl Iterator<Item = &(u32, u32, f64)> {
+        self.parts.iter().flat_map(|mass| &mass.entries).filter(|(i, ..)| self.shares.has(*i))
+    }
+
     /// `out += factor M x`.
     pub fn multiply_add(&self, factor: f64, x: &[f64], out: &mut [f64]) {
-        self.bodies.iter().for_each(|mass| mass.multiply_add(factor, x, out));
+        self.shares.add_sum(out, |out| self.bodies.iter().for_each(|mass| mass.multiply_add(factor, x, out)));
         self.parts.iter().for_each(|mass| mass.multiply_add(factor, x, out));
     }
 
     /// `1/2 v . M v`.
     pub fn kinetic_energy(&self, v: &[f64]) -> f64 {
-        let bodies: f64 = self.bodies.iter().map(|mass| mass.kinetic_energy(v)).sum();
+        let bodies = self.shares.sum(self.bodies.iter().map(|mass| mass.kinetic_energy(v)).sum());
         // Without parts the bits are those of the bodies.
         self.parts.iter().fold(bodies, |sum, mass| sum + mass.kinetic_energy(v))
     }
@@ -105,19 +114,23 @@ impl Masses {
     /// Linear momentum.
     pub fn linear_momentum(&self, v: &[f64]) -> [f64; 3] {
         let parts = self.parts.iter().map(|mass| mass.linear_momentum(v));
-        sum(self.bodies.iter().map(|mass| mass.linear_momentum(v)).chain(parts))
+        self.sum_momenta(self.bodies.iter().map(|mass| mass.linear_momentum(v)), parts)
     }
 
     /// Angular momentum about the origin.
     pub fn angular_momentum(&self, q: &[f64], v: &[f64]) -> [f64; 3] {
         let parts = self.parts.iter().map(|mass| mass.angular_momentum(q, v));
-        sum(self.bodies.iter().map(|mass| mass.angular_momentum(q, v)).chain(parts))
+        self.sum_momenta(self.bodies.iter().map(|mass| mass.angular_momentum(q, v)), parts)
+    }
+
+    fn sum_momenta(&self, bodies: impl Iterator<Item = [f64; 3]>, parts: impl Iterator<Item = [f64; 3]>) -> [f64; 3] {
+        parts.fold(self.shares.sum3(sum(bodies)), |sum, v| std::array::from_fn(|i| sum[i] + v[i]))
     }
 
     /// The diagonal of the mass, as a vector of the model.
     pub fn diagonal(&self, components: usize) -> Vec<f64> {
         let mut diagonal = vec![0.0; components];
-        self.bodies.iter().for_each(|mass| mass.add_diagonal(&mut diagonal));
+        self.shares.add_sum(&mut diagonal, |out| self.bodies.iter().for_each(|mass| mass.add_diagonal(out)));
         self.parts.iter().for_each(|mass| mass.add_diagonal(&mut diagonal));
         diagonal
     }
@@ -126,7 +139,7 @@ impl Masses {
     pub fn total(&self, components: usize) -> f64 {
         let along_x: Vec<f64> = (0..components).map(|c| if c % 3 == 0 { 1.0 } else { 0.0 }).collect();
         // A direction gets a velocity here, too; its rows do not count, and its coupling with a position would be a moment, not a mass.
-        let bodies: f64 = self.bodies.iter().map(|mass| mass.linear_momentum(&along_x)[0]).sum();
+        let bodies = self.shares.sum(self.bodies.iter().map(|mass| mass.linear_momentum(&along_x)[0]).sum());
         let part = |mass: &PartMass| {
             let mut total = 0.0;
             mass.for_each(|i, j, m| {

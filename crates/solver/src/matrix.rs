@@ -5,6 +5,7 @@ use crate::groups::Groups;
 use crate::inertia::Inertia;
 use crate::numbering::Numbering;
 use crate::rows::ClosedDiagonal;
+use crate::shares::Shares;
 use crate::{Load, Model, StepError};
 use std::ops::Range;
 use std::sync::Arc;
@@ -31,25 +32,30 @@ pub(crate) struct Fixed {
 impl Fixed {
     /// With a place for each contribution of bodies, parts, loads that follow, and masses.
     fn new(model: &Model, numbering: &Numbering, groups: &Groups, inertia: &Inertia) -> Result<Self, StepError> {
+        let shares = &inertia.masses.shares;
         let mut stencils = StencilList::default();
         let mut forces = Vec::with_capacity(model.bodies.len() + model.parts.len());
         let mut masses = inertia.masses.bodies.iter();
         for body in &model.bodies {
-            forces.push(stencils.push_term(&body.solid, numbering));
+            // A body has the elements of this rank.
+            forces.push(stencils.push_term(&body.solid, numbering, |_| true));
             // Those of its mass are behind its own.
             if let Some(mass) = masses.next() {
                 mass.stencils().for_each(|nodes| stencils.push(|out| numbering.node_equations(nodes, out)));
             }
         }
-        forces.extend(model.parts.iter().map(|part| stencils.push_term(&**part, numbering)));
+        let is_own = |node| shares.has(node);
+        forces.extend(model.parts.iter().map(|part| stencils.push_term(&**part, numbering, is_own)));
         // What does not follow has no tangent.
-        let mut of_load = |load: &Load| if load.follows() { stencils.push_term(load, numbering) } else { 0..0 };
+        let mut of_load = |load: &Load| if load.follows() { stencils.push_term(load, numbering, is_own) } else { 0..0 };
         let loads = model.loads.iter().map(&mut of_load).collect();
-        for &(i, j, _) in inertia.masses.parts.iter().flat_map(|mass| &mass.entries) {
+        for &(i, j, _) in inertia.masses.own_entries() {
             stencils.push(|out| numbering.node_equations(&[i, j][..if i == j { 1 } else { 2 }], out));
         }
         let labels = numbering.groups(|node| groups.label(node));
-        let pattern = SparsityPattern::from_stencils(numbering.free.len(), stencils.iter())?.with_groups(labels)?;
+        let is_own = |equation: usize| shares.has(numbering.free[equation] / 3);
+        let pattern = SparsityPattern::from_own_stencils(numbering.free.len(), stencils.iter(), is_own)?;
+        let pattern = pattern.with_groups(labels)?;
         let (map, values) = (ScatterMap::new(&pattern, stencils.iter())?, vec![0.0; pattern.nnz()]);
         let mut fixed = Self { pattern: Arc::new(pattern), map, stencils, forces, loads, mass: Vec::new(), values };
         if inertia.exists {
@@ -64,7 +70,7 @@ impl Fixed {
             let (map, values, first_stencil) = (&self.map, &mut self.mass[..], stencils.start);
             mass.add_to_tangent(1.0, TangentTarget { map, first_stencil, factor: 1.0, values });
         }
-        for &(i, j, m) in inertia.masses.parts.iter().flat_map(|mass| &mass.entries) {
+        for &(i, j, m) in inertia.masses.own_entries() {
             for d in 0..3 {
                 let [a, b] = [i, j].map(|v| numbering.equation[3 * v as usize + d]);
                 for (row, column) in if i == j { [(a, b), (NONE, NONE)] } else { [(a, b), (b, a)] } {
@@ -99,8 +105,10 @@ pub(crate) struct Slots {
     pub width: Vec<u32>,
     /// Positions of the diagonal entries of inactive slots, and the weights of the slots, see [`Matrix::fill_inactive`]; infinity for a force row.
     pub inactive: Vec<(u32, f64)>,
-    /// Diagonal entries of closed slots of unilateral contact.
+    /// Diagonal entries of closed slots of unilateral contact, in rows of this rank.
     pub closed: Vec<ClosedDiagonal>,
+    /// Whether there are such slots on any rank.
+    pub has_closed: bool,
     /// Largest stiffness on the diagonal when the step was first linearised.
     pub stiffness: f64,
 }
@@ -113,6 +121,7 @@ impl Slots {
             width: model.contacts.iter().map(width).collect(),
             inactive: Vec::new(),
             closed: Vec::new(),
+            has_closed: false,
             stiffness: 0.0,
         }
     }
@@ -121,6 +130,8 @@ impl Slots {
 /// The matrix.
 #[derive(Debug)]
 pub(crate) struct Matrix {
+    /// The share of this rank: patterns and values are those of its contributions.
+    pub shares: Arc<Shares>,
     pub numbering: Numbering,
     groups: Groups,
     pub fixed: Fixed,
@@ -146,6 +157,7 @@ impl Matrix {
         let fixed = Fixed::new(model, &numbering, &groups, inertia)?;
         let empty: [&[u32]; 0] = [];
         Ok(Self {
+            shares: Arc::clone(&inertia.masses.shares),
             pattern: Arc::clone(&fixed.pattern),
             from_fixed: Vec::new(),
             map: ScatterMap::new(&fixed.pattern, empty.iter().copied())?,
@@ -174,10 +186,36 @@ impl Matrix {
         if self.slots.equation.is_empty() { &mut self.fixed.values } else { &mut self.values }
     }
 
-    /// Positions and values on the diagonal of the displacement components.
+    /// Whether this rank has the row of an equation of the pattern.
+    pub fn is_own(&self, equation: usize) -> bool {
+        self.shares.has(self.owner_label(equation))
+    }
+
+    /// The node, or label of a group, whose rank has the row of an equation.
+    fn owner_label(&self, equation: usize) -> u32 {
+        match self.numbering.free.get(equation) {
+            Some(component) => component / 3,
+            None => self.pattern.groups().map_or(NONE, |groups| groups[equation]),
+        }
+    }
+
+    /// The rank that has the row of each equation.
+    pub fn owners(&self) -> impl ExactSizeIterator<Item = u32> {
+        (0..self.pattern.n()).map(|equation| self.shares.owner(self.owner_label(equation)))
+    }
+
+    /// Positions and values on the diagonal of the displacement components whose rows this rank has.
     pub fn diagonal(&self) -> impl Iterator<Item = (usize, f64)> {
-        let positions = (0..self.free() as u32).filter_map(|i| self.pattern.position(i, i));
+        let own = (0..self.free()).filter(|&i| self.is_own(i)).map(|i| i as u32);
+        let positions = own.filter_map(|i| self.pattern.position(i, i));
         positions.map(|at| (at, self.values()[at]))
+    }
+
+    /// Sum of the magnitudes on the diagonal of the displacement components.
+    pub fn diagonal_sum(&self) -> f64 {
+        let positions = (0..self.free() as u32).filter_map(|i| self.pattern.position(i, i));
+        // The ranks' parts of an entry have one sign where the matrix is definite.
+        self.shares.sum(positions.map(|at| self.values()[at].abs()).sum())
     }
 
     /// Bytes of the arrays held here.
@@ -235,9 +273,11 @@ impl Matrix {
     /// Maps for the present active set and pairings. The pattern grows if it has no room for them, else it stays as it is.
     pub fn renew_pattern(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
         let present = Contributions::active(model, active);
-        match self.set_map(model, present.clone(), active) {
-            Err(StepError::Linear(LinalgError::EntryNotInPattern { .. })) => {}
-            result => return result,
+        let mapped = self.set_map(model, present.clone(), active);
+        let lacks_room = matches!(mapped, Err(StepError::Linear(LinalgError::EntryNotInPattern { .. })));
+        // If one rank has no room all make it: their lists stay the same.
+        if !self.shares.any(lacks_room) {
+            return mapped;
         }
         let mut all = std::mem::take(&mut self.contributions);
         all.append(&present);
@@ -280,8 +320,14 @@ impl Matrix {
             }
         }
         self.groups.relieve(&mut groups, free, &contributions);
-        let contact = contributions.stencils(&self.numbering, equation, width);
-        let pattern = SparsityPattern::from_stencils(n, self.fixed.stencils.iter().chain(contact.iter()))?;
+        let shares = &self.shares;
+        let contact = contributions.stencils(&self.numbering, equation, width, shares);
+        let is_own = |equation: usize| match self.numbering.free.get(equation) {
+            Some(component) => shares.has(component / 3),
+            None => shares.has(groups[equation]),
+        };
+        let stencils = self.fixed.stencils.iter().chain(contact.iter());
+        let pattern = SparsityPattern::from_own_stencils(n, stencils, is_own)?;
         let pattern = Arc::new(pattern.with_groups(groups)?.with_first_multiplier(free));
         self.from_fixed.clear();
         for column in 0..free {
@@ -312,13 +358,14 @@ impl Matrix {
                     return Err(LinalgError::EntryNotInPattern { stencil, row: NONE, column: NONE }.into());
                 }
             }
-            let stencils = present.stencils(&self.numbering, equation, width);
+            let stencils = present.stencils(&self.numbering, equation, width, &self.shares);
             self.map = ScatterMap::new(&self.pattern, stencils.iter())?;
             self.mapped = Some(present);
         }
         self.slots.inactive.clear();
         self.set_closed_diagonal(model, active)?;
-        let Slots { equation, inactive, .. } = &mut self.slots;
+        let mut inactive = std::mem::take(&mut self.slots.inactive);
+        let Slots { equation, .. } = &self.slots;
         for ((equations, active), pair) in equation.iter().zip(active).zip(&model.contacts) {
             let slots = equations.iter().zip(active).enumerate();
             for (slot, (&first, _)) in slots.filter(|&(_, (&first, &active))| first != NONE && !active) {
@@ -328,13 +375,15 @@ impl Matrix {
                     Auxiliary::Balance => Some(f64::INFINITY),
                     _ => Some(weight),
                 });
-                for (equation, weight) in (first..).zip(std::iter::once(weight).chain(of_auxiliaries)) {
+                let all = (first..).zip(std::iter::once(weight).chain(of_auxiliaries));
+                for (equation, weight) in all.filter(|(equation, _)| self.is_own(*equation as usize)) {
                     let missing = LinalgError::EntryNotInPattern { stencil: 0, row: equation, column: equation };
                     let position = self.pattern.position(equation, equation).ok_or(missing)?;
                     inactive.push((position as u32, weight));
                 }
             }
         }
+        self.slots.inactive = inactive;
         Ok(())
     }
 }

@@ -33,6 +33,14 @@ impl System {
             }
         };
         solver.place(&mut (0..pattern.n()).map(place));
+        self.spread_equations();
+    }
+
+    /// Tells the linear solver on which ranks the rows of the present pattern are.
+    pub fn spread_equations(&mut self) {
+        if self.shares.is_shared() {
+            self.solver.spread(&mut self.matrix.owners());
+        }
     }
 
     /// Free components of nodes of bodies.

@@ -309,8 +309,10 @@ impl StepProblem<'_> {
 fn potential_energy(model: &Model, system: &System, iterate: &Iterate, step: &Step<'_>) -> Result<f64, StepError> {
     let mut energy = 0.0;
     let at = iterate.force_at(step);
-    for (term, _) in model.forces(&system.present.acting).filter(|(_, acts)| *acts) {
-        energy += term.merit(&at)?;
+    let of_bodies = model.bodies.iter().try_fold(0.0, |sum, body| Ok(sum + body.solid.merit(&at)?));
+    energy += system.shares.sum(system.shares.agree(of_bodies)?);
+    for (part, _) in model.parts.iter().zip(&system.present.acting.parts).filter(|(_, acts)| **acts) {
+        energy += part.merit(&at)?;
     }
     for (c, pair) in model.couplings() {
         energy += pair.term.work(&iterate.at(c, step))?.stored;

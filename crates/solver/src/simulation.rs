@@ -4,6 +4,7 @@ mod accept;
 mod advance;
 mod books;
 mod departure;
+mod fields;
 mod impact;
 mod overlaps;
 mod pairs;
@@ -26,6 +27,7 @@ use crate::control::Clock;
 use crate::held::depends_on_free;
 use crate::problem::SMALLEST_RESOLVED_MOTION;
 use crate::run_state::{Ledger, Log, NodalForces, SlotState, StageState};
+use crate::shares::Shares;
 use crate::stabilise::Stabilisation;
 use crate::switches::Acting;
 use crate::{
@@ -206,7 +208,8 @@ impl Simulation {
             stage::check_scheme(&**scheme, &model).map_err(SimulationError::Model)?;
         }
         let Settings { control, scheme, newton, inside_out, max_plastic_increment, solver } = settings;
-        let mut system = System::new(&model, acting, has_mass, solver)?;
+        let shares = Shares::new(&mut model, solver.communicator())?;
+        let mut system = System::new(&model, acting, has_mass, solver, shares)?;
         system.set_has_rates(dynamic, &model);
         let clock = Clock::new(control);
         system.present.stabilisation =
@@ -620,12 +623,13 @@ impl Simulation {
     /// Momenta, kinetic and strain energy of one body at the last completed step (loads and contact belong to the model).
     pub fn body_balance(&self, body: usize) -> Balance {
         // The state was accepted, so its strain energy exists; NaN would show a contradiction.
-        let strain = self.model.bodies[body].solid.strain_energy(&self.state.q).unwrap_or(f64::NAN);
+        let shares = &self.system.shares;
+        let strain = shares.sum(self.model.bodies[body].solid.strain_energy(&self.state.q).unwrap_or(f64::NAN));
         let mut balance = Balance { strain, ..Balance::default() };
         if let Some(mass) = self.system.inertia.masses.bodies.get(body).filter(|_| self.system.present.has_rates) {
-            balance.kinetic = mass.kinetic_energy(&self.state.v);
-            balance.linear_momentum = mass.linear_momentum(&self.state.v);
-            balance.angular_momentum = mass.angular_momentum(&self.state.q, &self.state.v);
+            balance.kinetic = shares.sum(mass.kinetic_energy(&self.state.v));
+            balance.linear_momentum = shares.sum3(mass.linear_momentum(&self.state.v));
+            balance.angular_momentum = shares.sum3(mass.angular_momentum(&self.state.q, &self.state.v));
         }
         balance
     }

@@ -1,6 +1,7 @@
 //! Viscous stabilisation of statics, which vanishes with the end of a stage.
 
 use crate::Model;
+use crate::shares::Shares;
 use std::ops::Range;
 use stoss_fe_solid::{MassKind, MassMatrix};
 
@@ -18,7 +19,7 @@ pub enum Stabilise {
 /// The stabilisation of the present stage.
 #[derive(Debug)]
 pub(crate) struct Stabilisation {
-    /// `c M_1` of each body.
+    /// `c M_1` of each body, of this rank's elements.
     masses: Vec<MassMatrix>,
     /// `r` of the step.
     pub ramp: f64,
@@ -42,15 +43,17 @@ impl Stabilisation {
     }
 
     /// `sum factor c M_1 x`.
-    pub fn sum(&self, of: &[(f64, &[f64])]) -> Vec<f64> {
+    pub fn sum(&self, shares: &Shares, of: &[(f64, &[f64])]) -> Vec<f64> {
         let mut sum = vec![0.0; of.first().map_or(0, |(_, x)| x.len())];
-        for mass in &self.masses {
-            of.iter().for_each(|(factor, x)| mass.multiply_add(*factor, x, &mut sum));
-        }
+        shares.add_sum(&mut sum, |sum| {
+            for mass in &self.masses {
+                of.iter().for_each(|(factor, x)| mass.multiply_add(*factor, x, sum));
+            }
+        });
         sum
     }
 
-    /// `c M_1` of each body.
+    /// `c M_1` of each body, of this rank's elements.
     pub fn masses(&self) -> &[MassMatrix] {
         &self.masses
     }

@@ -2,6 +2,7 @@
 
 use crate::assembly::{LoadForces, Scratch, System, Tally};
 use crate::books::{work_at, work_of};
+use crate::dealt::Dealt;
 use crate::inertia::Inertia;
 use crate::mass_solve::MassSolver;
 use crate::matrix::{Fixed, Matrix};
@@ -10,7 +11,7 @@ use crate::{Model, StepError};
 use std::ops::Range;
 use stoss_integrators::{DampingTangent, ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::{ScatterMap, vector};
-use stoss_term::{At, Auxiliary, Fault, Term, Undefined};
+use stoss_term::{At, Auxiliary, Fault, Share, Term, Undefined};
 
 /// Evaluations with a tangent in a step in which the equations of constraints between rigid bodies are written for the multipliers themselves and not for their increments.
 const FROM_ZERO: u32 = 2;
@@ -228,21 +229,28 @@ impl FeSystem<'_> {
         out: &mut [f64],
     ) -> Result<(), StepError> {
         let at = self.force_at(step, rule);
-        let System { matrix, present, scratch, base, tally, .. } = &mut *self.system;
+        let System { shares, matrix, present, scratch, base, tally, .. } = &mut *self.system;
         let at = At { before: base.has_linearised.then_some(&base.linearised[..]), ..at };
         let Fixed { map, values, forces, .. } = &mut matrix.fixed;
+        let works = &mut tally.works.forces;
+        let (bodies, parts) = forces.split_at(self.model.bodies.len());
+        let added = shares.add_sum(out, |out| {
+            let mut sink = Sink::new(out, 1.0, (map, &mut *values), tangent, &mut scratch.weighted);
+            let mut bodies = self.model.bodies.iter().zip(bodies);
+            bodies.try_for_each(|(body, stencils)| sink.add(&body.solid, &at, stencils.clone()))
+        });
+        shares.agree(added)?;
+        // Their nodes have no other forces yet.
+        for (work, body) in works.iter_mut().zip(&self.model.bodies) {
+            *work = work_of(out, body.components(), step.q_n, step.q_np1);
+        }
         let mut sink = Sink::new(out, 1.0, (map, values), tangent, &mut scratch.weighted);
-        let forces = self.model.forces(&present.acting).zip(&*forces).enumerate();
-        let works = &mut tally.works;
-        for (f, ((term, acts), stencils)) in forces {
-            works.forces[f] = 0.0;
+        let parts = self.model.parts.iter().zip(&present.acting.parts).zip(parts);
+        for (((part, &acts), stencils), work) in parts.zip(&mut works[bodies.len()..]) {
+            *work = 0.0;
             if acts {
-                sink.add(term, &at, stencils.clone())?;
-                works.forces[f] = match self.model.bodies.get(f) {
-                    // Its nodes have no other forces yet.
-                    Some(body) => work_of(sink.out, body.components(), step.q_n, step.q_np1),
-                    None => sink.work,
-                };
+                sink.add(&**part, &at, stencils.clone())?;
+                *work = sink.work;
             }
         }
         Ok(())
@@ -269,7 +277,7 @@ impl FeSystem<'_> {
             let term = &pair.term;
             let length = term.length_scale();
             let compliance = s.rigid_compliance(step.dt, length);
-            let System { rhs, matrix, scratch: Scratch { weighted, transform, expanded }, rows, tally, .. } = s;
+            let System { shares, rhs, matrix, scratch: Scratch { weighted, transform, expanded }, rows, tally, .. } = s;
             let Matrix { map, values, slots, .. } = matrix;
             let Tally { shift, gap_measure, auxiliary_square, touched, shifts_rows, works, .. } = tally;
             let work = &mut works.couplings[c];
@@ -282,29 +290,43 @@ impl FeSystem<'_> {
             };
             let equations = &slots.equation[c];
             let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
+            // Sums of this rank, if the term deals out its contributions.
+            let share = if term.deals() { shares.of_couplings() } else { Share::default() };
+            let mut dealt = (!share.is_whole()).then(|| Dealt::new(out.len(), rhs.len()));
+            let squares = if share.is_whole() { 0.0 } else { std::mem::take(auxiliary_square) };
+            let (sums, row_sums, shifts, mut seen) = match &mut dealt {
+                Some(Dealt { out, rhs, shift, seen }) => (&mut out[..], &mut rhs[..], shift, Some(seen)),
+                None => (&mut *out, &mut rhs[..], &mut *shift, None),
+            };
             let at = At {
                 time: step.time,
                 dt: step.dt,
                 rates: has_rates,
                 auxiliaries,
+                share,
                 ..At::constraint([step.q_n, step.q_np1], rule, pressures, active)
             };
-            term.assemble(&at, tangent, &mut |local| {
+            let assembled = term.assemble(&at, tangent, &mut |local| {
+                touched.extend(local.nodes.iter().filter(|&&node| model.embedding.has(node)));
+                if let Some(seen) = &mut seen {
+                    seen.note(local, equations, slots.width[c]);
+                }
+                if local.is_elsewhere {
+                    k += 1;
+                    return;
+                }
                 let coordinates = 3 * local.nodes.len();
                 *work += work_at(&local.nodes, &local.residual, step.q_n, step.q_np1);
                 for (i, &node) in local.nodes.iter().enumerate() {
-                    if model.embedding.has(node) {
-                        touched.push(node);
-                    }
                     for d in 0..3 {
-                        out[3 * node as usize + d] -= local.residual[3 * i + d];
+                        sums[3 * node as usize + d] -= local.residual[3 * i + d];
                     }
                 }
                 if !local.shift.is_empty() {
-                    shift.resize(out.len(), 0.0);
+                    shifts.resize(sums.len(), 0.0);
                     for (part, &node) in local.shift.chunks_exact(3).zip(&local.nodes) {
                         for d in 0..3 {
-                            shift[3 * node as usize + d] += weight * part[d];
+                            shifts[3 * node as usize + d] += weight * part[d];
                         }
                     }
                 }
@@ -312,7 +334,8 @@ impl FeSystem<'_> {
                 for (k, (&slot, &row)) in local.slots.iter().zip(&local.residual[coordinates..]).enumerate() {
                     let weight = term.slot_weight(slot as usize);
                     let row = smoothed.map_or(row, |smoothed| smoothed.row(slot, row, weight));
-                    rhs[equations[slot as usize] as usize] -= row + local.shift.get(coordinates + k).unwrap_or(&0.0);
+                    row_sums[equations[slot as usize] as usize] -=
+                        row + local.shift.get(coordinates + k).unwrap_or(&0.0);
                     *gap_measure = gap_measure.max(row.abs() / (weight * length));
                 }
                 *gap_measure = gap_measure.max(local.violation);
@@ -323,7 +346,7 @@ impl FeSystem<'_> {
                         let (first, size) = (equations[slot as usize] as usize, term.slot_weight(slot as usize));
                         for (k, (row, kind)) in rows.iter().zip(kinds()).enumerate() {
                             let at = coordinates + local.slots.len() + local.auxiliaries * s + k;
-                            rhs[first + 1 + k] -= row + local.shift.get(at).unwrap_or(&0.0);
+                            row_sums[first + 1 + k] -= row + local.shift.get(at).unwrap_or(&0.0);
                             match kind {
                                 Auxiliary::Balance => *auxiliary_square += row * row,
                                 _ => *gap_measure = gap_measure.max(row.abs() / (size * length)),
@@ -344,7 +367,7 @@ impl FeSystem<'_> {
                                 transform.matrix[at * dim + at] -= entry;
                                 if from_zero {
                                     *shifts_rows = true;
-                                    rhs[equations[slot as usize] as usize] += entry * pressures[slot as usize];
+                                    row_sums[equations[slot as usize] as usize] += entry * pressures[slot as usize];
                                 }
                             }
                         }
@@ -370,7 +393,19 @@ impl FeSystem<'_> {
                     }
                 }
                 k += 1;
-            })?;
+            });
+            if let Some(dealt) = dealt {
+                shares.agree(assembled)?;
+                dealt.add_to(shares, out, rhs, shift);
+                let mut sums = [*work, *auxiliary_square];
+                shares.sum_all(&mut sums);
+                (*work, *auxiliary_square) = (sums[0], squares + sums[1]);
+                let mut largest = [*gap_measure, f64::from(u8::from(*shifts_rows))];
+                shares.max_all(&mut largest);
+                (*gap_measure, *shifts_rows) = (largest[0], largest[1] > 0.0);
+            } else {
+                assembled?;
+            }
         }
         Ok(())
     }

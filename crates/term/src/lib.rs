@@ -18,6 +18,7 @@ mod local;
 mod potential;
 mod reference_gap;
 mod report;
+mod share;
 mod step;
 mod term;
 mod unilateral;
@@ -33,6 +34,7 @@ pub use reference_gap::{ClosingFriction, Overlap, ReferenceGap, ReferenceGapOpti
 pub use report::{
     Coverage, JointCoordinate, JointReport, JointTorques, MaterialWork, SlotFriction, SlotReport, SupportedNode, Work,
 };
+pub use share::Share;
 pub use step::{Hold, Step, Support};
 pub use stoss_integrators::{ForceRule, GradientRule};
 pub use term::Term;

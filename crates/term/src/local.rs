@@ -49,6 +49,8 @@ pub struct Local {
     /// What the linear equations take in addition to `residual`, one entry a row, or empty: the difference between the
     /// branch that they are linearised on and the one that the iterate is on, or the start of multipliers that are not determined. It is no part of the norm, so that it cannot change a solution.
     pub shift: Vec<f64>,
+    /// Whether it is of another share than [`crate::At::share`]: then it has nodes and slots and no values.
+    pub is_elsewhere: bool,
 }
 
 impl Local {
@@ -67,6 +69,7 @@ impl Local {
     pub fn reset(&mut self, want_tangent: bool) {
         let n = self.dim();
         self.violation = 0.0;
+        self.is_elsewhere = false;
         self.shift.clear();
         self.residual.clear();
         self.residual.resize(n, 0.0);

@@ -46,6 +46,7 @@ mod own_law;
 mod pair_table;
 mod pairs;
 mod pressures;
+mod ranks;
 mod rigid_pairs;
 mod rigid_tools;
 mod rims;

@@ -91,6 +91,7 @@ impl Simulation {
         let near_limit = self.how.max_plastic_increment.is_some_and(|limit| draft.flows_beyond(0.5 * limit).is_some());
         let books = self.close_books(draft, &impact, [of_supports, jump], stabilised, &before);
         self.step += 1;
+        self.compare_ranks();
         self.stage.sudden.clear();
         if let Some(work) = work_of_contact {
             self.warn_contact_gain(work - contact_work.driven, &before);
@@ -117,6 +118,14 @@ impl Simulation {
             inside_out: inside_out.iter().flatten().map(|found| found.count).sum(),
             contact,
         }
+    }
+
+    /// Ends a run whose ranks differ.
+    fn compare_ranks(&self) {
+        let signs = |on: &bool| if *on { &1.0 } else { &0.0 };
+        let active = self.slots.active.iter().flatten().map(signs);
+        let numbers = self.state.q.iter().chain(&self.state.v).chain(self.slots.pressures.iter().flatten());
+        self.system.shares.compare(self.step, numbers.chain(active));
     }
 
     /// Work of the step from outside, and the part of supports that move: of the forces of the rule, or in statics, where all forces are those of the end, by the trapezium rule. Takes the reactions.

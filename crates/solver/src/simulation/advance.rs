@@ -12,11 +12,11 @@ use crate::smooth::attempt_smoothed;
 use crate::step::{Attempt, StepInput, attempt, decision};
 use crate::system::FeSystem;
 use crate::terms::Line;
-use crate::{ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord};
+use crate::{Body, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{State, Step, StepRule, finish};
 use stoss_linalg::vector;
-use stoss_term::{Coverage, Step as ContactStep, Work};
+use stoss_term::{Coverage, Fault, Step as ContactStep, Work};
 
 /// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
 /// fraction of their motion.
@@ -176,12 +176,13 @@ impl Simulation {
             reach: 2.0 * speed * dt,
             support: &self.stage.support,
         };
-        for (line, _, term) in self.model.terms_mut(&self.system.present.acting).filter(|(_, acts, _)| *acts) {
+        let mut acting = self.model.terms_mut(&self.system.present.acting).filter(|(_, acts, _)| *acts);
+        let begun = acting.try_for_each(|(line, _, term)| {
             let phase = if line == Line::Force { Phase::Assembly } else { Phase::Search };
             let reach = step.reach + 0.5 * term.length_scale();
-            self.log.timings.measure(phase, || term.begin(&ContactStep { reach, ..step }))?;
-        }
-        Ok(())
+            self.log.timings.measure(phase, || term.begin(&ContactStep { reach, ..step }))
+        });
+        Ok(self.system.shares.agree(begun)?)
     }
 
     /// How to start, and how to start if an element is inverted there.
@@ -328,7 +329,9 @@ impl Simulation {
     }
 
     pub(super) fn inside_out(&self, q: &[f64]) -> Result<Vec<Option<InsideOut>>, StepError> {
-        Ok(self.model.bodies.iter().map(|body| body.solid.inside_out(q)).collect::<Result<_, _>>()?)
+        let shares = &self.system.shares;
+        let of = |body: &Body| Ok(shares.worst(body.solid.inside_out(q).map_err(Fault::from)?));
+        self.model.bodies.iter().map(of).collect()
     }
 
     /// Part of the stabilisation that acts at a time of the stage.

@@ -58,8 +58,11 @@ impl Draft {
 impl Simulation {
     /// Stored energies of all bodies, then of all parts; zero for parts that are off.
     pub(super) fn energies(&self, q: &[f64]) -> Result<Vec<f64>, StepError> {
-        let of = |(term, acts): (&dyn Term, bool)| if acts { Ok(term.energy(q)?) } else { Ok(0.0) };
-        self.model.forces(&self.system.present.acting).map(of).collect()
+        let of = |(term, acts): (&dyn Term, bool)| if acts { term.energy(q) } else { Ok(0.0) };
+        let energies = self.model.forces(&self.system.present.acting).map(of).collect();
+        let mut energies: Vec<f64> = self.system.shares.agree(energies)?;
+        self.system.shares.sum_all(&mut energies[..self.model.bodies.len()]);
+        Ok(energies)
     }
 
     /// Whether dampers of bodies act.
@@ -88,9 +91,11 @@ impl Simulation {
         let (mut books, mut energies) = (Books::default(), Vec::with_capacity(self.ledger.energies.len()));
         let at = iterate.force_at(&Step { state_n: &self.state, dt, rule: *rule });
         let bodies = self.model.bodies.len();
-        for (f, (term, acts)) in self.model.forces(&self.system.present.acting).enumerate() {
-            let Work { stored, dissipated, driven: supplied, material, .. } =
-                if acts { term.work(&at)? } else { Work::default() };
+        let of = |(term, acts): (&dyn Term, bool)| if acts { term.work(&at) } else { Ok(Work::default()) };
+        let of_forces = self.model.forces(&self.system.present.acting).map(of).collect();
+        let mut of_forces: Vec<Work> = self.system.shares.agree(of_forces)?;
+        self.system.shares.sum_work(&mut of_forces[..bodies]);
+        for (f, Work { stored, dissipated, driven: supplied, material, .. }) in of_forces.into_iter().enumerate() {
             let mut work = works.forces[f];
             if let Some(body) = self.model.bodies.get(f).filter(|_| measured && self.is_damped()) {
                 let damping = &self.system.buffers.damping;

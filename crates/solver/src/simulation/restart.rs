@@ -4,6 +4,7 @@ use super::{Simulation, Stage, support};
 use crate::run_state::{Ledger, NodalForces};
 use crate::{Checkpoint, CheckpointError, Clock, SimulationError, StepControl, StepError};
 use std::collections::BTreeMap;
+use stoss_term::Term;
 
 impl Simulation {
     /// The present state as a checkpoint.
@@ -26,7 +27,13 @@ impl Simulation {
 
     /// What each term carries from step to step.
     pub(super) fn histories(&self) -> Vec<Vec<u8>> {
-        self.model.terms().map(|term| term.save_history()).collect()
+        let (bodies, model) = (self.model.bodies.len(), &self.model);
+        let of = |(k, term): (usize, &dyn Term)| match term.save_history() {
+            // Its elements may be those of several ranks.
+            mine if k < bodies => self.system.shares.history(model, k, mine),
+            whole => whole,
+        };
+        model.terms().enumerate().map(of).collect()
     }
 
     /// Continues from a checkpoint of the same scene in the present stage (of a new simulation: the first one), to the end of this simulation.

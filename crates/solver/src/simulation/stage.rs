@@ -11,6 +11,7 @@ use crate::{
     Automatic, Balance, Clock, Decision, DecisionKind, Model, Release, SimulationError, Stabilise, StepControl,
     StepError, Switches,
 };
+use std::sync::Arc;
 use stoss_integrators::{Scheme, State};
 use stoss_linalg::AutoSolver;
 use stoss_newton::NewtonOptions;
@@ -326,7 +327,8 @@ impl Simulation {
             self.system.present.acting = acting;
         } else {
             let has_mass = self.system.inertia.exists;
-            let mut system = System::new(&self.model, acting, has_mass, Box::new(AutoSolver::new()))?;
+            let (solver, shares) = (Box::new(AutoSolver::new()), Arc::clone(&self.system.shares));
+            let mut system = System::new(&self.model, acting, has_mass, solver, shares)?;
             std::mem::swap(&mut system.solver, &mut self.system.solver);
             // It goes on after a release.
             system.present.stabilisation = self.system.present.stabilisation.take();

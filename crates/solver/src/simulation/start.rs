@@ -92,15 +92,17 @@ impl Simulation {
         let dt = self.clock.dt();
         let Self { model, system, state, slots: SlotState { pressures, active, .. }, stage, .. } = self;
         let step = ContactStep { rates: rule.has_inertia(), support: &stage.support, ..at_rest(state, dt) };
-        for (line, _, term) in model.terms_mut(&system.present.acting).filter(|(_, acts, _)| *acts) {
+        let mut acting = model.terms_mut(&system.present.acting).filter(|(_, acts, _)| *acts);
+        let begun = acting.try_for_each(|(line, _, term)| {
             // What flows in the coming step is none of the forces before it.
             let dt = if line == Line::Force { 0.0 } else { dt };
             term.begin(&ContactStep { reach: 0.5 * term.length_scale(), dt, ..step })?;
             if let Line::Constraint(c) = line {
                 term.renew(&At::end(&state.q, &pressures[c], &active[c]).with_auxiliaries(&auxiliaries[c]), false)?;
             }
-        }
-        Ok(())
+            Ok(())
+        });
+        Ok(system.shares.agree(begun)?)
     }
 
     /// Adds `G^T p` of some couplings at the present state.
@@ -183,6 +185,7 @@ impl Simulation {
         }
         system.rhs[free..].fill(0.0);
         system.rhs[free..].iter_mut().zip(curvature).for_each(|(rhs, curvature)| *rhs = curvature);
+        system.spread_equations();
         let solver = &mut system.solver;
         let solved = solver
             .analyse(&system.matrix.pattern, MatrixKind::General)

@@ -88,26 +88,25 @@ impl Extreme {
 
     /// Of a stress or strain at each node.
     fn tensors(&self, simulation: &Simulation) -> Vec<f64> {
-        let Some(body) = self.body.map(|body| &simulation.model().bodies[body]) else { return Vec::new() };
-        let q = &simulation.state().q;
+        let Some(number) = self.body else { return Vec::new() };
+        let body = &simulation.model().bodies[number];
         let of_state = self.quantity.is_of_state().then(|| body.solid.state_output(self.quantity.name())).flatten();
+        if self.quantity.is_of_state() && of_state.is_none() {
+            // Refused when the scene was built.
+            return Vec::new();
+        }
         if let Some(place) = of_state.filter(|place| place.len == 1) {
-            let Ok(sums) = body.solid.nodal_state_output::<1>(q, place) else { return Vec::new() };
-            let nodal = sums.means();
+            let nodal = simulation.at_nodes::<1>(number, |solid, q| solid.nodal_state_output(q, place));
+            let Ok(nodal) = nodal else { return Vec::new() };
             return self.nodes.iter().map(|&node| nodal[(node - body.nodes.start) as usize][0]).collect();
         }
-        let sums = match self.quantity {
-            quantity if quantity.is_of_state() => match of_state {
-                Some(place) => body.solid.nodal_state_output(q, place),
-                // Refused when the scene was built.
-                None => return Vec::new(),
-            },
-            Quantity::GreenLagrangeStrain => body.solid.nodal_green_lagrange_strain(q),
-            Quantity::LogarithmicStrain => body.solid.nodal_logarithmic_strain(q),
-            _ => body.solid.nodal_cauchy_stress(q),
-        };
-        let Ok(sums) = sums else { return Vec::new() };
-        let nodal = sums.means();
+        let nodal = simulation.at_nodes(number, |solid, q| match (self.quantity, of_state) {
+            (_, Some(place)) => solid.nodal_state_output(q, place),
+            (Quantity::GreenLagrangeStrain, _) => solid.nodal_green_lagrange_strain(q),
+            (Quantity::LogarithmicStrain, _) => solid.nodal_logarithmic_strain(q),
+            _ => solid.nodal_cauchy_stress(q),
+        });
+        let Ok(nodal) = nodal else { return Vec::new() };
         let value = |tensor: &[f64; 6]| match (self.quantity, self.component) {
             (Quantity::VonMises, _) => stoss_fe_solid::von_mises(tensor),
             (Quantity::PrincipalStresses, Some(c)) => stoss_fe_solid::principal_stresses(tensor)[c],

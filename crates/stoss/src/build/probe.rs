@@ -80,12 +80,11 @@ impl Probe {
     /// What the interpolation of the element gives at a point; not a number where that is turned inside out.
     fn material(&self, simulation: &Simulation, body: usize, point: &MaterialPoint) -> Vec<f64> {
         if self.quantity.is_of_state() {
-            let (solid, q) = (&simulation.model().bodies[body].solid, &simulation.state().q);
-            let values = solid.state_output(self.quantity.name());
-            let values = values.and_then(|place| solid.state_output_at(point, q, place).ok());
+            let place = simulation.model().bodies[body].solid.state_output(self.quantity.name());
+            let values = place.and_then(|place| simulation.state_output_at(body, point, place).ok());
             return values.unwrap_or_else(|| vec![f64::NAN; self.quantity.columns()]);
         }
-        let Ok(state) = simulation.model().bodies[body].solid.state_at(point, &simulation.state().q) else {
+        let Ok(state) = simulation.state_at(body, point) else {
             return vec![f64::NAN; self.quantity.columns()];
         };
         match self.quantity {

@@ -8,7 +8,7 @@ use super::{Drawing, OutputError};
 use crate::points::Points;
 use crate::scene::Field as SceneField;
 use std::path::Path;
-use stoss_fe_solid::{SolidBody, SolidError};
+use stoss_fe_solid::{NodalSums, SolidBody, SolidError};
 use stoss_mesh::Elements;
 use stoss_mesh_io::{Field, MeshIoError, PvdWriter, VtuFrame, write_vtu};
 use stoss_reference_element::FaceNodes;
@@ -133,16 +133,23 @@ fn bodies(model: &Model, drawing: &Drawing) -> Vec<f64> {
 /// the range. Empty without solids.
 fn of_solids<const N: usize>(
     simulation: &Simulation,
-    nodal: impl Fn(&SolidBody, &[f64]) -> Result<Vec<[f64; N]>, SolidError>,
+    nodal: impl Fn(&SolidBody, &[f64]) -> Result<NodalSums<N>, SolidError>,
 ) -> Result<Vec<[f64; N]>, OutputError> {
-    let (model, state) = (simulation.model(), simulation.state());
+    at_bodies(simulation, |body| simulation.at_nodes(body, &nodal))
+}
+
+fn at_bodies<const N: usize>(
+    simulation: &Simulation,
+    of: impl Fn(usize) -> Result<Vec<[f64; N]>, StepError>,
+) -> Result<Vec<[f64; N]>, OutputError> {
+    let model = simulation.model();
     if model.bodies.is_empty() {
         return Ok(Vec::new());
     }
     let mut values = vec![[f64::NAN; N]; model.node_count()];
-    for body in &model.bodies {
+    for (number, body) in model.bodies.iter().enumerate() {
         let nodes = body.nodes.start as usize..body.nodes.end as usize;
-        values[nodes].copy_from_slice(&nodal(&body.solid, &state.q).map_err(StepError::from)?);
+        values[nodes].copy_from_slice(&of(number)?);
     }
     Ok(values)
 }
@@ -154,9 +161,12 @@ fn has_output(simulation: &Simulation, field: SceneField) -> bool {
 
 /// An output of states at the nodes; zero of bodies without.
 fn of_states<const N: usize>(simulation: &Simulation, field: SceneField) -> Result<Vec<[f64; N]>, OutputError> {
-    of_solids(simulation, |solid, q| match solid.state_output(field.name()) {
-        Some(place) => Ok(solid.nodal_state_output(q, place)?.means()),
-        None => Ok(vec![[0.0; N]; solid.node_count()]),
+    at_bodies(simulation, |body| {
+        let solid = &simulation.model().bodies[body].solid;
+        match solid.state_output(field.name()) {
+            Some(place) => simulation.at_nodes(body, |solid, q| solid.nodal_state_output(q, place)),
+            None => Ok(vec![[0.0; N]; solid.node_count()]),
+        }
     })
 }
 
@@ -181,7 +191,7 @@ impl SolidFields {
         let mut fields = Self::default();
         let [von_mises, principal] = [SceneField::VonMises, SceneField::PrincipalStresses].map(&want);
         if want(SceneField::CauchyStress) || von_mises || principal {
-            fields.stress = of_solids(simulation, |solid, q| Ok(solid.nodal_cauchy_stress(q)?.means()))?;
+            fields.stress = of_solids(simulation, SolidBody::nodal_cauchy_stress)?;
         }
         if von_mises {
             fields.von_mises = fields.stress.iter().map(stoss_fe_solid::von_mises).collect();
@@ -206,15 +216,13 @@ impl SolidFields {
             fields.principal = fields.stress.iter().map(stoss_fe_solid::principal_stresses).collect();
         }
         if want(SceneField::DeformationGradient) {
-            fields.deformation_gradient =
-                of_solids(simulation, |solid, q| Ok(solid.nodal_deformation_gradient(q)?.means()))?;
+            fields.deformation_gradient = of_solids(simulation, SolidBody::nodal_deformation_gradient)?;
         }
         if want(SceneField::GreenLagrangeStrain) {
-            fields.green_lagrange =
-                of_solids(simulation, |solid, q| Ok(solid.nodal_green_lagrange_strain(q)?.means()))?;
+            fields.green_lagrange = of_solids(simulation, SolidBody::nodal_green_lagrange_strain)?;
         }
         if want(SceneField::LogarithmicStrain) {
-            fields.logarithmic = of_solids(simulation, |solid, q| Ok(solid.nodal_logarithmic_strain(q)?.means()))?;
+            fields.logarithmic = of_solids(simulation, SolidBody::nodal_logarithmic_strain)?;
         }
         Ok(fields)
     }

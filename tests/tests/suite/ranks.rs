@@ -1,0 +1,201 @@
+//! Scenes on several ranks, which are threads here: all of them have the same bits, and one rank has those of a program without ranks.
+
+use std::path::{Path, PathBuf};
+use stoss::build::build_on;
+use stoss::linalg::Threads;
+use stoss::ranks::Ranks;
+use stoss::scene::parse;
+use stoss::solver::Simulation;
+
+/// What a run came to: vectors by name, after so many steps.
+type Outcome = Vec<(&'static str, Vec<f64>)>;
+
+fn outcome(simulation: &Simulation) -> Outcome {
+    let (state, balance) = (simulation.state(), simulation.balance());
+    let momenta = [balance.linear_momentum, balance.angular_momentum].concat();
+    let energies = vec![balance.kinetic, balance.strain, balance.contact, balance.dissipation, balance.external_work];
+    let of_bodies = (0..simulation.model().bodies.len()).map(|body| simulation.body_balance(body));
+    let of_bodies = of_bodies.flat_map(|of| [of.kinetic, of.strain].into_iter().chain(of.angular_momentum));
+    vec![
+        ("positions", state.q.clone()),
+        ("velocities", state.v.clone()),
+        ("forces of contact", simulation.contact_force().to_vec()),
+        ("multipliers", simulation.pressures().concat()),
+        ("momenta", momenta),
+        ("energies", energies),
+        ("bodies", of_bodies.collect()),
+        ("total", vec![balance.total()]),
+        ("solutions", vec![simulation.solves() as f64, simulation.step() as f64]),
+    ]
+}
+
+fn run(text: &str, folder: &Path, steps: u64, ranks: &Ranks) -> Outcome {
+    let scene = parse(text, "scene.toml").unwrap_or_else(|e| panic!("{e}"));
+    let built = build_on(&scene, folder, &stoss::build::OwnLaws::default(), ranks).unwrap_or_else(|e| panic!("{e}"));
+    let mut simulation = built.simulation;
+    while simulation.step() < steps && !simulation.finished() {
+        simulation.advance().unwrap_or_else(|e| panic!("{e}"));
+    }
+    outcome(&simulation)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
+/// Asks for the same bits on all ranks, and on one rank for those of a run without ranks; else for the same values within `part` of the largest one. Momenta and totals that are zero but for round-off are
+/// measured against energies and products of the others.
+fn compare(name: &str, text: &str, folder: &Path, steps: u64, counts: &[usize], part: f64) -> Outcome {
+    let plain = run(text, folder, steps, &Ranks::default());
+    let speed = largest(&plain[1].1);
+    let energy = plain[5].1.iter().map(|e| e.abs()).sum::<f64>();
+    for &count in counts {
+        let all = Threads::run(count, |communicator| run(text, folder, steps, &Ranks::gathered(communicator)));
+        for (what, (of_ranks, of_plain)) in all[0].iter().zip(&plain).map(|(a, b)| (a.0, (&a.1, &b.1))) {
+            for other in &all {
+                let same = other.iter().find(|(other, _)| *other == what).is_some_and(|(_, values)| values == of_ranks);
+                assert!(same, "{name}: {what} of the ranks differ, of {count}");
+            }
+            if count == 1 {
+                assert_eq!(of_ranks, of_plain, "{name}: {what} on one rank");
+                continue;
+            }
+            let scale = match what {
+                "momenta" => largest(of_plain).max(if speed > 0.0 { energy / speed } else { 0.0 }),
+                "total" | "energies" | "bodies" => energy.max(largest(of_plain)),
+                _ => largest(of_plain),
+            };
+            let off = of_ranks.iter().zip(of_plain).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            println!("{name} on {count}: {what} {:.1e}", off / if scale > 0.0 { scale } else { 1.0 });
+            assert!(
+                of_ranks.len() == of_plain.len() && off <= part * scale,
+                "{name} on {count}: {what} {off:e} {scale:e}"
+            );
+        }
+    }
+}
+
+/// An impact in a step in which the blocks push each other.
+fn compare_impact(name: &str, contact: &str, steps: u64, counts: &[usize]) {
+    let plain = compare(name, &impact(contact), Path::new("."), steps, counts, 1e-9);
+    assert!(largest(&plain[2].1) > 1e3, "{name} is in contact");
+}
+
+fn shipped(name: &str, steps: u64, counts: &[usize]) {
+    let path = PathBuf::from(format!("../scenes/{name}.toml"));
+    let text = std::fs::read_to_string(&path).unwrap();
+    compare(name, &text, path.parent().unwrap(), steps, counts, 1e-9);
+}
+
+/// A tie, a mechanism, plastic flow, pretension and rotation in stages, friction on rigid ground, a section.
+#[test]
+fn shipped_scenes_are_the_same_on_any_number_of_ranks() {
+    shipped("tied-cantilever", 4, &[3]);
+    shipped("trebuchet", 10, &[1, 2]);
+    shipped("plastic-impact", 4, &[3]);
+    shipped("bolt", 3, &[2]);
+    shipped("incline", 4, &[3]);
+    shipped("rotating-indenter", 2, &[2]);
+    shipped("o-ring", 2, &[2]);
+}
+
+/// A block that flies obliquely onto a larger one, from near to where it slides.
+fn impact(contact: &str) -> String {
+    let block = |name: &str, min: &str, max: &str, divisions: &str, more: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ generator = \"block\", min = {min}, max = {max}, divisions = {divisions} }}\n\
+             material = {{ law = \"neo-hooke\", young = 1.0e6, poisson = 0.3 }}\ndensity = 1000.0\n{more}\n"
+        )
+    };
+    "[scene]\ntitle = \"Impact\"\nkind = \"dynamic\"\n[time]\nend = 0.02\nstep = 0.001\nintegrator = { scheme = \"energy-momentum\" }\n"
+        .to_owned()
+        + &block("lower", "[0, 0, 0]", "[2, 2, 1]", "[4, 4, 2]", "")
+        + &block("upper", "[0.3, 0.3, 1.004]", "[1.3, 1.3, 2.004]", "[3, 3, 2]", "velocity = [3.0, 2.0, -2.0]")
+        + contact
+}
+
+const PAIR: &str = "slave = \"upper.bottom\"\nmaster = \"lower.top\"\nfriction = { law = \"coulomb\", mu = 0.2 }\n";
+
+#[test]
+fn mortar_contact_with_friction() {
+    compare_impact("mortar", &format!("[[contact]]\nmethod = \"mortar\"\n{PAIR}"), 14, &[1, 2, 3, 7]);
+}
+
+#[test]
+fn node_to_surface_contact_with_friction() {
+    compare_impact("node-to-surface", &format!("[[contact]]\nmethod = \"nts\"\n{PAIR}"), 14, &[1, 3]);
+}
+
+#[test]
+fn general_contact_with_friction() {
+    compare_impact("general contact", "[general_contact]\nfriction = 0.2\n", 6, &[1, 3]);
+}
+
+const CUBE: &str = r#"
+[scene]
+title = "Cube"
+kind = "quasi-static"
+[time]
+end = 1.0
+step = 0.5
+[[body]]
+name = "cube"
+mesh = { generator = "block", min = [0, 0, 0], max = [1, 1, 1], divisions = [3, 3, 3] }
+material = { law = "neo-hooke", young = 1.0e3, poisson = 0.3 }
+[[prescribe]]
+set = "cube.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[prescribe]]
+set = "cube.top"
+components = ["x", "z"]
+displacement = { table = [[0, 0, 0], [1, 0.2, -0.1]] }
+"#;
+
+/// Ranks without elements, too.
+#[test]
+fn a_cube_on_more_ranks_than_it_has_elements() {
+    compare("cube", CUBE, Path::new("."), 2, &[1, 2, 3, 7, 29], 1e-12);
+}
+
+/// Damping by mass and stiffness, a follower pressure, a centrifugal load, a mixed tet4 body, which is on one rank, a tie.
+#[test]
+fn damping_followers_and_indivisible_bodies() {
+    let text = r#"
+[scene]
+title = "Mixture"
+kind = "dynamic"
+[time]
+end = 0.12
+step = 0.02
+integrator = { scheme = "energy-momentum" }
+[[body]]
+name = "a"
+mesh = { generator = "block", min = [0, 0, 0], max = [1, 1, 1], divisions = [3, 3, 3] }
+material = { law = "neo-hooke", young = 100.0, poisson = 0.3 }
+density = 1.0
+damping = { mass = 0.3, stiffness = 0.01 }
+[[body]]
+name = "b"
+mesh = { generator = "block", min = [0, 0, 1], max = [1, 1, 2], divisions = [4, 4, 4] }
+cell = "tet4"
+volumetric = "mixed"
+material = { law = "neo-hooke", young = 100.0, poisson = 0.4 }
+density = 1.0
+[[tie]]
+slave = "b.bottom"
+master = "a.top"
+[[prescribe]]
+set = "a.bottom"
+components = ["x", "y", "z"]
+fixed = true
+[[load]]
+set = "b.top"
+follower_pressure = { table = [[0, 0], [0.2, 3.0]] }
+[[load]]
+body = "a"
+angular_velocity = { table = [[0, 0], [0.1, 2.0]] }
+axis = [0, 0, 1]
+"#;
+    compare("mixture", text, Path::new("."), 6, &[1, 2, 3], 1e-9);
+}
