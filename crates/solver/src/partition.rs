@@ -3,21 +3,32 @@
 use crate::{Body, Model};
 use stoss_fe_solid::SolidBody;
 
-/// The rank of each element of each body: parts of equal cost by recursive bisection, of all bodies together. A body whose averages reach across elements is on one rank, that of its first element.
+/// The rank of each element of each body: parts of equal cost by recursive bisection, of all bodies together. A body whose averages reach across elements is on one rank.
 pub(crate) fn of_elements(model: &Model, ranks: usize) -> Vec<Vec<u32>> {
-    let centres: Vec<[f64; 3]> = model.bodies.iter().flat_map(|body| body.solid.element_centres()).collect();
-    let costs: Vec<u64> = model.bodies.iter().flat_map(|body| costs(&body.solid)).collect();
-    let all = stoss_mesh::bisect(&centres, &costs, ranks);
-    let mut rest = &all[..];
-    let of = |body: &Body| {
-        let (own, others) = rest.split_at(body.solid.element_count());
-        rest = others;
-        if body.solid.is_indivisible() { vec![own[0]; own.len()] } else { own.to_vec() }
+    let (mut centres, mut all_costs) = (Vec::new(), Vec::new());
+    for Body { solid, .. } in &model.bodies {
+        if solid.is_indivisible() {
+            let sum = solid.element_centres().fold([0.0; 3], |sum, x| std::array::from_fn(|i| sum[i] + x[i]));
+            centres.push(sum.map(|x| x / solid.element_count() as f64));
+            all_costs.push(costs(solid).sum());
+        } else {
+            centres.extend(solid.element_centres());
+            all_costs.extend(costs(solid));
+        }
+    }
+    let mut parts = stoss_mesh::bisect(&centres, &all_costs, ranks).into_iter();
+    let of = |Body { solid, .. }: &Body| {
+        let count = solid.element_count();
+        if solid.is_indivisible() {
+            vec![parts.next().unwrap_or_default(); count]
+        } else {
+            parts.by_ref().take(count).collect()
+        }
     };
     model.bodies.iter().map(of).collect()
 }
 
-/// Cost of each element: a tangent of all pairs of its nodes at each of its points.
+/// Cost of each element: of its tangent, which couples all of its nodes with each other at each of its points.
 fn costs(solid: &SolidBody) -> impl Iterator<Item = u64> {
     solid.elements().iter().map(|nodes| (nodes.len() * nodes.len()) as u64)
 }

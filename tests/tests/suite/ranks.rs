@@ -66,13 +66,14 @@ fn compare(name: &str, text: &str, folder: &Path, steps: u64, counts: &[usize], 
                 _ => largest(of_plain),
             };
             let off = of_ranks.iter().zip(of_plain).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            println!("{name} on {count}: {what} {:.1e}", off / if scale > 0.0 { scale } else { 1.0 });
+            println!("{name} on {count}: {what} {off:.1e} of {scale:.1e}");
             assert!(
                 of_ranks.len() == of_plain.len() && off <= part * scale,
                 "{name} on {count}: {what} {off:e} {scale:e}"
             );
         }
     }
+    plain
 }
 
 /// An impact in a step in which the blocks push each other.
