@@ -9,6 +9,7 @@ use stoss_contact_barrier::{
 };
 use stoss_geometry::{PairKind, closest};
 use stoss_reference_element::FacetNodes;
+use stoss_term::check::sharing;
 use stoss_term::{At, GradientRule, Local, Potential, Step, StepConfiguration, Term, Work};
 
 const MODULUS: f64 = 3.0;
@@ -232,6 +233,24 @@ fn any_number_of_threads_gives_the_same_bits() {
     let alone = on(1);
     assert!(alone.0.iter().any(|r| *r != 0.0));
     assert!(alone == on(2) && alone == on(3));
+}
+
+#[test]
+fn contributions_are_dealt_out_among_ranks() {
+    let mut random = Rng::with_seed(9);
+    for rule in [GradientRule::DiscreteGradient, GradientRule::EndPoint] {
+        let mut scene = two([2, 3], 0.05, [0.13, 0.21], 0.1, 0.1, 0.3);
+        let (q_n, q) = (noise(&mut random, &scene.reference, 0.01), noise(&mut random, &scene.reference, 0.01));
+        scene.enter(rule, &q_n);
+        let contact = &mut scene.contact;
+        begin(contact, rule, &q_n, &q);
+        for ranks in [1, 2, 3, 7] {
+            let at = StepConfiguration { q_n: &q_n, q_np1: &q, rule }.at(&[], &[]);
+            let found = sharing(contact, &at, ranks).unwrap();
+            assert!(found.is_whole && found.counts.iter().sum::<usize>() > 20, "{ranks}: {found:?}");
+            assert!(ranks > 2 || found.counts.iter().all(|&count| count > 0), "{ranks}: {found:?}");
+        }
+    }
 }
 
 /// Along a motion, friction with the normal forces of its start is the gradient of an energy: at the start energy and friction change together by the work of the forces, and friction is convex.

@@ -28,7 +28,7 @@ use scatter::Scatter;
 use std::ops::Range;
 use stoss_contact::{ContactError, in_order};
 use stoss_term::{
-    At, BodyPair, Fault, GradientRule, Local, Potential, Rule, Step, SurfaceForce, SurfaceNode, Term, Work,
+    At, BodyPair, Fault, GradientRule, Local, Potential, Rule, Share, Step, SurfaceForce, SurfaceNode, Term, Work,
 };
 
 /// Iterations of a step with inertia in which motions are shortened because they pass very many facets; then the step is given up.
@@ -69,6 +69,7 @@ pub struct GeneralContact {
     skin: Skin,
     rules: Interactions,
     options: GeneralOptions,
+    share: Share,
     proximity: Proximity,
     /// Whether forces are those of the end of the step, or between its two states.
     at_end: bool,
@@ -120,6 +121,7 @@ impl GeneralContact {
             skin,
             rules,
             options,
+            share: Share::default(),
             at_end: true,
             step_size: 0.0,
             has_rates: false,
@@ -155,6 +157,10 @@ impl GeneralContact {
     fn contribution(&self, (facets, acts): (&[u32], Range<usize>), want_tangent: bool, room: &mut Room) {
         let Room { local, joint, scatter } = room;
         self.nodes_of(facets, &mut local.nodes);
+        if !self.share.has(&local.nodes) {
+            local.set_elsewhere();
+            return;
+        }
         local.reset(want_tangent);
         scatter.begin(&self.skin, facets, want_tangent);
         for act in acts.filter_map(|k| self.acts.get(k)) {
@@ -198,6 +204,11 @@ impl Term for GeneralContact {
 
     fn is_symmetric(&self, rule: Rule) -> bool {
         rule == Rule::Constraint(GradientRule::EndPoint) && !self.rules.has_friction()
+    }
+
+    fn set_share(&mut self, share: Share) -> bool {
+        self.share = share;
+        true
     }
 
     fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
