@@ -7,6 +7,7 @@ use std::sync::Arc;
 use stoss_contact::ContactError;
 use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
 use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
+use stoss_term::check::sharing;
 use stoss_term::{At, Auxiliary, GradientRule, Step, StepConfiguration, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
@@ -101,6 +102,16 @@ fn unknowns(path: &Path, m: &CoordinateAugmented, auxiliaries: &[f64]) -> Vec<f6
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn contributions_are_dealt_out_among_ranks(path in path(), of in 0usize..3, ranks in prop::sample::select(vec![1u32, 2, 3, 7])) {
+        let mut m = path.augmented([Reduction::None, Reduction::First, Reduction::Second][of]);
+        let step = StepConfiguration { q_n: &path.q[1], q_np1: &path.q[2], rule: path.rule };
+        let values: Vec<f64> = path.start(&m);
+        let at = step.at(&[PRESSURE, 1.0, 2.0, 0.5], &[true; 4]).with_auxiliaries(&values);
+        let found = sharing(&mut m, &at, ranks).unwrap();
+        prop_assert!(found.is_whole && found.counts.iter().sum::<usize>() == 4, "{found:?}");
+    }
 
     #[test]
     fn tangents_are_the_derivatives_off_the_foot(path in path(), full: bool) {

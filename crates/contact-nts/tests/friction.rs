@@ -11,7 +11,8 @@ use stoss_contact::{ContactError, Enforcement};
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_reference_element::FacetKind;
-use stoss_term::{At, GradientRule, Step, Term, Unilateral, Work};
+use stoss_term::check::sharing;
+use stoss_term::{At, GradientRule, Step, StepConfiguration, Term, Unilateral, Work};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -131,6 +132,19 @@ fn coefficient(stick: bool) -> f64 {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(128))]
+
+    #[test]
+    fn contributions_are_dealt_out_among_ranks(path in path(), exact: bool, ranks in prop::sample::select(vec![1u32, 2, 3, 7])) {
+        let stick = if exact { Stick::Multiplier } else { Stick::Penalty };
+        let law: Arc<dyn FrictionLaw> = Arc::new(Coulomb::new(0.3).unwrap());
+        let mut direct = path.run(with_law(path.meshes, law, stick, path.stepping));
+        // Slots that found a facet, and one that did not.
+        let active = [true; 4];
+        let pressures = [3.0, 1.0, 2.0, 0.5];
+        let step = StepConfiguration { q_n: &path.q[1], q_np1: &path.q[2], rule: path.rule };
+        let found = sharing(&mut direct, &step.at(&pressures, &active), ranks).unwrap();
+        prop_assert!(found.is_whole && found.counts.iter().sum::<usize>() == 4, "{found:?}");
+    }
 
     #[test]
     fn tangents_are_the_derivatives(path in path(), law in 0..4_usize, enforcement in 0..3_usize, moves: bool) {
@@ -530,7 +544,7 @@ fn what_has_no_friction_says_so() {
     let q = flat([0.4, 0.3]);
     m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
-    let step = stoss_term::StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPointMean };
+    let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPointMean };
     let error = m.assemble(&step.at(&[1.0, 0.0, 0.0, 0.0], &ACTIVE), false, &mut |_| ()).unwrap_err();
     assert_eq!(error.to_string(), "contact with friction is not available with the rule EndPointMean");
 }

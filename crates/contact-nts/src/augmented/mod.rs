@@ -29,7 +29,7 @@ use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
 use stoss_contact::{ContactError, in_order, position};
 use stoss_term::{
-    At, Auxiliary, Fault, GradientRule, Hold, Local, ReferenceGap, SlotReport, Step, StepConfiguration, Term,
+    At, Auxiliary, Fault, GradientRule, Hold, Local, ReferenceGap, Share, SlotReport, Step, StepConfiguration, Term,
     Unilateral, Work,
 };
 
@@ -235,6 +235,10 @@ impl Term for CoordinateAugmented {
         self.inner.set_carriers(of);
     }
 
+    fn set_share(&mut self, share: Share) -> bool {
+        self.inner.set_share(share)
+    }
+
     fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
         self.inner.holds(visit);
     }
@@ -326,6 +330,11 @@ impl Term for CoordinateAugmented {
             };
             let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
             let element = self.element(slot, pairing);
+            contribution.nodes.extend_from_slice(element.list());
+            if !self.inner.share.has(element.list()) {
+                contribution.set_elsewhere();
+                return Ok(());
+            }
             let (multiplier, values) = self.split(values);
             let f = [values[0] / length, values[1] / length];
             let wants = want_tangent || self.options.reduction == Reduction::Second;
@@ -336,7 +345,6 @@ impl Term for CoordinateAugmented {
                 _ => [0.0; 2],
             };
             equations.reduced(lambda, want_tangent, dense).ok_or_else(failed)?;
-            contribution.nodes.extend_from_slice(element.list());
             contribution.reset(want_tangent);
             let (dim, all) = (contribution.dim(), equations.dim());
             contribution.residual.copy_from_slice(&dense.residual[..dim]);

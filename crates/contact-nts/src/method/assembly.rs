@@ -7,8 +7,8 @@ use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot, Pairing, Slot};
 use stoss_contact::{Enforcement, in_order, position};
 use stoss_term::{
-    At, Auxiliary, Fault, GradientRule, Hold, Local, Rule, SlotReport, Step, StepConfiguration, Term, Unilateral, Work,
-    multipliers_of,
+    At, Auxiliary, Fault, GradientRule, Hold, Local, Rule, Share, SlotReport, Step, StepConfiguration, Term,
+    Unilateral, Work, multipliers_of,
 };
 
 /// Room for the contribution of a slot.
@@ -30,6 +30,10 @@ impl NodeToSurface {
         contribution: &mut Local,
     ) {
         contribution.nodes.push(self.node(slot));
+        if !self.share.has(&contribution.nodes) {
+            contribution.set_elsewhere();
+            return;
+        }
         contribution.reset(want_tangent);
         let (weight, dim) = (self.slot_weight(slot), contribution.dim());
         contribution.residual[3] = -weight * pressure;
@@ -71,6 +75,11 @@ impl Term for NodeToSurface {
 
     fn set_carriers<'a>(&mut self, of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {
         self.search.set_carriers(of);
+    }
+
+    fn set_share(&mut self, share: Share) -> bool {
+        self.share = share;
+        true
     }
 
     fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
@@ -203,12 +212,16 @@ impl Term for NodeToSurface {
                 return Ok(());
             };
             let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
+            contribution.nodes.extend_from_slice(element.list());
+            if !self.share.has(element.list()) {
+                contribution.set_elsewhere();
+                return Ok(());
+            }
             let end = self.gap(slot, pairing.end, step.q_np1)?;
             let of = PairedSlot { slot, element: &element, pairing, end: &end, step };
             self.gradient(of, want_tangent, gradient)?;
             let (n, weight) = (3 * element.count, self.slot_weight(slot));
             let pressure = pressures[slot];
-            contribution.nodes.extend_from_slice(element.list());
             contribution.reset(want_tangent);
             for (r, g) in contribution.residual.iter_mut().zip(&gradient.values[..n]) {
                 *r = -weight * pressure * g;
