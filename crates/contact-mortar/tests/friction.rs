@@ -3,7 +3,7 @@
 use crate::sheets;
 
 use crate::sheets::{
-    NODES, SLAVE, Surface, assemble, factors, method, moved, options, pressures, resultants, surfaces, warp,
+    NODES, SLAVE, Surface, assemble, base, factors, method, moved, options, pressures, resultants, surfaces, warp,
 };
 use nalgebra::{Rotation3, Unit, Vector3};
 use proptest::prelude::*;
@@ -17,6 +17,7 @@ use stoss_contact_mortar::{
     FaceBlock, Faces, Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure,
     TriangleRule, facet_integrals, segment_surfaces,
 };
+use stoss_term::check::sharing;
 use stoss_term::{At, Fault, GradientRule, Step, StepConfiguration, Term};
 
 const RULES: [GradientRule; 3] = [GradientRule::EndPoint, GradientRule::Midpoint, GradientRule::DiscreteGradient];
@@ -244,6 +245,23 @@ proptest! {
     }
 
     #[test]
+    fn contributions_are_dealt_out_among_ranks(
+        surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), rule in 0usize..3, exact: bool,
+        ranks in prop::sample::select(vec![1u32, 2, 3, 7]),
+    ) {
+        let stick = if exact { Stick::Multiplier } else { Stick::Penalty };
+        let rule = RULES[rule];
+        let mut method = with_stick(surfaces, coulomb(0.3), stick, MidpointFriction::B, true, measure(0, rule));
+        let (q_n, active) = (moved(&d), set(&p));
+        go(&mut method, rule, &base(), &q_n, &p);
+        let q = plus(&q_n, 0.3, &e);
+        begin(&mut method, rule, &q_n);
+        let found = sharing(&mut method, &StepConfiguration { q_n: &q_n, q_np1: &q, rule }.at(&p, &active), ranks).unwrap();
+        let all = active.iter().filter(|active| **active).count();
+        prop_assert!(found.is_whole && found.counts.iter().sum::<usize>() == all, "{found:?}");
+    }
+
+    #[test]
     fn forces_have_no_resultant_and_the_objective_ones_no_moment(
         surfaces in surfaces(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
         kind in 0usize..4,
@@ -403,7 +421,7 @@ fn what_has_no_friction_is_refused() {
     let surfaces = [Surface::Triangles; 2];
     let refused = |error: Fault| matches!(error.cause(), Some(ContactError::FrictionUnavailable { .. }));
     let mut yang = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Yang).unwrap();
-    let q = sheets::base();
+    let q = base();
     yang.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::EndPoint, 0.1) }).unwrap();
     assert!(refused(yang.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::Midpoint, 0.1) }).unwrap_err()));
     let mut objective = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Objective).unwrap();

@@ -9,8 +9,8 @@ use crate::state::{Integrated, Need, StepState};
 use stoss_contact::{ContactError, in_order};
 use stoss_segmentation::GapRange;
 use stoss_term::{
-    At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, SlotReport, Step, StepConfiguration, Term, Unilateral,
-    Work, multipliers_of,
+    At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, Share, SlotReport, Step, StepConfiguration, Term,
+    Unilateral, Work, multipliers_of,
 };
 
 impl Term for MortarContact {
@@ -44,6 +44,11 @@ impl Term for MortarContact {
         if self.surfaces.master.carriers().is_some() {
             self.tree.forget();
         }
+    }
+
+    fn set_share(&mut self, share: Share) -> bool {
+        self.share = share;
+        true
     }
 
     fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
@@ -204,6 +209,10 @@ impl Term for MortarContact {
             out.slots.push(k as u32);
             out.nodes.clear();
             out.nodes.extend_from_slice(&slot.nodes);
+            if !self.share.has(&slot.nodes) {
+                out.set_elsewhere();
+                return Ok(());
+            }
             out.reset(want_tangent);
             let multiplier = multipliers_of(k, further, auxiliaries);
             let of_friction = self.friction_slots().get(k).filter(|slot| slot.support > 0.0);
