@@ -99,7 +99,7 @@ impl Contributions {
         for ((pair, nodes, slots), [.., first]) in self.iter().zip(&self.heads) {
             let (equations, width) = (&slot_equation[pair], slot_width[pair]);
             list.push(|out| {
-                if !share.has(*first) {
+                if !share.has(&[*first]) {
                     return;
                 }
                 numbering.node_equations(nodes, out);

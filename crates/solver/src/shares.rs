@@ -135,7 +135,7 @@ impl Shares {
     /// contact is work for all.
     pub fn of_couplings(&self) -> Share {
         if self.is_shared() {
-            Share::of(self.communicator.rank() as u32, self.communicator.size() as u32)
+            Share::new(self.communicator.size() as u32, self.communicator.rank() as u32)
         } else {
             Share::default()
         }

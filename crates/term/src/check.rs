@@ -3,7 +3,7 @@
 //! They see nothing but the trait, at one iterate: whoever calls them has begun the step, and paired what is to be paired. A deviation is a number without unit that is round-off, or as small as the
 //! truncation of a difference, if all is well.
 
-use crate::{At, Auxiliary, Fault, Local, Rule, Term};
+use crate::{At, Auxiliary, Fault, Local, Rule, Share, Term};
 
 /// Unknowns of a term: all positions, then the multipliers of its slots, then the auxiliaries that have an equation.
 #[derive(Clone, Debug, PartialEq)]
@@ -195,6 +195,59 @@ pub fn promises(
     found.moment = norm(moment) / sizes[1].max(f64::MIN_POSITIVE);
     found.asymmetry = asymmetry / largest.max(f64::MIN_POSITIVE);
     Ok(found)
+}
+
+/// How a term deals out its contributions, see [`Term::deals`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Sharing {
+    /// Contributions that each rank evaluates; empty of a term that does not deal them out.
+    pub counts: Vec<usize>,
+    /// Whether one rank alone has values of each contribution, with the bits of those of the whole term, and all ranks visit the same nodes and slots in the same order.
+    pub is_whole: bool,
+}
+
+/// Compares what `ranks` ranks evaluate at an iterate with what the whole term does.
+///
+/// # Errors
+/// Where the term cannot be evaluated.
+pub fn sharing(term: &mut dyn Term, at: &At<'_>, ranks: u32) -> Result<Sharing, Fault> {
+    term.renew(at, true)?;
+    let mut whole = Vec::new();
+    term.assemble(at, true, &mut |local| whole.push(local.clone()))?;
+    let mut found = Sharing { counts: Vec::new(), is_whole: true };
+    let mut seen = vec![0; whole.len()];
+    if !term.deals() {
+        return Ok(found);
+    }
+    for rank in 0..ranks {
+        let at = At { share: Share::new(ranks, rank), ..*at };
+        term.renew(&at, true)?;
+        let (mut k, mut count) = (0, 0);
+        term.assemble(&at, true, &mut |local| {
+            let all = whole.get(k);
+            found.is_whole &= all.is_some_and(|all| match local.is_elsewhere {
+                true => all.nodes == local.nodes && all.slots == local.slots && local.residual.is_empty(),
+                false => has_bits_of(local, all),
+            });
+            if !local.is_elsewhere {
+                count += 1;
+                seen.get_mut(k).into_iter().for_each(|seen| *seen += 1);
+            }
+            k += 1;
+        })?;
+        found.is_whole &= k == whole.len();
+        found.counts.push(count);
+    }
+    found.is_whole &= seen.iter().all(|&seen| seen == 1);
+    Ok(found)
+}
+
+fn has_bits_of(a: &Local, b: &Local) -> bool {
+    let values = |local: &Local| -> Vec<u64> {
+        let all = local.residual.iter().chain(&local.tangent).chain(&local.shift).chain([&local.violation]);
+        all.map(|value| value.to_bits()).collect()
+    };
+    (&a.nodes, &a.slots, a.auxiliaries, values(a)) == (&b.nodes, &b.slots, b.auxiliaries, values(b))
 }
 
 /// A direction with entries between -1 and 1 that look random, for a term with these numbers of nodes and slots: positions times `length`, multipliers times `traction`.

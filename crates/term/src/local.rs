@@ -38,6 +38,8 @@ pub struct Local {
     pub nodes: Vec<u32>,
     /// Constraint slots, each at most once.
     pub slots: Vec<u32>,
+    /// Whether another rank evaluates it: here it has nodes and slots, and no values. See [`crate::At::share`].
+    pub is_elsewhere: bool,
     /// Residual: minus the force, which is `dV/dq` of an energy and theory/node-to-surface#eq-residual of a contact; then `-A g` of the slots.
     pub residual: Vec<f64>,
     /// Row-major tangent; empty or stale if the tangent was not asked for.
@@ -49,8 +51,6 @@ pub struct Local {
     /// What the linear equations take in addition to `residual`, one entry a row, or empty: the difference between the
     /// branch that they are linearised on and the one that the iterate is on, or the start of multipliers that are not determined. It is no part of the norm, so that it cannot change a solution.
     pub shift: Vec<f64>,
-    /// Whether it is of another share than [`crate::At::share`]: then it has nodes and slots and no values.
-    pub is_elsewhere: bool,
 }
 
 impl Local {
@@ -65,11 +65,17 @@ impl Local {
         self.slots.clear();
         self.reset(want_tangent);
     }
+    /// Leaves the present `nodes` and `slots` without values: another rank evaluates them.
+    pub fn set_elsewhere(&mut self) {
+        self.is_elsewhere = true;
+        self.violation = 0.0;
+        [&mut self.shift, &mut self.residual, &mut self.tangent].into_iter().for_each(Vec::clear);
+    }
     /// Sizes and clears the arrays for the present `nodes` and `slots`.
     pub fn reset(&mut self, want_tangent: bool) {
         let n = self.dim();
-        self.violation = 0.0;
         self.is_elsewhere = false;
+        self.violation = 0.0;
         self.shift.clear();
         self.residual.clear();
         self.residual.resize(n, 0.0);

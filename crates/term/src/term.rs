@@ -92,8 +92,8 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// Nodes and slots of contributions that do not act and may well do so in this step; called after `begin`. A hint: the
     /// matrix gets room for them, so that no symbolic work is needed when they come.
     fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
-    /// Whether [`Self::assemble`] heeds [`At::share`]: it evaluates the contributions of that share and visits the others as [`Local::is_elsewhere`], in the same order. No by default: then every share
-    /// has all, and whoever sums up several counts one of them.
+    /// Whether [`Self::assemble`] heeds [`At::share`]: it evaluates the contributions of that share and visits the others as [`Local::is_elsewhere`], in the same order; the sum of residuals and tangents
+    /// over all ranks is that of one. Everything else stays whole: state, stencils, energies, work, history. No by default: then every share has all.
     fn deals(&self) -> bool {
         false
     }

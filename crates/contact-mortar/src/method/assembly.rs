@@ -9,8 +9,8 @@ use crate::state::{Integrated, Need, StepState};
 use stoss_contact::{ContactError, in_order};
 use stoss_segmentation::GapRange;
 use stoss_term::{
-    At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, Share, SlotReport, Step, StepConfiguration, Term,
-    Unilateral, Work, multipliers_of,
+    At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, SlotReport, Step, StepConfiguration, Term, Unilateral,
+    Work, multipliers_of,
 };
 
 impl Term for MortarContact {
@@ -46,8 +46,7 @@ impl Term for MortarContact {
         }
     }
 
-    fn set_share(&mut self, share: Share) -> bool {
-        self.share = share;
+    fn deals(&self) -> bool {
         true
     }
 
@@ -209,7 +208,7 @@ impl Term for MortarContact {
             out.slots.push(k as u32);
             out.nodes.clear();
             out.nodes.extend_from_slice(&slot.nodes);
-            if !self.share.has(&slot.nodes) {
+            if !at.share.has(&slot.nodes) {
                 out.set_elsewhere();
                 return Ok(());
             }

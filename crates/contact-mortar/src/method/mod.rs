@@ -29,7 +29,7 @@ use std::collections::HashMap;
 use stoss_contact::{ContactError, ContactSurface, SurfaceTree};
 use stoss_reference_element::FacePiece;
 use stoss_segmentation::FacetSegmentation;
-use stoss_term::{GradientRule, ReferenceGap, Share, Step, Support};
+use stoss_term::{GradientRule, ReferenceGap, Step, Support};
 
 /// Penetration at which points take no part any more, in lengths of slave facets, where a surface has sharp edges or both sides of its body: beyond that other sides
 /// are.
@@ -66,7 +66,6 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 #[derive(Clone, Debug)]
 pub struct MortarContact {
     name: String,
-    share: Share,
     pub(crate) surfaces: Surfaces,
     /// Over the master.
     tree: SurfaceTree,
@@ -127,7 +126,6 @@ impl MortarContact {
             reference_gap: ReferenceGap::default(),
             closed_steps,
             name: name.to_owned(),
-            share: Share::default(),
             tree: SurfaceTree::new(&master, reference)?,
             surfaces: Surfaces {
                 slave,

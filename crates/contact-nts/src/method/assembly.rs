@@ -26,11 +26,11 @@ impl NodeToSurface {
         slot: usize,
         pressure: f64,
         auxiliaries: &[f64],
-        want_tangent: bool,
+        (share, want_tangent): (Share, bool),
         contribution: &mut Local,
     ) {
         contribution.nodes.push(self.node(slot));
-        if !self.share.has(&contribution.nodes) {
+        if !share.has(&contribution.nodes) {
             contribution.set_elsewhere();
             return;
         }
@@ -77,8 +77,7 @@ impl Term for NodeToSurface {
         self.search.set_carriers(of);
     }
 
-    fn set_share(&mut self, share: Share) -> bool {
-        self.share = share;
+    fn deals(&self) -> bool {
         true
     }
 
@@ -208,12 +207,12 @@ impl Term for NodeToSurface {
             contribution.nodes.clear();
             let multiplier = multipliers_of(slot, further, auxiliaries);
             let Some(pairing) = self.slots[slot].pairing else {
-                self.without_partner(slot, pressures[slot], &multiplier, want_tangent, contribution);
+                self.without_partner(slot, pressures[slot], &multiplier, (at.share, want_tangent), contribution);
                 return Ok(());
             };
             let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
             contribution.nodes.extend_from_slice(element.list());
-            if !self.share.has(element.list()) {
+            if !at.share.has(element.list()) {
                 contribution.set_elsewhere();
                 return Ok(());
             }
