@@ -1,6 +1,7 @@
 //! `stoss run`: one scene into one folder, with progress for people or events for programs.
 
 use crate::progress::Progress;
+use crate::ranks::{self, Launched};
 use crate::terminal::{say, tell_line};
 use crate::{WRONG, diagnose, diagnostics, interrupt, page};
 use clap::Args;
@@ -29,7 +30,7 @@ pub struct Job {
     /// Set a parameter of the scene to another value; may be given several times.
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     set: Vec<(String, String)>,
-    /// Threads for element loops; the results do not depend on it [default: all cores].
+    /// Threads for element loops; the results do not depend on it [default: all cores; one for each of several processes that `mpirun` has started].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Stop after the first step that reaches this time, before the scene's end.
@@ -105,17 +106,55 @@ impl Listener {
     }
 }
 
-/// Runs the scene.
-pub fn run(job: Job) -> ExitCode {
-    if let Some(threads) = job.threads
+/// Runs the scene, on all ranks that were started together.
+pub fn run(job: Job, launched: Launched) -> ExitCode {
+    let ranks = match launched.ranks() {
+        Ok(ranks) => ranks,
+        Err(_) if !launched.is_first() => return ranks::SILENT,
+        Err(error) => {
+            say!("error: {error}");
+            return ExitCode::from(2);
+        }
+    };
+    // Ranks have a core each.
+    let threads = job.threads.or((ranks.count() > 1).then_some(1));
+    if let Some(threads) = threads
         && let Err(error) = stoss::run::set_threads(usize::from(threads))
     {
-        say!("error: {error}");
-        return ExitCode::from(1);
+        if ranks.is_first() {
+            say!("error: {error}");
+        }
+        return ranks::end(1);
     }
-    let out = job.out.clone().unwrap_or_else(|| default_folder(&job.scene));
-    let quiet = job.quiet || job.json;
     let stop = Arc::new(AtomicBool::new(false));
+    let options = RunOptions {
+        out: job.out.clone().unwrap_or_else(|| default_folder(&job.scene)),
+        until: job.until,
+        resume: job.resume,
+        systems: job.systems,
+        overwrite: if job.force { Overwrite::Any } else { Overwrite::Own },
+        set: job.set.clone(),
+        ranks: ranks.clone(),
+        stop,
+        ..RunOptions::default()
+    };
+    ranks::end(if ranks.is_first() { lead(&job, &options) } else { follow(&job, &options) })
+}
+
+/// Runs the scene beside the rank that writes and speaks.
+fn follow(job: &Job, options: &RunOptions) -> u8 {
+    // What it cannot catch the first rank tells.
+    let _ = interrupt::watch(&options.stop, || {});
+    match stoss::run::run_scene(&job.scene, options, &mut |_| {}) {
+        Ok(summary) => code_of(&summary),
+        Err(error) => code_of_error(&error),
+    }
+}
+
+/// Runs the scene, with its folder, progress and messages.
+fn lead(job: &Job, options: &RunOptions) -> u8 {
+    let out = &options.out;
+    let quiet = job.quiet || job.json;
     let listener = Arc::new(Mutex::new(Listener { progress: Progress::new(quiet), json: job.json, diagnosis: None }));
     let raised = {
         let listener = Arc::clone(&listener);
@@ -128,20 +167,10 @@ pub fn run(job: Job) -> ExitCode {
             }
         }
     };
-    if let Err(error) = interrupt::watch(&stop, raised) {
+    if let Err(error) = interrupt::watch(&options.stop, raised) {
         say!("warning: Ctrl-C will end the run at once, without a checkpoint: {error}");
     }
-    let options = RunOptions {
-        out: out.clone(),
-        until: job.until,
-        resume: job.resume,
-        systems: job.systems,
-        overwrite: if job.force { Overwrite::Any } else { Overwrite::Own },
-        set: job.set.clone(),
-        stop,
-        ..RunOptions::default()
-    };
-    let result = stoss::run::run_scene(&job.scene, &options, &mut |event| {
+    let result = stoss::run::run_scene(&job.scene, options, &mut |event| {
         if let Ok(mut listener) = listener.lock() {
             listener.show(&event);
         }
@@ -152,8 +181,8 @@ pub fn run(job: Job) -> ExitCode {
         listener.progress.abandon();
         // A page is no part of the results: without it the run is as good.
         let began = Instant::now();
-        let page = page::write(&[&out]);
-        let told = Summary::add_page_seconds(&out, began.elapsed().as_secs_f64());
+        let page = page::write(&[out]);
+        let told = Summary::add_page_seconds(out, began.elapsed().as_secs_f64());
         told.unwrap_or_else(|error| say!("warning: {error}"));
         match page {
             Ok(page) if !quiet => say!("page: {}", page.display()),
@@ -162,7 +191,7 @@ pub fn run(job: Job) -> ExitCode {
         }
     }
     let diagnosis = listener.diagnosis.take();
-    let page = diagnosis.as_ref().and_then(|_| diagnose::page(&out));
+    let page = diagnosis.as_ref().and_then(|_| diagnose::page(out));
     let tell_diagnosis = || {
         if let Some(diagnosis) = diagnosis.as_ref().filter(|_| !quiet) {
             say!("{diagnosis}");
@@ -172,7 +201,7 @@ pub fn run(job: Job) -> ExitCode {
     match result {
         Ok(summary) => {
             let code = code_of(&summary);
-            listener.finish(&summary, &out, code);
+            listener.finish(&summary, out, code);
             if quiet && summary.is_fault() {
                 say!("{}: {}", summary.outcome.judged(summary.time), summary.verdict);
             }
@@ -180,16 +209,12 @@ pub fn run(job: Job) -> ExitCode {
             if let Outcome::Interrupted { last_step, last_time } = summary.outcome {
                 let time = digits(last_time);
                 say!("interrupted after step {last_step} at t = {time}; the checkpoint is in {}", out.display());
-                say!("continue with: {}", resume_command(&job, &out));
+                say!("continue with: {}", resume_command(job, out));
             }
-            ExitCode::from(code)
+            code
         }
         Err(error) => {
-            let code = match &error {
-                RunError::Scene(_) | RunError::Option(_) | RunError::Encoding { .. } => 2,
-                RunError::Simulation { .. } => 3,
-                _ => 1,
-            };
+            let code = code_of_error(&error);
             listener.fail(&error, code);
             match &error {
                 RunError::Scene(problems) => diagnostics::print(&job.scene, problems),
@@ -202,8 +227,16 @@ pub fn run(job: Job) -> ExitCode {
                 say!("verdict up to step {last_step}: {verdict}");
             }
             tell_diagnosis();
-            ExitCode::from(code)
+            code
         }
+    }
+}
+
+fn code_of_error(error: &RunError) -> u8 {
+    match error {
+        RunError::Scene(_) | RunError::Option(_) | RunError::Encoding { .. } => 2,
+        RunError::Simulation { .. } => 3,
+        _ => 1,
     }
 }
 

@@ -16,6 +16,7 @@ mod mesh;
 mod page;
 mod picture;
 mod progress;
+mod ranks;
 mod shell;
 mod sweep;
 mod table;
@@ -24,6 +25,7 @@ mod values;
 mod view;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use ranks::Launched;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use stoss::output::Outcome;
@@ -121,8 +123,21 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    match Arguments::parse().command {
-        Command::Run(job) => job::run(job),
+    let launched = Launched::here();
+    let command = match Arguments::try_parse() {
+        Ok(arguments) => arguments.command,
+        Err(_) if !launched.is_first() => return ranks::SILENT,
+        Err(error) => error.exit(),
+    };
+    match command {
+        Command::Run(job) => job::run(job, launched),
+        _ if !launched.is_first() => ranks::SILENT,
+        _ if !launched.is_alone() => {
+            say!(
+                "error: only `stoss run` is done by several processes together: start other commands without a launcher"
+            );
+            ExitCode::from(2)
+        }
         Command::Sweep(options) => sweep::sweep(options),
         Command::Report { out } => page::report(&out),
         Command::Follow(asked) => follow::follow(&asked),

@@ -1,6 +1,6 @@
 //! Which of PETSc's solvers is used, as sets of its options.
 
-use stoss_linalg::MatrixKind;
+use stoss_linalg::{AutoSolver, MatrixKind};
 
 /// How systems are solved.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -26,7 +26,7 @@ const GAMG: &str = "-ksp_norm_type unpreconditioned -ksp_max_it 200 -pc_type gam
 
 impl Method {
     /// The smallest system that is iterated on by the rule.
-    pub const MULTIGRID: usize = 3000;
+    pub const MULTIGRID: usize = AutoSolver::ITERATIVE;
 
     /// Options of the solver that factorises.
     pub(crate) fn direct(&self, kind: MatrixKind) -> String {

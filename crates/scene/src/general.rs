@@ -38,6 +38,9 @@ named! {
         Multifrontal = "multifrontal",
         /// Sparse LU or Cholesky of the library faer for systems of any size: slower, with partial pivoting over whole columns.
         Faer = "faer",
+        /// The library PETSc, on one rank or many, as `petsc` says. Only in programs that were built with it (guide/clusters). On several ranks `auto` is the same; a solver that is named is used
+        /// by each rank for the whole matrix, which gains nothing.
+        Petsc = "petsc",
     }
 }
 
@@ -310,9 +313,14 @@ pub struct Solver {
     /// the residual. If left out, `true` in dynamics and `false` in statics, where nothing adds up from step to step.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub polish: Option<bool>,
-    /// Direct solver for linear systems: `auto` if left out.
+    /// Solver for linear systems: `auto` if left out.
     #[serde(default)]
     pub linear: LinearSolver,
+    /// What PETSc does, where it solves (`linear = "petsc"`, or `auto` on several ranks): `"direct"` (factorisation by MUMPS), `"multigrid"` (iteration with smoothed aggregation; systems with
+    /// multipliers, rigid bodies or beams, and what it cannot solve, are factorised), or options as PETSc writes them, such as `"-ksp_type gmres -pc_type asm -sub_pc_type ilu"`. If left out, multigrid from
+    /// 3000 equations on where all of them are of nodes of bodies, else direct.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub petsc: Option<String>,
     /// Use of factorisations within a step: `reused` if left out.
     #[serde(default)]
     pub factors: Factors,

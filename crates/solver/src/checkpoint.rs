@@ -116,6 +116,14 @@ impl Checkpoint {
     /// [`CheckpointError::Io`], [`CheckpointError::Damaged`].
     pub fn read(path: &Path) -> Result<Self, CheckpointError> {
         let bytes = std::fs::read(path).map_err(|source| CheckpointError::Io { path: path.to_path_buf(), source })?;
+        Self::from_bytes(&bytes, path)
+    }
+
+    /// Of the bytes of a file of this name, which others have read.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Damaged`].
+    pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, CheckpointError> {
         let damaged = |reason: &str| CheckpointError::Damaged { path: path.to_path_buf(), reason: reason.into() };
         let body = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("not a checkpoint of this version"))?;
         let (sum, body) = body.split_first_chunk::<8>().ok_or_else(|| damaged("truncated"))?;

@@ -1,5 +1,6 @@
 //! Why a run or its folder of results fails.
 
+use crate::ranks::Elsewhere;
 use crate::scene::SceneErrors;
 use std::path::{Path, PathBuf};
 use stoss_solver::{SimulationError, digits};
@@ -32,8 +33,8 @@ pub enum RunError {
     #[error("{0}")]
     Option(String),
     /// Another rank of the run has an error, and this one has none; the text has its number.
-    #[error("{0}")]
-    Elsewhere(String),
+    #[error(transparent)]
+    Elsewhere(#[from] Elsewhere),
     /// The checkpoint does not fit.
     #[error("cannot resume from {path}: {reason}", path = .path.display())]
     Resume {
@@ -65,6 +66,9 @@ pub enum RunError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
+    /// Another rank of the run cannot write, and this one does not: the text has its number.
+    #[error(transparent)]
+    Elsewhere(#[from] Elsewhere),
     /// Input or output.
     #[error("{path}: {source}", path = .path.display())]
     Io {

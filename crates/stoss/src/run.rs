@@ -98,20 +98,11 @@ pub(crate) fn read_text(path: &Path) -> Result<String, RunError> {
     })
 }
 
-/// The same, or an error on all ranks if one has one. Collective.
-pub(crate) fn agreed<T>(ranks: &Ranks, result: Result<T, RunError>) -> Result<T, RunError> {
-    let error = result.as_ref().err().map(|error| error as &dyn std::fmt::Display);
-    match ranks.elsewhere(error) {
-        Some(text) => Err(RunError::Elsewhere(text)),
-        None => result,
-    }
-}
-
 pub(crate) fn load(path: &Path, options: &RunOptions) -> Result<(Scene, Built), RunError> {
     let RunOptions { laws, set, ranks, .. } = options;
-    let text = agreed(ranks, read_text(path))?;
+    let text = ranks.agree(read_text(path))?;
     let scene = crate::scene::parse_set(&text, &path.display().to_string(), &laws.names(), set);
-    let scene = agreed(ranks, scene.map_err(RunError::Scene))?;
+    let scene = ranks.agree(scene.map_err(RunError::Scene))?;
     let mut built = build_on(&scene, scene_folder(path), laws, ranks).map_err(RunError::Scene)?;
     built.warnings.extend(left_out::warnings(&scene));
     Ok((scene, built))
@@ -246,9 +237,17 @@ pub(crate) fn report_lines(
     Ok(lines)
 }
 
+/// Whether PETSc iterates on a system of so many equations of nodes and so many others (`stoss_linalg_petsc::Method`).
+fn iterates_in_petsc(scene: &Scene, equations: usize, others: usize) -> bool {
+    others == 0
+        && match scene.solver.petsc.as_deref() {
+            None => equations >= AutoSolver::ITERATIVE,
+            Some(choice) => choice == "multigrid",
+        }
+}
+
 /// Whether systems of a run are solved by iteration: without multipliers, and with all that may be.
-fn iterates(scene: &Scene, plan: &Plan) -> [bool; 2] {
-    let choice = scene.solver.linear;
+fn iterates(choice: LinearSolver, scene: &Scene, plan: &Plan) -> [bool; 2] {
     let other = plan.free_components - plan.elastic_components;
     [0, plan.slots].map(|slots| match choice {
         LinearSolver::Auto | LinearSolver::Iterative => {
@@ -256,13 +255,22 @@ fn iterates(scene: &Scene, plan: &Plan) -> [bool; 2] {
             AutoSolver::iterates_on(prefers, plan.free_components + slots, other + slots)
         }
         LinearSolver::Multifrontal | LinearSolver::Faer => false,
+        LinearSolver::Petsc => iterates_in_petsc(scene, plan.free_components, other + slots),
     })
 }
 
 /// The linear solver of a run, in words.
-fn linear_solver(scene: &Scene, plan: &Plan) -> &'static str {
-    match (scene.solver.linear, iterates(scene, plan)) {
+fn linear_solver(choice: LinearSolver, scene: &Scene, plan: &Plan) -> &'static str {
+    match (choice, iterates(choice, scene, plan)) {
         (LinearSolver::Faer, _) => "factorisation by faer",
+        (LinearSolver::Petsc, _) if scene.solver.petsc.as_ref().is_some_and(|text| text.starts_with('-')) => {
+            "PETSc, with the options of the scene"
+        }
+        (LinearSolver::Petsc, [true, true]) => "multigrid of PETSc; what it cannot solve is factorised by MUMPS",
+        (LinearSolver::Petsc, [true, false]) => {
+            "multigrid of PETSc while no multipliers have equations; factorisation by MUMPS else"
+        }
+        (LinearSolver::Petsc, _) => "factorisation by MUMPS, through PETSc",
         (_, [true, true]) => "iteration with smoothed aggregation; what it cannot solve is factorised",
         (_, [true, false]) => {
             "iteration with smoothed aggregation while few multipliers have equations; multifrontal factorisation else"
@@ -275,9 +283,9 @@ fn linear_solver(scene: &Scene, plan: &Plan) -> &'static str {
 }
 
 /// Bytes of the linear solver, roughly.
-fn solver_memory(scene: &Scene, plan: &Plan) -> f64 {
+fn solver_memory(choice: LinearSolver, scene: &Scene, plan: &Plan) -> f64 {
     let entries = plan.matrix_entries as f64;
-    if iterates(scene, plan) == [true; 2] {
+    if iterates(choice, scene, plan) == [true; 2] {
         // Blocks in both precisions, the prolongation and its transpose, some vectors.
         return 16.0 * entries;
     }
@@ -288,6 +296,11 @@ fn solver_memory(scene: &Scene, plan: &Plan) -> f64 {
 /// What a run uses: bodies, contacts, unknowns, time stepping, memory.
 fn plan_lines(scene: &Scene, built: &Built) -> Vec<String> {
     let plan = built.simulation.plan();
+    // On several ranks it is what `auto` means.
+    let choice = match built.simulation.solver_name() {
+        "petsc" => LinearSolver::Petsc,
+        _ => scene.solver.linear,
+    };
     let mut lines = vec![format!("{}: {}", scene.file(), scene.header.title)];
     lines.extend(built.bodies.iter().map(|line| format!("  body {line}")));
     lines.extend(built.sets.iter().map(|line| format!("  set {line}")));
@@ -315,11 +328,11 @@ fn plan_lines(scene: &Scene, built: &Built) -> Vec<String> {
         used(plan.prescribed_components > 0),
         used(!scene.loads.is_empty() || scene.gravity.is_some()),
     ));
-    lines.push(format!("  linear solver: {}", linear_solver(scene, &plan)));
+    lines.push(format!("  linear solver: {}", linear_solver(choice, scene, &plan)));
     lines.push(format!(
         "  memory: {:.1} MB held, about {:.0} MB with the linear solver (estimate)",
         plan.memory_bytes as f64 / 1e6,
-        (plan.memory_bytes as f64 + solver_memory(scene, &plan)) / 1e6
+        (plan.memory_bytes as f64 + solver_memory(choice, scene, &plan)) / 1e6
     ));
     let steps = built.schedule.nominal_steps();
     if scene.stages.is_empty() {

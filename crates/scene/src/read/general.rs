@@ -223,6 +223,17 @@ pub(super) fn solver(node: &Node<'_>) -> Option<Solver> {
         table.default("inside_out", InsideOut::Refuse, |n| n.choice(InsideOut::NAMES, InsideOut::from_name));
     let linear =
         table.default("linear", LinearSolver::Auto, |n| n.choice(LinearSolver::NAMES, LinearSolver::from_name));
+    let petsc = table.optional("petsc", |n| {
+        let text = n.string()?;
+        if !(["direct", "multigrid"].contains(&text.as_str()) || text.starts_with('-')) {
+            let remedy = "write \"direct\", \"multigrid\", or options that begin with -, such as \"-ksp_type gmres -pc_type asm\"";
+            return n.fail("is neither a set of options of PETSc nor such options", remedy);
+        }
+        if linear.is_some_and(|linear| !matches!(linear, LinearSolver::Auto | LinearSolver::Petsc)) {
+            return n.fail("has no effect with another solver than PETSc", "remove it, or write linear = \"petsc\"");
+        }
+        Some(text)
+    });
     let factors = table.default("factors", Factors::Reused, |n| n.choice(Factors::NAMES, Factors::from_name));
     table.finish();
     Some(Solver {
@@ -231,6 +242,7 @@ pub(super) fn solver(node: &Node<'_>) -> Option<Solver> {
         max_iterations: max_iterations?,
         polish: polish?,
         linear: linear?,
+        petsc: petsc?,
         factors: factors?,
         inside_out: inside_out?,
     })

@@ -24,6 +24,7 @@ mod interacting;
 #[cfg(any(feature = "general", feature = "multibody"))]
 mod joined;
 mod law;
+mod linear;
 mod massless;
 mod mesh_files;
 #[cfg(any(feature = "nts", feature = "mortar"))]
@@ -78,7 +79,7 @@ pub use probe::{Probe, ProbeTarget};
 pub use schedule::Schedule;
 
 use crate::ranks::Ranks;
-use crate::scene::{Factors, InsideOut, Kind, LinearSolver as LinearChoice, Problem, Scene, SceneErrors};
+use crate::scene::{InsideOut, Kind, Problem, Scene, SceneErrors};
 use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, Stage, StepControl};
 #[cfg(feature = "output")]
 pub(crate) use body::single_rows;
@@ -92,7 +93,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::Path;
 use stoss_integrators::{SCHEMES, Scheme};
-use stoss_linalg::{AutoSolver, FaerSolver, LinearSolver, MultifrontalSolver, SolverOptions};
+use stoss_linalg::LinearSolver;
 use stoss_newton::{LineSearch, NewtonOptions};
 
 /// A scene made ready to run.
@@ -253,16 +254,22 @@ pub fn build_on(scene: &Scene, folder: &Path, laws: &OwnLaws, ranks: &Ranks) -> 
     let schedule = Schedule::new(scene, &names, &probes, &mut problems);
     let scheme = scheme(scene, &mut problems);
     general_schemes::check(scene, &placed, &mut problems, &mut warnings);
+    let solver = linear::solver(&scene.solver, ranks);
+    if let Err(error) = &solver {
+        problems.add("solver.linear".into(), scene.solver.linear, error, "see docs/guide/clusters.md");
+    }
     let list = &problems.list;
     let failed = (!list.is_empty()).then(|| list.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "));
     // A rank may be on a machine that lacks a mesh file.
     if let Some(text) = ranks.elsewhere(failed.as_ref().map(|text| text as &dyn Display)) {
-        problems.add("scene".into(), "", text, "give all machines the same files");
+        problems.add("scene".into(), "", text.to_string(), "give all machines the same files");
     }
-    if let Some(errors) = SceneErrors::new(problems.list, scene.text()) {
-        return Err(errors);
-    }
-    let mut settings = settings(scene, scheme, ranks);
+    let solver = match (SceneErrors::new(problems.list, scene.text()), solver) {
+        (Some(errors), _) => return Err(errors),
+        (None, Ok(solver)) => solver,
+        (None, Err(error)) => unreachable!("that there is no solver is a problem: {error}"),
+    };
+    let mut settings = settings(scene, scheme, solver);
     let mut first = FirstStage { later_dynamics: schedule.has_later_dynamics(), ..FirstStage::default() };
     if let Some(stage) = schedule.stage(1) {
         let Stage { step, end, automatic, newton, .. } = stage;
@@ -377,7 +384,7 @@ fn scheme(scene: &Scene, problems: &mut Problems<'_>) -> Option<Box<dyn Scheme>>
     }
 }
 
-fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>, ranks: &Ranks) -> Settings {
+fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>, linear: Box<dyn LinearSolver>) -> Settings {
     let solver = &scene.solver;
     Settings {
         control: StepControl {
@@ -397,7 +404,7 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>, ranks: &Ranks) -> Se
             InsideOut::Refuse => InsideOutRule::Refuse,
             InsideOut::Warn => InsideOutRule::Warn,
         },
-        solver: ranks.spread(linear_solver(solver.linear, solver.factors)),
+        solver: linear,
     }
 }
 
@@ -428,21 +435,6 @@ fn newton(scene: &Scene, kind: Kind) -> NewtonOptions {
 /// General contact of a scene, where it is built in.
 pub(crate) fn general_contact(scene: &Scene) -> Option<crate::scene::GeneralContact> {
     scene.general_contact().filter(|_| cfg!(feature = "general"))
-}
-
-fn linear_solver(choice: LinearChoice, factors: Factors) -> Box<dyn LinearSolver> {
-    let default = SolverOptions::default();
-    let max_nearby_iterations = match factors {
-        Factors::Reused => default.max_nearby_iterations,
-        Factors::New => 0,
-    };
-    let options = SolverOptions { max_nearby_iterations, ..default };
-    match choice {
-        LinearChoice::Auto => Box::new(AutoSolver::with_options(options)),
-        LinearChoice::Iterative => Box::new(AutoSolver::preferring_iteration(options)),
-        LinearChoice::Multifrontal => Box::new(MultifrontalSolver::with_options(options)),
-        LinearChoice::Faer => Box::new(FaerSolver::with_options(options)),
-    }
 }
 
 /// Relative residual at which Newton stops. In dynamics one more iteration follows if it still pays (`NewtonOptions::polish`), which

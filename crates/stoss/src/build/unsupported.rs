@@ -1,10 +1,22 @@
 //! Tables of the scene format that this build of the program cannot simulate.
 
-use crate::scene::{FrameFormat, Problem, Scene};
+use crate::scene::{FrameFormat, LinearSolver, Problem, Scene};
+
+/// Of a program without the feature `mpi`.
+#[cfg_attr(feature = "mpi", allow(dead_code, reason = "of a program that has it"))]
+pub(super) const NO_PETSC: &str = "this build of Stoss has no PETSc";
 
 /// The first table or key that needs a feature which is not built in.
 pub(super) fn unsupported(scene: &Scene) -> Option<Problem> {
-    multibody(scene).or_else(|| vtkhdf(scene)).or_else(|| general(scene))
+    multibody(scene).or_else(|| vtkhdf(scene)).or_else(|| general(scene)).or_else(|| petsc(scene))
+}
+
+/// The solver PETSc needs the feature `mpi`.
+fn petsc(scene: &Scene) -> Option<Problem> {
+    (scene.solver.linear == LinearSolver::Petsc && !cfg!(feature = "mpi")).then(|| {
+        let remedy = "build it with the cargo feature `mpi` (docs/guide/clusters.md), or choose linear = \"auto\"";
+        Problem::at(scene, "solver.linear", "petsc", NO_PETSC, remedy)
+    })
 }
 
 /// General contact needs the feature `general`.

@@ -16,7 +16,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use stoss_solver::{Checkpoint, DecisionKind, PhaseTime, Simulation, SimulationError, StepRecord, Table};
+use stoss_solver::{
+    Checkpoint, CheckpointError, DecisionKind, PhaseTime, Simulation, SimulationError, StepRecord, Table,
+};
 
 /// Attachment of a checkpoint that says of which scene it is.
 const IDENTITY: &str = "scene";
@@ -41,7 +43,8 @@ struct Memo {
     means: Means,
 }
 
-/// An open folder of results.
+/// An open folder of results. Of several ranks all have one and call the same methods in the same order, for what is written is made of what each of them has; the first one writes. An error of one is
+/// returned on all.
 #[derive(Debug)]
 pub struct ResultFolder {
     path: PathBuf,
@@ -52,8 +55,10 @@ pub struct ResultFolder {
     watched: CsvTable,
     started: Instant,
     cpu: cpu_time::ProcessTime,
-    /// None once another run may have the folder.
+    /// None once another run may have the folder, and on ranks that do not write.
     lock: Option<FolderLock>,
+    /// What could not be written, until the other ranks know of it.
+    unwritten: Option<OutputError>,
 }
 
 impl ResultFolder {
@@ -68,8 +73,7 @@ impl ResultFolder {
         settings: FolderSettings,
         simulation: &mut Simulation,
     ) -> Result<Self, OutputError> {
-        let lock = FolderLock::take(path)?;
-        earlier::remove(path, overwrite)?;
+        let ranks = settings.ranks.clone();
         let memo = Memo {
             lengths: BTreeMap::new(),
             frames: frames::Log::new(settings.format),
@@ -81,11 +85,21 @@ impl ResultFolder {
             friction_work: vec![0.0; simulation.model().contacts.len()],
             means: Means::default(),
         };
-        let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
-        let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
-        folder.memo.frames.remove_others(path)?;
-        folder.watch.write_file(path)?;
-        folder.settings.description.write(path)?;
+        let watch = watch_of(&settings, simulation)?;
+        let opened = || {
+            if !ranks.is_first() {
+                return Self::open(path, settings, simulation, memo, watch, None, |_, _| Ok(CsvTable::nowhere()));
+            }
+            let lock = FolderLock::take(path)?;
+            earlier::remove(path, overwrite)?;
+            let open = |name: &str, header: &str| CsvTable::create(&path.join(name), header);
+            let folder = Self::open(path, settings, simulation, memo, watch, Some(lock), open)?;
+            folder.memo.frames.remove_others(path)?;
+            folder.watch.write_file(path)?;
+            folder.settings.description.write(path)?;
+            Ok(folder)
+        };
+        let mut folder: Self = ranks.agree(opened())?;
         let record = simulation.initial_record();
         folder.write(simulation, &record)?;
         // A run that is killed before its first regular checkpoint can be resumed from the start.
@@ -100,12 +114,9 @@ impl ResultFolder {
     /// [`OutputError`]; the checkpoint's own error if it is missing, damaged or of another scene.
     pub fn resume(path: &Path, settings: FolderSettings, simulation: &mut Simulation) -> Result<Self, RunError> {
         let file = path.join("checkpoint");
-        if !file.is_file() {
-            let reason = "there is no checkpoint in this folder: name the folder of an earlier run with --out, or run without --resume";
-            return Err(RunError::Resume { path: file, reason: reason.into() });
-        }
-        let lock = FolderLock::take(path)?;
-        let checkpoint = Checkpoint::read(&file).map_err(OutputError::from)?;
+        let ranks = settings.ranks.clone();
+        let (lock, bytes) = ranks.agree(if ranks.is_first() { read(path, &file) } else { Ok((None, Vec::new())) })?;
+        let checkpoint = Checkpoint::from_bytes(&ranks.of_first(bytes), &file).map_err(OutputError::from)?;
         let before = checkpoint.attachments.get(IDENTITY).and_then(|bytes| serde_json::from_slice(bytes).ok());
         let changes = before.map(|before: SceneIdentity| settings.identity.changes(&before)).unwrap_or_default();
         if !changes.is_empty() {
@@ -131,27 +142,35 @@ impl ResultFolder {
         let bytes = attachments.get("folder").ok_or_else(|| damaged("it was not written by this program".into()))?;
         let memo: Memo = serde_json::from_slice(bytes).map_err(|e| damaged(e.to_string()))?;
         memo.frames.keep_format(settings.format).map_err(|reason| RunError::Resume { path: file.clone(), reason })?;
-        let lengths = memo.lengths.clone();
-        let table_of_probes = path.join(PROBES);
-        let open = |name: &str, header: &str| match lengths.get(name) {
-            Some(&length) if name == PROBES => CsvTable::resume_as(&table_of_probes, length, header),
-            Some(&length) => CsvTable::resume(&path.join(name), length),
-            None if name == PROBES => CsvTable::create(&table_of_probes, header),
-            None => Err(damaged(format!("{name} is not in it"))),
-        };
-        let mut folder = Self::open(path, settings, simulation, memo, lock, open)?;
-        if !folder.tables.has_probes() && folder.memo.lengths.remove(PROBES).is_some() {
-            std::fs::remove_file(&table_of_probes).map_err(OutputError::io(&table_of_probes))?;
-        }
+        let mut watch = watch_of(&settings, simulation)?;
         let [judged, positions] = ["watch", "watch-positions"].map(|name| attachments.get(name).map(Vec::as_slice));
         let (judged, positions) = (judged.unwrap_or_default(), positions.unwrap_or_default());
-        folder.watch.load(judged, positions, &simulation.state().q).map_err(damaged)?;
-        folder.memo.frames.check(path)?;
-        folder.memo.frames.remove_others(path)?;
-        folder.settings.description.write(path)?;
-        folder.memo.frames.write_collection(path)?;
-        // The tables may have been written again, with other columns.
-        folder.flush()?;
+        watch.load(judged, positions, &simulation.state().q).map_err(damaged)?;
+        let opened = || {
+            if !ranks.is_first() {
+                return Self::open(path, settings, simulation, memo, watch, None, |_, _| Ok(CsvTable::nowhere()));
+            }
+            let lengths = memo.lengths.clone();
+            let table_of_probes = path.join(PROBES);
+            let open = |name: &str, header: &str| match lengths.get(name) {
+                Some(&length) if name == PROBES => CsvTable::resume_as(&table_of_probes, length, header),
+                Some(&length) => CsvTable::resume(&path.join(name), length),
+                None if name == PROBES => CsvTable::create(&table_of_probes, header),
+                None => Err(damaged(format!("{name} is not in it"))),
+            };
+            let mut folder = Self::open(path, settings, simulation, memo, watch, lock, open)?;
+            if !folder.tables.has_probes() && folder.memo.lengths.remove(PROBES).is_some() {
+                std::fs::remove_file(&table_of_probes).map_err(OutputError::io(&table_of_probes))?;
+            }
+            folder.memo.frames.check(path)?;
+            folder.memo.frames.remove_others(path)?;
+            folder.settings.description.write(path)?;
+            folder.memo.frames.write_collection(path)?;
+            // The tables may have been written again, with other columns.
+            folder.flush()?;
+            Ok(folder)
+        };
+        let mut folder: Self = ranks.agree(opened())?;
         folder.checkpoint(simulation)?;
         Ok(folder)
     }
@@ -161,28 +180,35 @@ impl ResultFolder {
         settings: FolderSettings,
         simulation: &Simulation,
         memo: Memo,
-        lock: FolderLock,
+        watch: RunWatch,
+        lock: Option<FolderLock>,
         open: impl Fn(&str, &str) -> Result<CsvTable, OutputError>,
     ) -> Result<Self, OutputError> {
         Ok(Self {
             tables: Tables::open(&settings, simulation, &open)?,
-            watch: RunWatch::new(
-                simulation,
-                &settings.watch,
-                settings.contact_bodies.clone(),
-                &settings.contacts,
-                settings.promises.clone(),
-                (&settings.drawing, &settings.parts),
-                settings.left_out.clone(),
-            )?,
+            watch,
             watched: open(watch::TABLE, watch::COLUMNS)?,
             path: path.to_path_buf(),
             settings,
             memo,
             started: Instant::now(),
             cpu: cpu_time::ProcessTime::now(),
-            lock: Some(lock),
+            lock,
+            unwritten: None,
         })
+    }
+
+    /// Writes something if this is the rank that writes and nothing has failed before. The other ranks go on meanwhile, and so does this one: [`Self::agree`] tells all of a failure.
+    fn put(&mut self, write: impl FnOnce(&mut Self) -> Result<(), OutputError>) {
+        if self.settings.ranks.is_first() && self.unwritten.is_none() {
+            self.unwritten = write(self).err();
+        }
+    }
+
+    /// What could not be written, on all ranks.
+    fn agree(&mut self) -> Result<(), OutputError> {
+        let written = self.unwritten.take().map_or(Ok(()), Err);
+        self.settings.ranks.agree(written)
     }
 
     /// Writes a completed step: its rows, a frame and a checkpoint if they are due.
@@ -198,9 +224,9 @@ impl ResultFolder {
             }
             let is_due = self.memo.frames.is_due(&self.settings.frames, record.step, record.time, record.dt)
                 || simulation.finished();
-            self.write_rows(simulation, record, is_due)?;
+            self.write_rows(simulation, record, is_due);
             if is_due {
-                self.write_frame(simulation)?;
+                self.write_frame(simulation);
                 self.memo.means.clear();
             }
             Ok(())
@@ -210,14 +236,14 @@ impl ResultFolder {
         if record.step > 0
             && (record.step.is_multiple_of(self.settings.checkpoint_every.max(1)) || simulation.finished())
         {
-            self.checkpoint(simulation)?;
+            self.write_checkpoint(simulation);
         }
-        Ok(())
+        self.agree()
     }
 
-    fn write_rows(&mut self, simulation: &Simulation, record: &StepRecord, has_frame: bool) -> Result<(), OutputError> {
+    fn write_rows(&mut self, simulation: &Simulation, record: &StepRecord, has_frame: bool) {
         let Memo { friction_work, means, .. } = &mut self.memo;
-        self.tables.write(&self.settings, simulation, record, friction_work, means, has_frame)?;
+        self.tables.write(&self.settings, simulation, record, friction_work, means, has_frame);
         let b = &record.balance;
         // What one scheme loses is no drift of the next.
         let promised = |stage: u32| self.settings.promises.get(stage as usize - 1);
@@ -229,7 +255,7 @@ impl ResultFolder {
         self.memo.iterations += u64::from(record.iterations);
         self.memo.max_iterations = self.memo.max_iterations.max(u64::from(record.iterations));
         self.memo.max_equations = self.memo.max_equations.max(simulation.equations() as u64);
-        self.flush()
+        self.put(Self::flush);
     }
 
     fn flush(&mut self) -> Result<(), OutputError> {
@@ -238,9 +264,13 @@ impl ResultFolder {
         Ok(())
     }
 
-    fn write_frame(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
+    fn write_frame(&mut self, simulation: &Simulation) {
         let Memo { frames, means, .. } = &mut self.memo;
-        frames.write(&self.path, simulation, means, self.settings.fields.as_deref(), &self.settings.drawing)
+        let folder = (self.settings.ranks.is_first() && self.unwritten.is_none()).then_some(&*self.path);
+        let fields = self.settings.fields.as_deref();
+        // Computed by all ranks, and only then written.
+        let written = frames.write(folder, simulation, means, fields, &self.settings.drawing);
+        self.unwritten = self.unwritten.take().or(written.err());
     }
 
     /// Whether the watch has found that the run is wrong, in a run that is to stop then.
@@ -264,11 +294,11 @@ impl ResultFolder {
     /// # Errors
     /// [`OutputError`].
     pub fn close(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
-        self.checkpoint(simulation)?;
+        self.write_checkpoint(simulation);
         if !self.memo.frames.has(simulation.step()) {
-            self.write_frame(simulation)?;
+            self.write_frame(simulation);
         }
-        Ok(())
+        self.agree()
     }
 
     /// Lets other runs have the folder; nothing is to be written after it.
@@ -281,6 +311,21 @@ impl ResultFolder {
     /// # Errors
     /// [`OutputError`].
     pub fn checkpoint(&mut self, simulation: &Simulation) -> Result<(), OutputError> {
+        self.write_checkpoint(simulation);
+        self.agree()
+    }
+
+    fn write_checkpoint(&mut self, simulation: &Simulation) {
+        // States of elements are with all ranks.
+        let mut checkpoint = simulation.checkpoint(&self.settings.identity.hash(), BTreeMap::new());
+        self.put(|folder| {
+            checkpoint.attachments = folder.attachments(simulation)?;
+            Ok(checkpoint.write(&folder.path.join("checkpoint"))?)
+        });
+    }
+
+    /// What a checkpoint has beside the state of the simulation.
+    fn attachments(&self, simulation: &Simulation) -> Result<BTreeMap<String, Vec<u8>>, OutputError> {
         let unwritable = |e: serde_json::Error| OutputError::Damaged { path: self.path.clone(), reason: e.to_string() };
         let memo = serde_json::to_vec(&self.memo).map_err(unwritable)?;
         let identity = serde_json::to_vec(&self.settings.identity).map_err(unwritable)?;
@@ -290,15 +335,14 @@ impl ResultFolder {
             attachments.insert(STEERED.to_owned(), serde_json::to_vec(&steered).map_err(unwritable)?);
         }
         attachments.extend(self.watch.save(simulation.step()).map_err(unwritable)?);
-        simulation.checkpoint(&self.settings.identity.hash(), attachments).write(&self.path.join("checkpoint"))?;
-        Ok(())
+        Ok(attachments)
     }
 
     /// Writes `summary.json` and returns it.
     ///
     /// # Errors
     /// [`OutputError`].
-    pub fn summarise(&self, simulation: &Simulation, outcome: Outcome) -> Result<Summary, OutputError> {
+    pub fn summarise(&mut self, simulation: &Simulation, outcome: Outcome) -> Result<Summary, OutputError> {
         let plan = simulation.plan();
         let steps = simulation.step();
         let counts = simulation.solver_statistics();
@@ -365,9 +409,35 @@ impl ResultFolder {
             page_seconds: None,
             outcome,
         };
-        summary.write(&self.path)?;
+        self.put(|folder| summary.write(&folder.path));
+        self.agree()?;
         Ok(summary)
     }
+}
+
+/// The watch on the run of a folder.
+fn watch_of(settings: &FolderSettings, simulation: &Simulation) -> Result<RunWatch, OutputError> {
+    RunWatch::new(
+        simulation,
+        &settings.watch,
+        settings.contact_bodies.clone(),
+        &settings.contacts,
+        settings.promises.clone(),
+        (&settings.drawing, &settings.parts),
+        settings.left_out.clone(),
+    )
+}
+
+/// The lock of a folder and the bytes of its checkpoint.
+fn read(folder: &Path, file: &Path) -> Result<(Option<FolderLock>, Vec<u8>), RunError> {
+    if !file.is_file() {
+        let reason = "there is no checkpoint in this folder: name the folder of an earlier run with --out, or run without --resume";
+        return Err(RunError::Resume { path: file.to_path_buf(), reason: reason.into() });
+    }
+    let lock = FolderLock::take(folder)?;
+    let unreadable = |source| CheckpointError::Io { path: file.to_path_buf(), source };
+    let bytes = std::fs::read(file).map_err(unreadable).map_err(OutputError::from)?;
+    Ok((Some(lock), bytes))
 }
 
 /// Largest resident set of this process, where `/proc` tells.

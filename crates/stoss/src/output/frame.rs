@@ -10,7 +10,7 @@ use crate::scene::Field as SceneField;
 use std::path::Path;
 use stoss_fe_solid::{NodalSums, SolidBody, SolidError};
 use stoss_mesh::Elements;
-use stoss_mesh_io::{Field, MeshIoError, PvdWriter, VtuFrame, write_vtu};
+use stoss_mesh_io::{Field, PvdWriter, VtuFrame, write_vtu};
 use stoss_reference_element::FaceNodes;
 use stoss_solver::{Model, Simulation, StepError};
 
@@ -228,15 +228,11 @@ impl SolidFields {
     }
 }
 
-/// Writes one frame as a VTU file (atomically).
-pub(super) fn write(
-    path: &Path,
-    simulation: &Simulation,
-    means: &Means,
-    fields: Option<&[SceneField]>,
-    drawing: &Drawing,
-) -> Result<(), OutputError> {
-    with(simulation, means, fields, drawing, |frame| write_vtu(path, frame))
+/// Writes one frame as a VTU file (atomically), into a folder that is made if it does not exist.
+pub(super) fn store(path: &Path, frame: &VtuFrame) -> Result<(), OutputError> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(OutputError::io(folder))?;
+    Ok(write_vtu(path, frame)?)
 }
 
 /// Makes a frame and hands it to `store`.
@@ -245,7 +241,7 @@ pub(super) fn with(
     means: &Means,
     fields: Option<&[SceneField]>,
     drawing: &Drawing,
-    store: impl FnOnce(&VtuFrame) -> Result<(), MeshIoError>,
+    store: impl FnOnce(&VtuFrame) -> Result<(), OutputError>,
 ) -> Result<(), OutputError> {
     let model = simulation.model();
     let state = simulation.state();
@@ -315,7 +311,7 @@ pub(super) fn with(
         field_data: Vec::new(),
         time: Some(state.time),
     };
-    Ok(store(&frame)?)
+    store(&frame)
 }
 
 /// File name of the frame of a step.

@@ -56,26 +56,31 @@ impl Log {
         self.written.last().is_some_and(|&(_, last)| last == step)
     }
 
-    /// Writes the frame of the present state, and the collection with it.
+    /// Makes the frame of the present state and, in `folder`, writes it and the collection with it. All ranks call it, and give no folder if they do not write.
     pub fn write(
         &mut self,
-        folder: &Path,
+        folder: Option<&Path>,
         simulation: &Simulation,
         means: &Means,
         fields: Option<&[Field]>,
         drawing: &Drawing,
     ) -> Result<(), OutputError> {
         let step = simulation.step();
+        let Some(folder) = folder else {
+            frame::with(simulation, means, fields, drawing, |_| Ok(()))?;
+            self.written.push((simulation.state().time, step));
+            return Ok(());
+        };
         match self.format {
             FrameFormat::Vtu => {
-                let files = folder.join("frames");
-                std::fs::create_dir_all(&files).map_err(OutputError::io(&files))?;
-                frame::write(&files.join(frame::name(step)), simulation, means, fields, drawing)?;
+                let file = folder.join("frames").join(frame::name(step));
+                // With all ranks, thus before anything that may fail on this one.
+                frame::with(simulation, means, fields, drawing, |frame| frame::store(&file, frame))?;
             }
             FrameFormat::Vtkhdf => {
                 let file = folder.join(ALL);
                 let store = if self.written.is_empty() { hdf::create } else { hdf::append };
-                frame::with(simulation, means, fields, drawing, |frame| store(&file, frame, step))?;
+                frame::with(simulation, means, fields, drawing, |frame| Ok(store(&file, frame, step)?))?;
             }
         }
         self.written.push((simulation.state().time, step));

@@ -170,10 +170,7 @@ impl Tables {
         self.probes.is_some()
     }
 
-    /// Writes the rows of a completed step. `friction_work` is the frictional work so far of each contact of the model, to which that of the step is added; `means` has what general contact did since the last frame, this step included.
-    ///
-    /// # Errors
-    /// [`OutputError`].
+    /// Adds the rows of a completed step. `friction_work` is the frictional work so far of each contact of the model, to which that of the step is added; `means` has what general contact did since the last frame, this step included. All ranks call it: probes are made of what each of them has.
     pub fn write(
         &mut self,
         settings: &FolderSettings,
@@ -182,7 +179,7 @@ impl Tables {
         friction_work: &mut [f64],
         means: &Means,
         has_frame: bool,
-    ) -> Result<(), OutputError> {
+    ) {
         let b = &record.balance;
         let extent = settings.extent;
         self.balance
@@ -214,14 +211,14 @@ impl Tables {
         if settings.schedule.is_stabilised() {
             self.balance.per(extent, &[b.stabilisation]);
         }
-        self.balance.end_row()?;
+        self.balance.end_row();
         if record.step > 0 {
             let (terms, table) = &mut self.terms;
             table.integer(record.step).number(record.time);
             terms.values(&record.books).for_each(|value| {
                 table.number(value / extent);
             });
-            table.end_row()?;
+            table.end_row();
         }
         for row in &record.newton {
             self.newton
@@ -231,14 +228,14 @@ impl Tables {
                 .numbers(&[row.residual, row.increment])
                 .integer(row.active as u64)
                 .integer(row.changes as u64)
-                .end_row()?;
+                .end_row();
         }
         if let Some(table) = &mut self.probes {
             table.integer(record.step).number(record.time);
             for probe in &settings.probes {
                 table.numbers(&probe.values(simulation));
             }
-            table.end_row()?;
+            table.end_row();
         }
         if let (Some(table), Some(c)) = (&mut self.contact, &record.contact) {
             table.integer(record.step).number(record.time);
@@ -259,7 +256,7 @@ impl Tables {
                     table.per(extent, &[*work]);
                 }
             }
-            table.end_row()?;
+            table.end_row();
         }
         if let (Some(table), Some(c)) = (&mut self.bodies, &record.contact) {
             for (bodies, mean) in means.pairs() {
@@ -274,7 +271,7 @@ impl Tables {
                 }
                 table.integer(pair.active as u64).numbers(&[pair.distance, pair.pressure, pair.area]);
                 table.numbers(&pair.force).numbers(&pair.moment).number(pair.friction_work).numbers(&mean);
-                table.end_row()?;
+                table.end_row();
             }
         }
         if let Some(table) = &mut self.joints {
@@ -303,9 +300,8 @@ impl Tables {
                     }
                 }
             }
-            table.end_row()?;
+            table.end_row();
         }
-        Ok(())
     }
 
     /// Writes what is buffered, and notes the length of each table in bytes under its name.

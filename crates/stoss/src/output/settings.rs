@@ -2,6 +2,7 @@
 
 use super::identity::SceneIdentity;
 use crate::build::{ContactPlan, JointPlace, Probe};
+use crate::ranks::Ranks;
 use crate::scene::{Field, FrameFormat, Frames, Watch as WatchTable};
 use stoss_watch::{Finding, Promises};
 
@@ -10,6 +11,8 @@ use stoss_watch::{Finding, Promises};
 pub struct FolderSettings {
     /// The joints.
     pub joints: Vec<JointPlace>,
+    /// The ranks of the run, of which the first one writes; all of them call the same methods of a folder in the same order.
+    pub ranks: Ranks,
     /// Stages of the run.
     pub schedule: crate::build::Schedule,
     /// What frames show beside the solids.

@@ -18,6 +18,6 @@ pub(crate) fn write_start(
     if let Some(contact) = &simulation.initial_record().contact {
         means.add(contact, 0.0, simulation.is_static());
     }
-    frames::Log::new(FrameFormat::Vtu).write(folder, simulation, &means, Some(fields), drawing)?;
+    frames::Log::new(FrameFormat::Vtu).write(Some(folder), simulation, &means, Some(fields), drawing)?;
     description.write(folder)
 }

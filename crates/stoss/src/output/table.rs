@@ -2,15 +2,18 @@
 
 use super::OutputError;
 use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// An open table. Numbers are written with the fewest digits that read back to the same bits.
 #[derive(Debug)]
 pub(crate) struct CsvTable {
     path: PathBuf,
-    file: BufWriter<File>,
+    /// None of a rank that does not write.
+    file: Option<File>,
     length: u64,
+    /// Rows that are not in the file yet.
+    rows: String,
     line: String,
 }
 
@@ -18,11 +21,16 @@ impl CsvTable {
     /// Creates the file with its header line.
     pub fn create(path: &Path, header: &str) -> Result<Self, OutputError> {
         let file = File::create(path).map_err(OutputError::io(path))?;
-        let mut table = Self { path: path.to_path_buf(), file: BufWriter::new(file), length: 0, line: String::new() };
+        let mut table = Self { path: path.to_path_buf(), file: Some(file), ..Self::nowhere() };
         table.line.push_str(header);
-        table.end_row()?;
+        table.end_row();
         table.flush()?;
         Ok(table)
+    }
+
+    /// A table without a file, which forgets its rows.
+    pub fn nowhere() -> Self {
+        Self { path: PathBuf::new(), file: None, length: 0, rows: String::new(), line: String::new() }
     }
 
     /// Opens the file and cuts it back to `length` bytes.
@@ -37,7 +45,7 @@ impl CsvTable {
         }
         file.set_len(length).map_err(OutputError::io(path))?;
         file.seek(SeekFrom::End(0)).map_err(OutputError::io(path))?;
-        Ok(Self { path: path.to_path_buf(), file: BufWriter::new(file), length, line: String::new() })
+        Ok(Self { path: path.to_path_buf(), file: Some(file), length, ..Self::nowhere() })
     }
 
     /// As [`Self::resume`], and gives the table other columns if its own differ from `header`: those of the same name keep their
@@ -58,7 +66,7 @@ impl CsvTable {
             let cells: Vec<&str> = line.split(',').collect();
             let kept: Vec<&str> = places.iter().map(|k| k.and_then(|k| cells.get(k).copied()).unwrap_or("")).collect();
             table.line = kept.join(",");
-            table.end_row()?;
+            table.end_row();
         }
         table.flush()?;
         std::fs::rename(&scratch, path).map_err(OutputError::io(path))?;
@@ -109,18 +117,22 @@ impl CsvTable {
         self
     }
 
-    /// Ends the row.
-    pub fn end_row(&mut self) -> Result<(), OutputError> {
-        self.line.push('\n');
-        self.file.write_all(self.line.as_bytes()).map_err(OutputError::io(&self.path))?;
-        self.length += self.line.len() as u64;
+    /// Ends the row, which [`Self::flush`] writes.
+    pub fn end_row(&mut self) {
+        if self.file.is_some() {
+            self.rows.push_str(&self.line);
+            self.rows.push('\n');
+        }
         self.line.clear();
-        Ok(())
     }
 
     /// Hands everything to the operating system; returns the length in bytes.
     pub fn flush(&mut self) -> Result<u64, OutputError> {
-        self.file.flush().map_err(OutputError::io(&self.path))?;
+        if let Some(file) = &mut self.file {
+            file.write_all(self.rows.as_bytes()).map_err(OutputError::io(&self.path))?;
+        }
+        self.length += self.rows.len() as u64;
+        self.rows.clear();
         Ok(self.length)
     }
 }

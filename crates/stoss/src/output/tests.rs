@@ -2,9 +2,10 @@
 
 use super::means::Means;
 use super::watch::{contact_bodies, judge_start};
-use super::{Drawing, DrawnLine, DrawnPoint, DrawnSurface, changed_by, frame, promises};
+use super::{Drawing, DrawnLine, DrawnPoint, DrawnSurface, OutputError, changed_by, frame, promises};
 use crate::points::Points;
-use crate::scene::{Scene, parse};
+use crate::scene::{Field as SceneField, Scene, parse};
+use std::path::Path;
 use std::sync::Arc;
 use stoss_fe_solid::{MassKind, SolidBody};
 use stoss_integrators::EnergyMomentum;
@@ -17,6 +18,16 @@ use stoss_newton::NewtonOptions;
 use stoss_solver::{Body, InsideOutRule, Model, Settings, Simulation, StepControl};
 use stoss_term::{Term, Vectors};
 use stoss_watch::{FindingKind, Severity};
+
+fn write_frame(
+    path: &Path,
+    simulation: &Simulation,
+    means: &Means,
+    fields: Option<&[SceneField]>,
+    drawing: &Drawing,
+) -> Result<(), OutputError> {
+    frame::with(simulation, means, fields, drawing, |frame| frame::store(path, frame))
+}
 
 /// Four vectors without forces: a place and three directions.
 #[derive(Debug)]
@@ -129,8 +140,7 @@ fields = ["displacement", "principal_stresses", "deformation_gradient", "green_l
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.vtu");
     let read = |simulation: &Simulation| {
-        frame::write(&path, simulation, &Means::default(), scene.output.fields.as_deref(), &Drawing::default())
-            .unwrap();
+        write_frame(&path, simulation, &Means::default(), scene.output.fields.as_deref(), &Drawing::default()).unwrap();
         read_vtu(&path).unwrap()
     };
     let start = read(&simulation);
@@ -191,7 +201,7 @@ fn a_frame_of_solids_is_that_of_the_plain_writer() {
     simulation.advance().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.vtu");
-    frame::write(&path, &simulation, &Means::default(), None, &Drawing::default()).unwrap();
+    write_frame(&path, &simulation, &Means::default(), None, &Drawing::default()).unwrap();
     let (model, state) = (simulation.model(), simulation.state());
     let displacement: Vec<f64> = state.q.iter().zip(&model.reference).map(|(q, x)| q - x).collect();
     let mut elements = Elements::new();
@@ -241,7 +251,7 @@ fn a_frame_has_surfaces_lines_and_points() {
     let simulation = simulation(model);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.vtu");
-    frame::write(&path, &simulation, &Means::default(), None, &drawing).unwrap();
+    write_frame(&path, &simulation, &Means::default(), None, &drawing).unwrap();
     let data = read_vtu(&path).unwrap();
     // One place and four corners, twelve nodes, one place and four corners.
     assert_eq!(data.points.len(), 22);
@@ -255,7 +265,7 @@ fn a_frame_has_surfaces_lines_and_points() {
     assert!((0..22).all(|k| von_mises[k].is_nan() != (5..17).contains(&k)), "{von_mises:?}");
     // A direction is no point of a drawing.
     let wrong = Drawing { points: vec![DrawnPoint { name: "d".into(), node: single + 1 }], ..Drawing::default() };
-    assert!(frame::write(&path, &simulation, &Means::default(), None, &wrong).is_err());
+    assert!(write_frame(&path, &simulation, &Means::default(), None, &wrong).is_err());
 }
 
 /// A plate in a block is found, and named; one that lies on the block is sound.

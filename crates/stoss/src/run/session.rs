@@ -10,13 +10,14 @@ use crate::output::{
     contact_bodies, promises,
 };
 use crate::points::Points;
+use crate::ranks::Ranks;
 use crate::scene::Scene;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stoss_solver::{Simulation, SimulationError, Steered, StepRecord, digits};
 
-/// A run between two of its steps. [`super::run_scene`] is one that nobody looks into.
+/// A run between two of its steps. [`super::run_scene`] is one that nobody looks into. On several ranks each has one, with the same options; all call the same methods in the same order.
 ///
 /// ```no_run
 /// use stoss::run::{RunOptions, Session};
@@ -82,7 +83,16 @@ impl Session {
             report(Event::Warning(warning));
         }
         let steered = steer(&scene, &mut built.simulation, &options.steered)?;
-        let settings = settings(&scene, &built)?;
+        let settings = settings(&scene, &built, &options.ranks)?;
+        let is_one = options.ranks.count() == 1;
+        if !is_one && !options.ranks.are_equal(settings.identity.hash().as_bytes()) {
+            let reason = "the ranks have read different scenes or mesh files: give all machines the same ones";
+            return Err(RunError::Option(reason.to_owned()));
+        }
+        if !is_one && options.systems > 0 {
+            let reason = "--systems: the matrices of several ranks are in parts; write those of a run on one rank";
+            return Err(RunError::Option(reason.to_owned()));
+        }
         let Built { mut simulation, schedule, probes, .. } = built;
         report(Event::Start {
             title: &scene.header.title,
@@ -179,7 +189,8 @@ impl Session {
         if self.state != Progress::Running || self.simulation.state().time >= self.end * (1.0 - 1.0e-12) {
             return Ok(None);
         }
-        if self.change.is_ok() && self.options.stop.load(Ordering::Relaxed) {
+        // A signal reaches the ranks in different steps.
+        if self.change.is_ok() && self.options.ranks.communicator().any(self.options.stop.load(Ordering::Relaxed)) {
             self.state = Progress::Interrupted;
             return Ok(None);
         }
@@ -253,9 +264,13 @@ impl Session {
         let verdict = left_out::without(&summary.verdict);
         let (place, laws, watched) = (&self.place, &self.options.laws, self.watched.clone());
         let diagnosis = Diagnosis::of(&Case::new(&self.scene, place, laws, &self.simulation, watched, &verdict, error));
-        Diagnosis::remove(&self.options.out)?;
+        let (ranks, out) = (&self.options.ranks, &self.options.out);
+        let written = || {
+            Diagnosis::remove(out)?;
+            if diagnosis.is_worth_reading() { diagnosis.write(out) } else { Ok(()) }
+        };
+        ranks.agree(if ranks.is_first() { written() } else { Ok(()) })?;
         if diagnosis.is_worth_reading() {
-            diagnosis.write(&self.options.out)?;
             report(Event::Diagnosis(&diagnosis));
         }
         // The simulation can still be looked at; its folder is done.
@@ -291,7 +306,7 @@ fn steer(scene: &Scene, simulation: &mut Simulation, names: &[String]) -> Result
 }
 
 /// What the folder of a run has to know of its scene.
-fn settings(scene: &Scene, built: &Built) -> Result<FolderSettings, RunError> {
+fn settings(scene: &Scene, built: &Built, ranks: &Ranks) -> Result<FolderSettings, RunError> {
     let Built { simulation, schedule, joints, probes, contacts, mesh_files, drawing, parts, .. } = built;
     let description = Description {
         plan: plan_lines(scene, built),
@@ -304,6 +319,7 @@ fn settings(scene: &Scene, built: &Built) -> Result<FolderSettings, RunError> {
     let identity = SceneIdentity::new(scene, mesh_files)
         .map_err(|error| RunError::Option(format!("the scene cannot be written as JSON: {error}")))?;
     Ok(FolderSettings {
+        ranks: ranks.clone(),
         title: scene.header.title.clone(),
         description,
         identity,

@@ -257,7 +257,8 @@ impl RunWatch {
         for count in [seen.nodes_inside, seen.cutting, seen.tunnelled.len()] {
             table.integer(count as u64);
         }
-        table.text(&self.verdict().level.to_string()).end_row()
+        table.text(&self.verdict().level.to_string()).end_row();
+        Ok(())
     }
 
     /// The bodies that contact brings together in a step.
