@@ -6,7 +6,7 @@
 use crate::{Model, StepError};
 use std::sync::Arc;
 use stoss_fe_solid::{InsideOut, SolidError};
-use stoss_linalg::{Communicator, Serial};
+use stoss_linalg::{Communicator, GatheredSolver, LinearSolver, Serial};
 use stoss_term::{Fault, Share, Work};
 
 /// Numbers for each rank below which all ranks sum all of them up: one operation less.
@@ -119,6 +119,16 @@ impl Shares {
     /// Whether there is more than one rank.
     pub fn is_shared(&self) -> bool {
         !self.owner.is_empty()
+    }
+
+    /// Whether this is the first rank.
+    pub fn is_first(&self) -> bool {
+        self.communicator.rank() == 0
+    }
+
+    /// A solver of one rank for matrices of which each rank has a part.
+    pub fn gathered(&self, solver: Box<dyn LinearSolver>) -> Box<dyn LinearSolver> {
+        if self.is_shared() { Box::new(GatheredSolver::new(Arc::clone(&self.communicator), solver)) } else { solver }
     }
 
     /// Rank of a node, or of the label of a group.

@@ -3,6 +3,7 @@
 use super::rows::Row;
 use crate::StepError;
 use crate::assembly::System;
+use crate::mass_solve::MassSolver;
 use crate::masses::Masses;
 use std::sync::Arc;
 use stoss_linalg::{AutoSolver, LinearSolver, MatrixKind, NONE, SparsityPattern};
@@ -23,7 +24,10 @@ const ROUND_OFF: f64 = 1e-15;
 /// The factors of `[M  -B^T; -B  -c]` and the rows `B`. Kept from one impact to the next: as long as the rows are the same (bodies without joints have none) so are the factors.
 #[derive(Debug, Default)]
 pub(super) struct Response {
-    solver: AutoSolver,
+    /// Made with the first matrix.
+    solver: Option<Box<dyn LinearSolver>>,
+    /// In the place of factors on several ranks, where there are no rows: no rank has the whole mass.
+    products: Option<MassSolver>,
     /// The pattern of the bodies that `pattern` was made from, and the columns of the rows.
     base: Option<Arc<SparsityPattern>>,
     columns: Vec<u32>,
@@ -56,6 +60,13 @@ impl Response {
             columns.push(NONE);
             columns.extend(own(row).iter().flat_map(|&(equation, _)| [equation, (free + k) as u32]));
         }
+        let shares = &system.shares;
+        self.products = None;
+        if shares.is_shared() && rows.is_empty() {
+            self.products = Some(MassSolver::new(&system.inertia.masses, &numbering.free, numbering.equation.len()));
+            self.rows = rows;
+            return Ok(());
+        }
         let is_base = self.base.as_ref().is_some_and(|base| Arc::ptr_eq(base, &system.matrix.fixed.pattern));
         if !is_base || columns != self.columns {
             self.set_pattern(system, &rows, &own)?;
@@ -65,10 +76,13 @@ impl Response {
         let mut values = vec![0.0; pattern.nnz()];
         self.mass_at.iter().zip(&system.matrix.fixed.mass).for_each(|(&at, &mass)| values[at as usize] += mass);
         let place = |row: usize, column: usize| pattern.position(row as u32, column as u32);
-        let diagonal: Vec<f64> = (0..free).map(|i| place(i, i).map_or(0.0, |at| values[at])).collect();
+        let mut diagonal: Vec<f64> = (0..free).map(|i| place(i, i).map_or(0.0, |at| values[at])).collect();
+        shares.sum_all(&mut diagonal);
+        // What is no mass one rank adds.
+        let adds = shares.is_first();
         let missing = MISSING_MASS * diagonal.iter().copied().fold(0.0, f64::max);
         let masses: Vec<f64> = diagonal.iter().map(|&m| if m > 0.0 { m } else { missing }).collect();
-        for (i, _) in diagonal.iter().enumerate().filter(|(_, m)| **m <= 0.0) {
+        for (i, _) in diagonal.iter().enumerate().filter(|(_, m)| adds && **m <= 0.0) {
             if let Some(at) = place(i, i) {
                 values[at] += missing;
             }
@@ -79,23 +93,24 @@ impl Response {
             let own = own(row);
             let square: f64 = own.iter().map(|&(i, g)| g * g / masses[i as usize]).sum();
             let scale = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
-            for &(i, g) in &own {
+            for &(i, g) in own.iter().filter(|_| adds) {
                 for at in [place(i as usize, free + k), place(free + k, i as usize)].into_iter().flatten() {
                     values[at] -= scale * g;
                 }
             }
-            if let Some(at) = place(free + k, free + k) {
+            if let Some(at) = place(free + k, free + k).filter(|_| adds) {
                 values[at] -= if scale > 0.0 { COMPLIANCE } else { 1.0 };
             }
             self.scales.push(scale);
         }
         self.rows = rows;
-        if !self.is_factorised || values != self.values {
-            self.solver.forget();
+        if shares.any(!self.is_factorised || values != self.values) {
+            let solver = self.solver.get_or_insert_with(|| shares.gathered(Box::new(AutoSolver::new())));
+            solver.forget();
             let kind = if self.rows.is_empty() { MatrixKind::SymmetricPositiveDefinite } else { MatrixKind::Symmetric };
             self.is_factorised = false;
-            self.solver.analyse(pattern, kind)?;
-            self.solver.factorise(&values)?;
+            solver.analyse(pattern, kind)?;
+            solver.factorise(&values)?;
             (self.values, self.is_factorised) = (values, true);
         }
         self.right.resize(pattern.n(), 0.0);
@@ -157,6 +172,11 @@ impl Response {
         force: &[f64],
         rate: Option<&[f64]>,
     ) -> Result<(Vec<f64>, Vec<f64>), StepError> {
+        if let Some(products) = &mut self.products {
+            let mut x = vec![0.0; force.len()];
+            products.solve(masses, force, &mut x)?;
+            return Ok((x, Vec::new()));
+        }
         let (n, m) = (free.len(), self.rows.len());
         let (mut x, mut multipliers) = (vec![0.0; force.len()], vec![0.0; m]);
         let mut rest = force.to_vec();
@@ -180,7 +200,8 @@ impl Response {
                 self.rows.iter().zip(&multipliers).for_each(|(row, &lambda)| row.add_to(lambda, &mut rest));
             }
             self.right[..n].iter_mut().zip(free).for_each(|(right, &c)| *right = rest[c as usize]);
-            self.solver.solve(&self.right, &mut self.solution)?;
+            let Some(solver) = &mut self.solver else { break };
+            solver.solve(&self.right, &mut self.solution)?;
             free.iter().zip(&self.solution).for_each(|(&c, dx)| x[c as usize] += dx);
             let changes = self.solution[n..].iter().zip(&self.scales);
             multipliers.iter_mut().zip(changes).for_each(|(lambda, (change, scale))| *lambda += scale * change);
