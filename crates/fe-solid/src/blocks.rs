@@ -7,12 +7,36 @@ use crate::{
     nodal::NodalTetrahedra,
 };
 use stoss_continuum::HyperelasticLaw;
-use stoss_mesh::CellBlock;
+use stoss_mesh::{CellBlock, Elements};
 use stoss_reference_element::{CellKind, Integration, Rule};
 
 /// The points of a kind of cells: those that are asked for if the kind has them, else those of the full rule, which every kind has.
 pub(crate) fn rule_of(kind: CellKind, asked: Integration) -> Rule {
     kind.rule(asked).or_else(|| kind.rule(Integration::Full)).unwrap_or_default()
+}
+
+/// Cells whose data [`check`] makes at once.
+const PIECE: usize = 256;
+
+/// Checks that these cells are not inverted, and adds their volumes, without keeping any of their data.
+pub(crate) fn check(
+    cells: &CellBlock,
+    reference: &[[f64; 3]],
+    options: SolidOptions,
+    law: &dyn HyperelasticLaw,
+    volume: &mut f64,
+) -> Result<(), InvertedCell> {
+    // Averages tell nothing of that.
+    let options = SolidOptions { volumetric: Volumetric::Displacement, ..options };
+    let kind = cells.kind();
+    for (piece, nodes) in cells.nodes().chunks(PIECE * kind.node_count()).enumerate() {
+        for cells in Elements::of_kind(kind, nodes.to_vec()).blocks() {
+            let block = of_cells(cells, reference, options, law, 0);
+            let block = block.map_err(|found| InvertedCell { element: PIECE * piece + found.element, ..found })?;
+            block.add_volume(volume);
+        }
+    }
+    Ok(())
 }
 
 /// The block of these cells. A new kind of cell needs a line here. `law` is the part of the body's law that may have a state, `offset` the global number of the first node.

@@ -10,7 +10,7 @@ use crate::{
     share::Own,
     viscous::Viscosity,
 };
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use stoss_continuum::{HyperelasticLaw, VolumetricSplit};
 use stoss_mesh::{CellBlock, Elements, Mesh};
 use stoss_reference_element::{CellKind, Integration};
@@ -27,8 +27,8 @@ pub struct SolidBody {
     elements: Arc<Elements>,
     /// Those that are evaluated here: all, or the share of a rank.
     own: Own,
-    /// One for each block of the own elements.
-    blocks: Vec<Box<dyn ElementBlock>>,
+    /// One for each block of the own elements, made when they are needed first: after the elements were shared out.
+    blocks: OnceLock<Vec<Box<dyn ElementBlock>>>,
     /// Of all elements.
     volume: f64,
     options: SolidOptions,
@@ -47,7 +47,10 @@ impl Clone for SolidBody {
             reference: self.reference.clone(),
             elements: self.elements.clone(),
             own: self.own.clone(),
-            blocks: self.blocks.iter().map(|block| block.boxed()).collect(),
+            blocks: match self.blocks.get() {
+                None => OnceLock::new(),
+                Some(blocks) => blocks.iter().map(|block| block.boxed()).collect::<Vec<_>>().into(),
+            },
             volume: self.volume,
             options: self.options,
             split: self.split.clone(),
@@ -88,25 +91,21 @@ impl SolidBody {
                     .ok_or_else(|| SolidError::NoVolumetricPart { body: body(), law: law.name().to_string() })?,
             ),
         };
-        let seen = material(&law, &split).law;
         let count = mesh.nodes.len();
         for (element, nodes) in mesh.elements.iter().enumerate() {
             if let Some(&node) = nodes.iter().find(|&&node| node as usize >= count) {
                 return Err(SolidError::NoSuchNode { body: body(), element, node, count });
             }
         }
-        let mut blocks = Vec::with_capacity(mesh.elements.blocks().len());
-        let mut volume = 0.0;
+        let (mut volume, seen) = (0.0, material(&law, &split).law);
         for cells in mesh.elements.blocks() {
-            let block = blocks::of_cells(cells, &mesh.nodes, options, seen, node_offset);
+            let checked = blocks::check(cells, &mesh.nodes, options, seen, &mut volume);
             // Where the rule of the mass has points of its own.
-            let block = block.and_then(|block| mass::check(cells, &mesh.nodes).map(|()| block));
-            let block = block.map_err(|InvertedCell { element, gauss_point, determinant }| {
+            let checked = checked.and_then(|()| mass::check(cells, &mesh.nodes));
+            checked.map_err(|InvertedCell { element, gauss_point, determinant }| {
                 let element = cells.first() as usize + element;
                 SolidError::InvertedReference { body: body(), element, gauss_point, determinant }
             })?;
-            block.add_volume(&mut volume);
-            blocks.push(block);
         }
         let mut elements = Elements::new();
         elements.extend(&mesh.elements, |node| node + node_offset);
@@ -118,7 +117,7 @@ impl SolidBody {
             reference: mesh.nodes.as_slice().into(),
             own: Own::all(&elements),
             elements,
-            blocks,
+            blocks: OnceLock::new(),
             volume,
             options,
             split,
@@ -159,16 +158,23 @@ impl SolidBody {
     /// Global nodes of each stencil of the tangent, block by block: those of the elements in their order, then those of nodes with averages of their own, which
     /// mixed tet4 have. Of a share those of its elements.
     pub fn stencils(&self) -> impl Iterator<Item = &[u32]> + Clone {
-        self.own.elements.blocks().iter().zip(&self.blocks).flat_map(|(cells, block)| {
-            let more = (0..block.stencil_count()).map(move |k| block.stencil(k));
+        self.with_averages().flat_map(|(cells, block)| {
+            let more = block.into_iter().flat_map(|block| (0..block.stencil_count()).map(move |k| block.stencil(k)));
             cells.iter().chain(more)
         })
     }
 
+    /// The own elements, with their blocks if some of these have averages across elements.
+    fn with_averages(&self) -> impl Iterator<Item = (&CellBlock, Option<&dyn ElementBlock>)> + Clone {
+        let blocks = if self.is_indivisible() { self.blocks() } else { &[] };
+        let blocks = blocks.iter().map(|block| Some(block.as_ref())).chain(std::iter::repeat(None));
+        self.own.elements.blocks().iter().zip(blocks)
+    }
+
     /// Number of the first stencil of each block.
     pub(crate) fn first_stencils(&self) -> impl Iterator<Item = usize> {
-        let counts = self.own.elements.blocks().iter().zip(&self.blocks);
-        let counts = counts.map(|(cells, block)| cells.len() + block.stencil_count());
+        let counts = self.with_averages();
+        let counts = counts.map(|(cells, block)| cells.len() + block.map_or(0, |block| block.stencil_count()));
         counts.scan(0, |next, count| Some(std::mem::replace(next, *next + count)))
     }
 
@@ -200,7 +206,7 @@ impl SolidBody {
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
         let numbers: usize = self.elements.blocks().iter().map(|cells| size_of_val(cells.nodes())).sum();
-        let blocks: usize = self.blocks.iter().map(|block| block.memory_bytes()).sum();
+        let blocks: usize = self.blocks.get().into_iter().flatten().map(|block| block.memory_bytes()).sum();
         numbers + self.own.memory_bytes() + size_of_val(&*self.reference) + blocks
     }
 
@@ -214,15 +220,15 @@ impl SolidBody {
             return Ok(());
         }
         self.check_length("the positions q_n", q_n)?;
-        let material = material(&self.law, &self.split);
-        for (cells, block) in self.own.elements.blocks().iter().zip(&mut self.blocks) {
-            if let Err((element, failure)) = block.begin_step(material, cells.nodes(), q_n, rule, dt) {
-                let error = self.error(self.own.number(cells.first() as usize + element), failure);
-                self.blocks.iter_mut().for_each(|block| block.end_step());
-                return Err(error);
-            }
-        }
-        Ok(())
+        let (material, mut blocks) = self.blocks_with_material();
+        let failed = blocks.find_map(|(cells, block)| {
+            let begun = block.begin_step(material, cells.nodes(), q_n, rule, dt);
+            begun.err().map(|(element, failure)| (cells.first() as usize + element, failure))
+        });
+        drop(blocks);
+        let Some((own, failure)) = failed else { return Ok(()) };
+        self.blocks_mut().iter_mut().for_each(|block| block.end_step());
+        Err(self.error(self.own.number(own), failure))
     }
 
     /// Adds `force_weight * F(q_n, q_np1)` to `force` (`3 * nodes` of the model) and, if a target is given,
@@ -339,32 +345,48 @@ impl SolidBody {
     }
 
     pub(crate) fn blocks(&self) -> &[Box<dyn ElementBlock>] {
-        &self.blocks
+        self.blocks.get_or_init(|| self.make_blocks())
     }
 
     pub(crate) fn blocks_mut(&mut self) -> &mut [Box<dyn ElementBlock>] {
-        &mut self.blocks
+        self.blocks();
+        self.blocks.get_mut().map_or(&mut [], Vec::as_mut_slice)
+    }
+
+    fn make_blocks(&self) -> Vec<Box<dyn ElementBlock>> {
+        let mut cells = Elements::new();
+        cells.extend(&self.own.elements, |node| node - self.node_offset);
+        let of = |cells| blocks::of_cells(cells, &self.reference, self.options, self.material().law, self.node_offset);
+        let made: Result<_, _> = cells.blocks().iter().map(of).collect();
+        made.unwrap_or_else(|InvertedCell { .. }| unreachable!("the cells were checked when the body was made"))
     }
 
     pub(crate) fn own(&self) -> &Own {
         &self.own
     }
 
-    /// Takes other elements, with their blocks.
-    pub(crate) fn set_own(&mut self, own: Own, blocks: Vec<Box<dyn ElementBlock>>) {
-        (self.own, self.blocks) = (own, blocks);
+    /// Takes other elements, with virgin states.
+    pub(crate) fn set_own(&mut self, own: Own) {
+        (self.own, self.blocks) = (own, OnceLock::new());
+    }
+
+    /// Whether there are data of elements already.
+    pub(crate) fn has_blocks(&self) -> bool {
+        self.blocks.get().is_some()
     }
 
     /// Whether a step has begun.
     pub(crate) fn has_begun(&self) -> bool {
-        self.blocks.iter().all(|block| block.has_begun())
+        self.blocks().iter().all(|block| block.has_begun())
     }
 
     /// Each block with its elements, to change its states, and what elements see of the law.
     pub(crate) fn blocks_with_material(
         &mut self,
     ) -> (Material<'_>, impl Iterator<Item = (&CellBlock, &mut Box<dyn ElementBlock>)>) {
-        (material(&self.law, &self.split), self.own.elements.blocks().iter().zip(&mut self.blocks))
+        self.blocks();
+        let blocks = self.blocks.get_mut().into_iter().flatten();
+        (material(&self.law, &self.split), self.own.elements.blocks().iter().zip(blocks))
     }
 
     /// Calls with each block and its elements.
@@ -372,7 +394,7 @@ impl SolidBody {
         &self,
         mut call: impl FnMut(&dyn ElementBlock, &CellBlock) -> Result<(), ElementFailure>,
     ) -> Result<(), SolidError> {
-        for (cells, block) in self.own.elements.blocks().iter().zip(&self.blocks) {
+        for (cells, block) in self.own.elements.blocks().iter().zip(self.blocks()) {
             call(block.as_ref(), cells)
                 .map_err(|(element, failure)| self.error(self.own.number(cells.first() as usize + element), failure))?;
         }
@@ -412,7 +434,7 @@ impl SolidBody {
     pub fn inside_out(&self, q: &[f64]) -> Result<Option<InsideOut>, SolidError> {
         self.check_length("the positions", q)?;
         let mut found: Option<InsideOut> = None;
-        for (cells, block) in self.own.elements.blocks().iter().zip(&self.blocks) {
+        for (cells, block) in self.own.elements.blocks().iter().zip(self.blocks()) {
             let natural = cells.kind().table().family.volume();
             for local in 0..cells.len() {
                 let (node, determinant) = block.worst_node(cells.nodes(), local, q);
@@ -472,7 +494,7 @@ impl SolidBody {
     pub(crate) fn locate(&self, element: usize) -> Option<(&CellBlock, &dyn ElementBlock, usize)> {
         let (blocks, own) = (self.own.elements.blocks(), self.own.place(element)?);
         let at = blocks.partition_point(|cells| cells.first() as usize <= own) - 1;
-        Some((&blocks[at], self.blocks[at].as_ref(), own - blocks[at].first() as usize))
+        Some((&blocks[at], self.blocks()[at].as_ref(), own - blocks[at].first() as usize))
     }
 
     /// Every node of the body is inside a vector of the model.

@@ -1,6 +1,6 @@
 //! The elements of a body that one rank of several has. Not which these are: that takes all bodies, see [`stoss_mesh::bisect`].
 
-use crate::{SolidBody, SolidError, Volumetric, blocks, element_block::InvertedCell};
+use crate::{SolidBody, SolidError, Volumetric};
 use std::sync::Arc;
 use stoss_mesh::Elements;
 use stoss_reference_element::CellKind;
@@ -61,6 +61,7 @@ impl SolidBody {
     /// Keeps the data of some elements only, those of one rank of several: a flag for each element of the body. Stencils, forces, tangents, energies, masses, states and what is made
     /// of them are then those of these elements, and their sums over all ranks are those of the body. Number of elements, volume, scales, loads, and numbers of elements
     /// in messages remain those of the whole body. Accepted states of these elements stay; a step has to begin again, and masses are to be made again. A body may be shared again, among fewer elements.
+    /// Data of elements are made when something needs them first: of a body that is shared before a run those of other ranks are never made.
     ///
     /// # Errors
     /// [`SolidError::Length`] unless there is a flag for each element, [`SolidError::Indivisible`], [`SolidError::Elsewhere`]; then nothing has changed.
@@ -78,31 +79,24 @@ impl SolidBody {
             return Err(SolidError::Elsewhere { body: self.name().to_string(), element });
         }
         let own = Own::flagged(self.elements(), mine);
-        let (reference, offset) = self.reference();
-        let mut cells = Elements::new();
-        cells.extend(&own.elements, |node| node - offset);
-        let (options, law) = (self.options(), self.material().law);
-        let of_cells = |cells| blocks::of_cells(cells, reference, options, law, offset);
-        let blocks = cells.blocks().iter().map(|cells| {
-            of_cells(cells).map_err(|InvertedCell { element, gauss_point, determinant }| {
-                let (body, element) = (self.name().to_string(), own.number(cells.first() as usize + element));
-                SolidError::InvertedReference { body, element, gauss_point, determinant }
-            })
-        });
-        let blocks = blocks.collect::<Result<_, _>>()?;
+        // Of elements that nobody has asked for yet the data were never made.
         let mut states = Vec::new();
-        self.for_each_state_mut(|element, state| {
-            if mine[element] {
-                states.extend_from_slice(state);
-            }
-        });
-        self.set_own(own, blocks);
+        if self.has_history() && self.has_blocks() {
+            self.for_each_state_mut(|element, state| {
+                if mine[element] {
+                    states.extend_from_slice(state);
+                }
+            });
+        }
+        self.set_own(own);
         let mut rest = states.as_slice();
-        self.for_each_state_mut(|_, state| {
-            let (of_element, others) = rest.split_at(state.len());
-            state.copy_from_slice(of_element);
-            rest = others;
-        });
+        if !rest.is_empty() {
+            self.for_each_state_mut(|_, state| {
+                let (of_element, others) = rest.split_at(state.len());
+                state.copy_from_slice(of_element);
+                rest = others;
+            });
+        }
         Ok(())
     }
 
@@ -118,7 +112,8 @@ impl SolidBody {
 
     /// Whether averages reach across elements, so that one rank has to have all of them: in mixed bodies of tet4.
     pub fn is_indivisible(&self) -> bool {
-        self.options().volumetric == Volumetric::Mixed && self.elements().kinds().contains(&CellKind::Tet4)
+        let mut blocks = self.elements().blocks().iter();
+        self.options().volumetric == Volumetric::Mixed && blocks.any(|cells| cells.kind() == CellKind::Tet4)
     }
 
     /// The mean reference position of the nodes of each element of the body, a length.

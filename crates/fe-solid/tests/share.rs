@@ -316,6 +316,25 @@ fn shares_that_cannot_be_are_refused() {
     assert!(matches!(none.share(&[true; 5]), Err(SolidError::Length { found: 5, expected: 6, .. })));
 }
 
+/// Data of elements are not made before they are needed.
+#[test]
+fn a_share_has_the_memory_of_its_elements() {
+    let mesh = cells(&[CellKind::Hex8], [4, 4, 4], 0.0, 0.0, 1);
+    let (x, mut whole) = (positions(&mesh), body(&mesh, &elastic()));
+    let without = whole.memory_bytes();
+    let mut share = whole.clone();
+    share.share(&Vec::from_iter((0..64).map(|element| element < 16))).unwrap();
+    let shared = share.memory_bytes();
+    for body in [&mut whole, &mut share] {
+        body.begin_step(&x, ForceRule::DiscreteGradient, DT).unwrap();
+    }
+    // Eight points with an inverse of the Jacobian matrix, a weight, a strain and an energy each; gradients at nodes once.
+    let of_elements = [(&whole, without), (&share, shared)].map(|(body, before)| body.memory_bytes() - before);
+    let once = 4 * of_elements[1] - of_elements[0];
+    assert!(once > 0 && once % 3 == 0, "{of_elements:?}");
+    assert_eq!(of_elements[0] - once / 3, 64 * 8 * 17 * size_of::<f64>());
+}
+
 /// Half of the steps on `from` ranks and half on `to` ranks: the bytes are those of one rank.
 #[test]
 fn histories_are_merged_and_divided() {
