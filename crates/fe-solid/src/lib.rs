@@ -28,6 +28,7 @@ mod assembly;
 mod block;
 mod blocks;
 mod body;
+mod cost;
 mod element;
 mod element_block;
 mod error;

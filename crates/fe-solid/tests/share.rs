@@ -300,6 +300,25 @@ fn messages_name_elements_of_the_body() {
     assert_eq!(other.strain_energy(&turned), Ok(0.0));
 }
 
+/// Of a block the solution costs the same for each node, and the rest is that of the points.
+#[test]
+fn elements_cost_by_points_nodes_and_law() {
+    let cost = |kind: CellKind, law: Arc<dyn HyperelasticLaw>| {
+        let body = body_with(&cells(&[kind], [4, 4, 4], 0.0, 0.0, 1), &law, Integration::Full);
+        let costs = body.element_costs();
+        let mut share = body.clone();
+        share.share(&vec![false; costs.len()]).unwrap();
+        assert_eq!(share.element_costs(), costs);
+        (costs.iter().sum::<u64>() as f64, body.node_count() as f64, costs.len() as f64)
+    };
+    let (hex8, nodes, elements) = cost(CellKind::Hex8, elastic());
+    assert!((hex8 / (27e3 * nodes + 8.0 * (240.0 + 128.0) * elements) - 1.0).abs() < 1e-3, "{hex8}");
+    let (plastic, ..) = cost(CellKind::Hex8, plastic());
+    assert!((plastic - hex8 - 8.0 * 1900.0 * elements).abs() < 1e-6 * hex8, "{plastic}");
+    let (hex27, nodes, elements) = cost(CellKind::Hex27, elastic());
+    assert!((hex27 / (27e3 * nodes + 27.0 * (240.0 + 1458.0) * elements) - 1.0).abs() < 1e-3, "{hex27}");
+}
+
 #[test]
 fn shares_that_cannot_be_are_refused() {
     let mesh = cells(&[CellKind::Tet4], [1, 1, 1], 0.0, 0.0, 1);

@@ -54,6 +54,8 @@ struct Count {
     /// Terms under a rule that do something, and those whose history changes when the step is accepted.
     acting: usize,
     changed: usize,
+    /// Those of which more than one rank of three evaluates contributions.
+    shared: usize,
 }
 
 impl Case<'_> {
@@ -108,6 +110,10 @@ impl Case<'_> {
         }
         let found = check::promises(&mut *self.term, &at, is_direction).unwrap();
         assert!(found.is_pure && found.has_order, "{name}: {found:?}");
+        let sharing = check::sharing(&mut *self.term, &at, 3).unwrap();
+        let is_contact = self.term.unilateral().is_some() || self.term.potential().is_some();
+        assert!(sharing.is_whole, "{name}: {sharing:?}");
+        count.shared += usize::from(is_contact && sharing.counts.iter().filter(|&&own| own > 0).count() > 1);
         let is_gradient = check::is_discrete_gradient(rule);
         assert!(!self.term.conserves_linear_momentum() || found.resultant < 1e-11, "{name}: {found:?}");
         let turns =
