@@ -124,7 +124,7 @@ pub fn run(job: Job, launched: Launched) -> ExitCode {
         if ranks.is_first() {
             say!("error: {error}");
         }
-        return ranks::end(1);
+        return ranks::end(&ranks, 1);
     }
     let stop = Arc::new(AtomicBool::new(false));
     let options = RunOptions {
@@ -138,17 +138,16 @@ pub fn run(job: Job, launched: Launched) -> ExitCode {
         stop,
         ..RunOptions::default()
     };
-    ranks::end(if ranks.is_first() { lead(&job, &options) } else { follow(&job, &options) })
+    let code = if ranks.is_first() { lead(&job, &options) } else { follow(&job, &options) };
+    ranks::end(&ranks, code)
 }
 
 /// Runs the scene beside the rank that writes and speaks.
 fn follow(job: &Job, options: &RunOptions) -> u8 {
-    // What it cannot catch the first rank tells.
+    // What it cannot catch, and how the run ends, the first rank tells.
     let _ = interrupt::watch(&options.stop, || {});
-    match stoss::run::run_scene(&job.scene, options, &mut |_| {}) {
-        Ok(summary) => code_of(&summary),
-        Err(error) => code_of_error(&error),
-    }
+    let _ = stoss::run::run_scene(&job.scene, options, &mut |_| {});
+    0
 }
 
 /// Runs the scene, with its folder, progress and messages.

@@ -66,14 +66,14 @@ fn several(launched: Launched) -> Result<Ranks, String> {
     ))
 }
 
-/// How a process ends that leaves an error to the first one: a code of its own would have the launcher end that before it has spoken.
+/// How a process ends that leaves errors to the first one: a code of its own would have the launcher end that before it has spoken.
 pub const SILENT: ExitCode = ExitCode::SUCCESS;
 
-/// Ends what [`Launched::ranks`] has started, with the exit code that all ranks have.
-pub fn end(code: u8) -> ExitCode {
+/// Ends what [`Launched::ranks`] has started. The code of the first rank is that of the run.
+pub fn end(ranks: &Ranks, code: u8) -> ExitCode {
     #[cfg(feature = "mpi")]
     Ranks::end();
-    ExitCode::from(code)
+    if ranks.is_first() { ExitCode::from(code) } else { SILENT }
 }
 
 #[cfg(test)]
