@@ -1,22 +1,21 @@
 //! Which rank has which elements.
 
 use crate::{Body, Model};
-use stoss_fe_solid::SolidBody;
 
 /// The rank of each element of each body: parts of equal cost by recursive bisection, of all bodies together. A body whose averages reach across elements is on one rank.
 pub(crate) fn of_elements(model: &Model, ranks: usize) -> Vec<Vec<u32>> {
-    let (mut centres, mut all_costs) = (Vec::new(), Vec::new());
+    let (mut centres, mut costs) = (Vec::new(), Vec::new());
     for Body { solid, .. } in &model.bodies {
         if solid.is_indivisible() {
             let sum = solid.element_centres().fold([0.0; 3], |sum, x| std::array::from_fn(|i| sum[i] + x[i]));
             centres.push(sum.map(|x| x / solid.element_count() as f64));
-            all_costs.push(costs(solid).sum());
+            costs.push(solid.element_costs().iter().sum());
         } else {
             centres.extend(solid.element_centres());
-            all_costs.extend(costs(solid));
+            costs.extend(solid.element_costs());
         }
     }
-    let mut parts = stoss_mesh::bisect(&centres, &all_costs, ranks).into_iter();
+    let mut parts = stoss_mesh::bisect(&centres, &costs, ranks).into_iter();
     let of = |Body { solid, .. }: &Body| {
         let count = solid.element_count();
         if solid.is_indivisible() {
@@ -26,9 +25,4 @@ pub(crate) fn of_elements(model: &Model, ranks: usize) -> Vec<Vec<u32>> {
         }
     };
     model.bodies.iter().map(of).collect()
-}
-
-/// Cost of each element: of its tangent, which couples all of its nodes with each other at each of its points.
-fn costs(solid: &SolidBody) -> impl Iterator<Item = u64> {
-    solid.elements().iter().map(|nodes| (nodes.len() * nodes.len()) as u64)
 }

@@ -1,12 +1,12 @@
 //! Scenes on several ranks, which are threads here: all of them have the same bits, and one rank has those of a program without ranks.
 
 use std::path::{Path, PathBuf};
-use stoss::build::build_on;
+use stoss::build::{OwnLaws, build_on};
 use stoss::linalg::Threads;
 use stoss::ranks::Ranks;
 use stoss::run::{RunOptions, run_scene};
 use stoss::scene::parse;
-use stoss::solver::{Checkpoint, Simulation};
+use stoss::solver::{Checkpoint, FailureKind, Simulation};
 
 /// What a run came to: vectors by name, after so many steps.
 type Outcome = Vec<(&'static str, Vec<f64>)>;
@@ -32,7 +32,7 @@ fn outcome(simulation: &Simulation) -> Outcome {
 
 fn run(text: &str, folder: &Path, steps: u64, ranks: &Ranks) -> Outcome {
     let scene = parse(text, "scene.toml").unwrap_or_else(|e| panic!("{e}"));
-    let built = build_on(&scene, folder, &stoss::build::OwnLaws::default(), ranks).unwrap_or_else(|e| panic!("{e}"));
+    let built = build_on(&scene, folder, &OwnLaws::default(), ranks).unwrap_or_else(|e| panic!("{e}"));
     let mut simulation = built.simulation;
     while simulation.step() < steps && !simulation.finished() {
         simulation.advance().unwrap_or_else(|e| panic!("{e}"));
@@ -89,9 +89,10 @@ fn shipped(name: &str, steps: u64, counts: &[usize]) {
     compare(name, &text, path.parent().unwrap(), steps, counts, 1e-9);
 }
 
-/// A tie, a mechanism, pretension and rotation in stages, friction on rigid ground, a section.
+/// Impacts, a tie, a mechanism, pretension and rotation in stages, friction on rigid ground, a section.
 #[test]
 fn shipped_scenes_are_the_same_on_any_number_of_ranks() {
+    shipped("bowl-mortar", 3, &[3]);
     shipped("tied-cantilever", 4, &[3]);
     shipped("trebuchet", 10, &[1, 2]);
     shipped("bolt", 3, &[2]);
@@ -152,6 +153,34 @@ set = "cube.top"
 components = ["x", "z"]
 displacement = { table = [[0, 0, 0], [1, 0.2, -0.1]] }
 "#;
+
+/// An element that is inverted on one rank is one for all: the same cuts, and one message.
+#[test]
+fn an_inverted_element_on_one_rank() {
+    let text = CUBE.replace("0.2, -0.1]", "0.0, -1.5]");
+    let failed = |ranks: &Ranks| {
+        let scene = parse(&text, "scene.toml").unwrap();
+        let mut simulation = build_on(&scene, Path::new("."), &OwnLaws::default(), ranks).unwrap().simulation;
+        let error = loop {
+            if let Err(error) = simulation.advance() {
+                break error.to_string();
+            }
+        };
+        let kinds: Vec<_> = simulation.failures().iter().map(|failure| (failure.kind, failure.dt)).collect();
+        (error, simulation.decisions().len(), kinds, simulation.failures().iter().all(|f| f.place.element.is_some()))
+    };
+    let plain = failed(&Ranks::default());
+    // The elements of the failed steps are found by different ranks.
+    assert!(plain.0.contains("elements are turned inside out"), "{}", plain.0);
+    assert!(plain.2.iter().any(|(kind, _)| *kind == FailureKind::InvertedElement), "{:?}", plain.2);
+    for count in [2, 3] {
+        let all = Threads::run(count, |communicator| failed(&Ranks::gathered(communicator)));
+        assert!(all.iter().all(|of| *of == all[0]), "{all:?}");
+        let count_of = |text: &str| text.split(" (worst").next().map(str::to_owned);
+        assert_eq!(count_of(&all[0].0), count_of(&plain.0));
+        assert_eq!((all[0].1, &all[0].2, all[0].3), (plain.1, &plain.2, plain.3));
+    }
+}
 
 /// Ranks without elements, too.
 #[test]
