@@ -1,7 +1,7 @@
 //! Entries on the diagonals of rows of slots: the compliance of closed ones (theory/constraints#compliance), and what stands in the rows of others.
 
 use crate::assembly::System;
-use crate::matrix::{Matrix, Slots};
+use crate::matrix::{Matrix, Slots, diagonal_of};
 use crate::rows::{COMPLIANCE, ClosedDiagonal};
 use crate::{Model, StepError};
 use stoss_linalg::{LinalgError, NONE};
@@ -61,9 +61,9 @@ impl Matrix {
     pub fn fill_inactive(&mut self, first: bool) {
         let Self { fixed, slots, .. } = self;
         if first {
-            let diagonal = (0..self.numbering.free.len() as u32).filter_map(|i| fixed.pattern.position(i, i));
-            let largest = diagonal.map(|at| fixed.values[at].abs()).fold(0.0, f64::max);
-            let largest = self.shares.max(largest);
+            let count = self.numbering.free.len();
+            let diagonal = diagonal_of(&fixed.pattern, &fixed.values, count, &self.shares);
+            let largest = diagonal.into_iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
             slots.stiffness = if largest > 0.0 { largest } else { 1.0 };
         }
         let stiffness = slots.stiffness;

@@ -94,6 +94,14 @@ impl Fixed {
     }
 }
 
+/// The diagonal of the first equations of a matrix of which each rank has a part; zero where there is none.
+pub(crate) fn diagonal_of(pattern: &SparsityPattern, values: &[f64], count: usize, shares: &Shares) -> Vec<f64> {
+    let value = |i| pattern.position(i, i).map_or(0.0, |at| values[at]);
+    let mut diagonal: Vec<f64> = (0..count as u32).map(value).collect();
+    shares.sum_all(&mut diagonal);
+    diagonal
+}
+
 /// Where the slots of couplings are in the equations.
 #[derive(Debug)]
 pub(crate) struct Slots {
@@ -213,9 +221,7 @@ impl Matrix {
 
     /// Sum of the magnitudes on the diagonal of the displacement components.
     pub fn diagonal_sum(&self) -> f64 {
-        let positions = (0..self.free() as u32).filter_map(|i| self.pattern.position(i, i));
-        // The ranks' parts of an entry have one sign where the matrix is definite.
-        self.shares.sum(positions.map(|at| self.values()[at].abs()).sum())
+        diagonal_of(&self.pattern, self.values(), self.free(), &self.shares).iter().map(|value| value.abs()).sum()
     }
 
     /// Bytes of the arrays held here.
