@@ -182,6 +182,15 @@ impl Surfaces {
         out
     }
 
+    /// Needs of the facets around rows: derivatives around those that are chosen, values around the others.
+    pub fn needs_among(&self, rows: &[bool], chosen: &[bool]) -> Vec<Need> {
+        let mut needs = self.needs(Need::Nothing, chosen);
+        for (row, _) in self.rows.iter().zip(rows).filter(|(_, of)| **of) {
+            row.facets.iter().for_each(|&(f, _)| needs[f as usize] = needs[f as usize].max(Need::Value));
+        }
+        needs
+    }
+
     /// Needs of the facets: `least` of all, derivatives of those around rows that are chosen.
     pub fn needs(&self, least: Need, chosen: &[bool]) -> Vec<Need> {
         let mut needs = vec![least; self.slave.facets().len()];

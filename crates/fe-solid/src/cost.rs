@@ -14,7 +14,7 @@ const AVERAGE: u64 = 600;
 impl SolidBody {
     /// The time that each element of the body takes in an iteration, in nanoseconds of the machine that the parts were measured on: stress and tangent at its points, by their number, its nodes, and
     /// whether the law has a state or sees averages; and the solution of the linear equations of its nodes, each divided among the elements around it. Nothing depends on the rank. Weights of
-    /// [`stoss_mesh::bisect`].
+    /// [`stoss_term::bisect`].
     pub fn element_costs(&self) -> Vec<u64> {
         let mut around = vec![0_u64; self.node_count()];
         let local = |node: &u32| (node - self.node_offset()) as usize;

@@ -1,4 +1,4 @@
-//! The elements of a body that one rank of several has. Not which these are: that takes all bodies, see [`stoss_mesh::bisect`].
+//! The elements of a body that one rank of several has. Not which these are: that takes all bodies, see [`stoss_term::bisect`].
 
 use crate::{SolidBody, SolidError, Volumetric};
 use std::sync::Arc;
@@ -43,6 +43,7 @@ impl Own {
         }
     }
 
+    /// Whether the body was shared out.
     pub fn is_share(&self) -> bool {
         self.numbers.is_some()
     }
@@ -60,8 +61,8 @@ impl Own {
 impl SolidBody {
     /// Keeps the data of some elements only, those of one rank of several: a flag for each element of the body. Stencils, forces, tangents, energies, masses, states and what is made
     /// of them are then those of these elements, and their sums over all ranks are those of the body. Number of elements, volume, scales, loads, and numbers of elements
-    /// in messages remain those of the whole body. Accepted states of these elements stay; a step has to begin again, and masses are to be made again. A body may be shared again, among fewer elements.
-    /// Data of elements are made when something needs them first: of a body that is shared before a run those of other ranks are never made.
+    /// in messages remain those of the whole body. Accepted states of these elements stay; a step has to begin again, and masses are to be made again. A body may be shared again, with states among fewer
+    /// elements. Data of elements are made when something needs them first: of a body that is shared before a run those of other ranks are never made.
     ///
     /// # Errors
     /// [`SolidError::Length`] unless there is a flag for each element, [`SolidError::Indivisible`], [`SolidError::Elsewhere`]; then nothing has changed.
@@ -74,7 +75,7 @@ impl SolidBody {
         if self.is_indivisible() && mine.iter().any(|flag| *flag != mine[0]) {
             return Err(SolidError::Indivisible { body: self.name().to_string() });
         }
-        let missing = |element: &usize| mine[*element] && self.own().place(*element).is_none();
+        let missing = |element: &usize| self.has_history() && mine[*element] && !self.has_element(*element);
         if let Some(element) = (0..expected).find(missing) {
             return Err(SolidError::Elsewhere { body: self.name().to_string(), element });
         }

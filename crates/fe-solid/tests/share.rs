@@ -5,9 +5,9 @@ use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::*;
 use stoss_materials::{Fibres, Hardening, Hencky, Inelastic, Moduli, NeoHooke, Plasticity};
-use stoss_mesh::{Mesh, bisect};
+use stoss_mesh::Mesh;
 use stoss_reference_element::{CellKind, Integration};
-use stoss_term::{At, Term};
+use stoss_term::{At, Term, bisect};
 
 const DT: f64 = 0.01;
 
@@ -331,7 +331,14 @@ fn shares_that_cannot_be_are_refused() {
     mixed.share(&[true; 6]).unwrap();
     assert_eq!((none.strain_energy(&x), none.stencils().count()), (Ok(0.0), 0));
     assert_eq!(mixed.stencils().count(), 6 + mesh.nodes.len());
-    assert!(matches!(none.share(&[true; 6]), Err(SolidError::Elsewhere { element: 0, .. })));
+    // Data can be made again, states cannot.
+    none.share(&[true; 6]).unwrap();
+    assert_eq!(none.stencils().count(), mixed.stencils().count());
+    let mut yielding = body(&mesh, &plastic());
+    yielding.share(&[true, true, false, false, true, true]).unwrap();
+    yielding.share(&[false, true, false, false, true, false]).unwrap();
+    let error = yielding.share(&[false, true, true, false, true, false]).unwrap_err();
+    assert!(matches!(error, SolidError::Elsewhere { element: 2, .. }) && yielding.has_element(1));
     assert!(matches!(none.share(&[true; 5]), Err(SolidError::Length { found: 5, expected: 6, .. })));
 }
 

@@ -6,7 +6,6 @@
 //! * [`generate`]: block, hexahedron, indenter, hollow ball, hollow torus, ball, cylinder, L-shaped block;
 //! * [`SurfaceMesh`]: triangles and quadrilaterals without a volume mesh, with its generators in [`surface`];
 //! * [`MassProperties`]: mass, centre and Euler tensor of a surface's inside, of a mesh, of simple shapes;
-//! * [`bisect`]: elements divided among ranks;
 //! * [`QualityReport`], [`Mesh::quality`], [`Validity`], [`Mesh::check`]: quality, and everything that makes a mesh unusable as a named error.
 //!
 //! # What it is not
@@ -24,7 +23,6 @@ mod error;
 mod facet;
 pub mod generate;
 mod mesh;
-mod partition;
 mod pieces;
 mod quality;
 mod region;
@@ -40,7 +38,6 @@ pub use elements::{CellBlock, Elements};
 pub use error::{ElementPoint, MeshError, NON_CONFORMING_REMEDY, SetKind};
 pub use facet::{Facet, FacetIndex};
 pub use mesh::{ALL, BOUNDARY, Mesh};
-pub use partition::bisect;
 pub use quality::QualityReport;
 pub use region::Region;
 pub use surface::{MassProperties, SurfaceMesh};

@@ -4,7 +4,6 @@ mod conformity;
 mod convert;
 mod generators;
 mod mass;
-mod partition;
 mod sets_and_checks;
 mod surfaces;
 mod validity;

@@ -5,7 +5,7 @@ use crate::numbering::Numbering;
 use crate::shares::Shares;
 use std::ops::Range;
 use stoss_linalg::NONE;
-use stoss_term::Term;
+use stoss_term::{Share, Term};
 
 /// Lists of equation numbers, flat.
 #[derive(Debug, Default, Clone)]
@@ -95,11 +95,12 @@ impl Contributions {
         slot_width: &[u32],
         shares: &Shares,
     ) -> StencilList {
-        let (mut list, share) = (StencilList::default(), shares.of_couplings());
+        let mut list = StencilList::default();
+        let of_pairs: Vec<Share> = (0..slot_equation.len()).map(|pair| shares.of_coupling(pair)).collect();
         for ((pair, nodes, slots), [.., first]) in self.iter().zip(&self.heads) {
             let (equations, width) = (&slot_equation[pair], slot_width[pair]);
             list.push(|out| {
-                if !share.has(&[*first]) {
+                if !of_pairs[pair].has(&[*first]) {
                     return;
                 }
                 numbering.node_equations(nodes, out);

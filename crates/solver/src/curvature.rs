@@ -70,7 +70,7 @@ impl StepProblem<'_> {
             let softens = pair.is_potential();
             let (map, transform) = (&s.matrix.map, &mut s.scratch.transform);
             pair.term.assemble(&at, softens, &mut |local| {
-                if softens {
+                if softens && !local.is_elsewhere {
                     let change = negative_part(&local.tangent, local.dim());
                     if model.embedding.touches(&local.nodes) {
                         model.embedding.expand(&local.nodes, &mut expanded);

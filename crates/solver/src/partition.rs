@@ -15,7 +15,7 @@ pub(crate) fn of_elements(model: &Model, ranks: usize) -> Vec<Vec<u32>> {
             costs.extend(solid.element_costs());
         }
     }
-    let mut parts = stoss_mesh::bisect(&centres, &costs, ranks).into_iter();
+    let mut parts = stoss_term::bisect(&centres, &costs, ranks).into_iter();
     let of = |Body { solid, .. }: &Body| {
         let count = solid.element_count();
         if solid.is_indivisible() {

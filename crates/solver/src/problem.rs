@@ -166,14 +166,12 @@ impl StepProblem<'_> {
             return Ok(());
         }
         let Self { model, system, iterate, step, .. } = self;
-        let changed = system.tally.contact_time.measure(|| -> Result<bool, StepError> {
-            let mut changed = false;
-            for (c, pair) in model.couplings_mut() {
-                changed |= pair.term.renew(&iterate.at(c, step), want_tangent)?;
-            }
-            Ok(changed)
-        })?;
-        if changed {
+        let changed = system.tally.contact_time.measure(|| {
+            model.couplings_mut().try_fold(false, |changed, (c, pair)| {
+                Ok(pair.term.renew(&iterate.at(c, step), want_tangent)? || changed)
+            })
+        });
+        if system.shares.agree(changed)? {
             self.system.renew_pattern(self.model, &self.iterate.active)?;
         }
         Ok(())

@@ -7,7 +7,7 @@ use crate::{Model, StepError};
 use std::sync::Arc;
 use stoss_fe_solid::{InsideOut, SolidError};
 use stoss_linalg::{Communicator, GatheredSolver, LinearSolver, Serial};
-use stoss_term::{Fault, Share, Work};
+use stoss_term::{At, Fault, Local, Share, Term, Work};
 
 /// Numbers for each rank below which all ranks sum all of them up: one operation less.
 const SHORT: usize = 16;
@@ -30,6 +30,8 @@ pub(crate) struct Shares {
     owner: Vec<u32>,
     /// Rank of each element of each body; empty with one rank.
     elements: Vec<Vec<u32>>,
+    /// Contributions of each coupling; empty with one rank.
+    couplings: Vec<OfCoupling>,
     /// Nodes of own elements that another rank owns, by rank, and those that this rank owns and others have, by rank.
     lent: Lists,
     borrowed: Lists,
@@ -37,11 +39,19 @@ pub(crate) struct Shares {
     owned: Lists,
 }
 
+/// The contributions of a coupling that are this rank's.
+#[derive(Debug)]
+struct OfCoupling {
+    share: Share,
+    /// Whether the coupling evaluates those alone.
+    deals: bool,
+}
+
 impl Default for Shares {
     fn default() -> Self {
-        let (owner, elements) = (Vec::new(), Vec::new());
+        let (owner, elements, couplings) = (Vec::new(), Vec::new(), Vec::new());
         let [lent, borrowed, owned] = std::array::from_fn(|_| Lists::default());
-        Self { communicator: Serial::shared(), owner, elements, lent, borrowed, owned }
+        Self { communicator: Serial::shared(), owner, elements, couplings, lent, borrowed, owned }
     }
 }
 
@@ -112,8 +122,16 @@ impl Shares {
             let mine: Vec<bool> = ranks.iter().map(|&of| of == rank).collect();
             body.solid.share(&mine).map_err(Fault::from)?;
         }
+        let couplings = model.contacts.iter_mut().map(|pair| {
+            let share = Share::new(ranks as u32, rank);
+            match pair.term.set_share(share.clone()) {
+                Some(share) => OfCoupling { share, deals: true },
+                None => OfCoupling { share, deals: false },
+            }
+        });
+        let couplings = couplings.collect();
         let [lent, borrowed, owned] = [lent, borrowed, owned].map(|pairs| Lists::new(pairs, ranks));
-        Ok(Arc::new(Self { communicator, owner, elements, lent, borrowed, owned }))
+        Ok(Arc::new(Self { communicator, owner, elements, couplings, lent, borrowed, owned }))
     }
 
     /// Whether there is more than one rank.
@@ -141,14 +159,50 @@ impl Shares {
         self.owner(node) as usize == self.communicator.rank()
     }
 
-    /// The contributions of couplings that go into this rank's part of the matrix, and that it evaluates of terms which deal them out. By number of the node and not by its owner: a small zone of
-    /// contact is work for all.
-    pub fn of_couplings(&self) -> Share {
-        if self.is_shared() {
-            Share::new(self.communicator.size() as u32, self.communicator.rank() as u32)
-        } else {
-            Share::default()
+    /// Whose the contributions of a coupling are in the matrix.
+    pub fn of_coupling(&self, coupling: usize) -> Share {
+        self.couplings.get(coupling).map_or_else(Share::default, |of| of.share.clone())
+    }
+
+    /// Whether the ranks evaluate the contributions of a coupling each in part.
+    pub fn deals(&self, coupling: usize) -> bool {
+        self.couplings.get(coupling).is_some_and(|of| of.deals)
+    }
+
+    /// Residuals of all contributions of a coupling at an iterate, as one rank alone visits them: those that other ranks evaluate are sent.
+    pub fn visit_all(
+        &self,
+        coupling: usize,
+        term: &dyn Term,
+        at: &At<'_>,
+        visit: &mut (dyn FnMut(&Local) + Send),
+    ) -> Result<(), Fault> {
+        let Some(of) = self.couplings.get(coupling).filter(|of| of.deals) else {
+            return term.assemble(at, false, visit);
+        };
+        let (mut locals, mut mine): (Vec<Local>, Vec<f64>) = (Vec::new(), Vec::new());
+        let mut counts = vec![0; self.communicator.size()];
+        let assembled = term.assemble(at, false, &mut |local| {
+            counts[of.share.owner(&local.nodes) as usize] += local.dim();
+            if !local.is_elsewhere {
+                mine.extend_from_slice(&local.residual);
+            }
+            locals.push(local.clone());
+        });
+        self.agree(assembled)?;
+        let mut all = vec![0.0; counts.iter().sum()];
+        self.communicator.gather(&mine, &counts, &mut all);
+        let mut next: Vec<usize> = (0..counts.len()).map(|rank| counts[..rank].iter().sum()).collect();
+        for mut local in locals {
+            let next = &mut next[of.share.owner(&local.nodes) as usize];
+            let end = *next + local.dim();
+            local.residual.clear();
+            local.residual.extend_from_slice(&all[*next..end]);
+            *next = end;
+            local.is_elsewhere = false;
+            visit(&local);
         }
+        Ok(())
     }
 
     /// Adds to `out` the sum over the ranks of what `add` adds at nodes of elements.
@@ -287,14 +341,21 @@ impl Shares {
         found.reduce(|a, b| a.and(&b))
     }
 
-    /// The history of a body from those of the ranks' shares.
-    pub fn history(&self, model: &Model, body: usize, mine: Vec<u8>) -> Vec<u8> {
-        if !self.is_shared() {
+    /// The history of a term of the model, in the order of [`Model::terms`], from what each rank has of it.
+    pub fn history(&self, model: &Model, number: usize, mine: Vec<u8>) -> Vec<u8> {
+        let first_coupling = model.terms().count() - model.contacts.len();
+        let coupling = number.checked_sub(first_coupling).filter(|&c| self.deals(c));
+        let body = model.bodies.get(number).filter(|_| self.is_shared());
+        if body.is_none() && coupling.is_none() {
             return mine;
         }
         let parts = self.communicator.gather_bytes(&mine);
-        // cannot fail: the ranks have the elements that they were given.
-        model.bodies[body].solid.merge_history(&parts, &self.elements[body]).unwrap_or_default()
+        // cannot fail: each rank has what it was given.
+        match (body, coupling) {
+            (Some(body), _) => body.solid.merge_history(&parts, &self.elements[number]).unwrap_or_default(),
+            (_, Some(coupling)) => model.contacts[coupling].term.join_histories(&parts).unwrap_or_default(),
+            _ => mine,
+        }
     }
 
     /// Ends the run if the ranks do not have the same bits any more: whatever was not summed up shows here at once.

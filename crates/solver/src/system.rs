@@ -11,7 +11,7 @@ use crate::{Model, StepError};
 use std::ops::Range;
 use stoss_integrators::{DampingTangent, ForceRule, GradientRule, SecondOrderSystem, StepConfiguration};
 use stoss_linalg::{ScatterMap, vector};
-use stoss_term::{At, Auxiliary, Fault, Share, Term, Undefined};
+use stoss_term::{At, Auxiliary, Fault, Term, Undefined};
 
 /// Evaluations with a tangent in a step in which the equations of constraints between rigid bodies are written for the multipliers themselves and not for their increments.
 const FROM_ZERO: u32 = 2;
@@ -291,9 +291,9 @@ impl FeSystem<'_> {
             let equations = &slots.equation[c];
             let (pressures, auxiliaries, active) = (&self.pressures[c], &self.auxiliaries[c], &self.active[c]);
             // Sums of this rank, if the term deals out its contributions.
-            let share = if term.deals() { shares.of_couplings() } else { Share::default() };
-            let mut dealt = (!share.is_whole()).then(|| Dealt::new(out.len(), rhs.len()));
-            let squares = if share.is_whole() { 0.0 } else { std::mem::take(auxiliary_square) };
+            let deals = shares.deals(c);
+            let mut dealt = deals.then(|| Dealt::new(out.len(), rhs.len()));
+            let squares = if deals { std::mem::take(auxiliary_square) } else { 0.0 };
             let (sums, row_sums, shifts, mut seen) = match &mut dealt {
                 Some(Dealt { out, rhs, shift, seen }) => (&mut out[..], &mut rhs[..], shift, Some(seen)),
                 None => (&mut *out, &mut rhs[..], &mut *shift, None),
@@ -303,7 +303,6 @@ impl FeSystem<'_> {
                 dt: step.dt,
                 rates: has_rates,
                 auxiliaries,
-                share,
                 ..At::constraint([step.q_n, step.q_np1], rule, pressures, active)
             };
             let assembled = term.assemble(&at, tangent, &mut |local| {

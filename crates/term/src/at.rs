@@ -1,6 +1,5 @@
 //! What a contribution is evaluated at.
 
-use crate::Share;
 use stoss_integrators::{ForceRule, GradientRule};
 
 /// The line of a scheme's residual `R = M a + w F - c G^T p` that is assembled, with the place in the step where its contributions are taken.
@@ -53,8 +52,6 @@ pub struct At<'a> {
     pub active: &'a [bool],
     /// The positions at which the linear equations were solved last in this step: mixed solids linearise about what that solution says of their pressures.
     pub before: Option<&'a [f64]>,
-    /// The contributions that a term evaluates which deals them out ([`crate::Term::deals`]); all by default.
-    pub share: Share,
 }
 
 impl<'a> At<'a> {
@@ -62,8 +59,7 @@ impl<'a> At<'a> {
     pub fn force([q_n, q_np1]: [&'a [f64]; 2], rule: ForceRule, dt: f64) -> Self {
         let rule = Rule::Force(rule);
         let (multipliers, auxiliaries, active) = (&[], &[], &[]);
-        let (time, rates, before, share) = (0.0, true, None, Share::default());
-        Self { q_n, q_np1, rule, time, dt, rates, multipliers, auxiliaries, active, before, share }
+        Self { q_n, q_np1, rule, time: 0.0, dt, rates: true, multipliers, auxiliaries, active, before: None }
     }
 
     /// Of constraints with these multipliers, of which those act that `active` names.

@@ -197,7 +197,7 @@ pub fn promises(
     Ok(found)
 }
 
-/// How a term deals out its contributions, see [`Term::deals`].
+/// How a term deals out its contributions, see [`Term::set_share`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Sharing {
     /// Contributions that each rank evaluates; empty of a term that does not deal them out.
@@ -206,7 +206,7 @@ pub struct Sharing {
     pub is_whole: bool,
 }
 
-/// Compares what `ranks` ranks evaluate at an iterate with what the whole term does.
+/// Compares what `ranks` ranks evaluate at an iterate with what the whole term does, and leaves it whole.
 ///
 /// # Errors
 /// Where the term cannot be evaluated.
@@ -216,25 +216,26 @@ pub fn sharing(term: &mut dyn Term, at: &At<'_>, ranks: u32) -> Result<Sharing, 
     term.assemble(at, true, &mut |local| whole.push(local.clone()))?;
     let mut found = Sharing { counts: Vec::new(), is_whole: true };
     let mut seen = vec![0; whole.len()];
-    if !term.deals() {
-        return Ok(found);
-    }
     for rank in 0..ranks {
-        let at = At { share: Share::new(ranks, rank), ..*at };
-        term.renew(&at, true)?;
+        let Some(share) = term.set_share(Share::new(ranks, rank)) else { return Ok(found) };
+        let renewed = term.renew(at, true);
         let (mut k, mut count) = (0, 0);
-        term.assemble(&at, true, &mut |local| {
+        let evaluated = term.assemble(at, true, &mut |local| {
             let all = whole.get(k);
             found.is_whole &= all.is_some_and(|all| match local.is_elsewhere {
                 true => all.nodes == local.nodes && all.slots == local.slots && local.residual.is_empty(),
                 false => has_bits_of(local, all),
             });
+            found.is_whole &= local.is_elsewhere != share.has(&local.nodes);
             if !local.is_elsewhere {
                 count += 1;
                 seen.get_mut(k).into_iter().for_each(|seen| *seen += 1);
             }
             k += 1;
-        })?;
+        });
+        term.set_share(Share::default());
+        renewed?;
+        evaluated?;
         found.is_whole &= k == whole.len();
         found.counts.push(count);
     }

@@ -15,6 +15,7 @@ pub mod check;
 mod directors;
 mod fault;
 mod local;
+mod partition;
 mod potential;
 mod reference_gap;
 mod report;
@@ -29,6 +30,7 @@ pub use bilateral::{Bilateral, SlotKind};
 pub use directors::angular_velocity;
 pub use fault::{Fault, Undefined};
 pub use local::{Auxiliary, Local, multipliers_of};
+pub use partition::bisect;
 pub use potential::{BodyPair, Potential, SurfaceForce, SurfaceNode};
 pub use reference_gap::{ClosingFriction, Overlap, ReferenceGap, ReferenceGapOptions};
 pub use report::{

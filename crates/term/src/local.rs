@@ -38,7 +38,7 @@ pub struct Local {
     pub nodes: Vec<u32>,
     /// Constraint slots, each at most once.
     pub slots: Vec<u32>,
-    /// Whether another rank evaluates it: here it has nodes and slots, and no values. See [`crate::At::share`].
+    /// Whether another rank evaluates it: here it has nodes and slots, and no values. See [`crate::Term::set_share`].
     pub is_elsewhere: bool,
     /// Residual: minus the force, which is `dV/dq` of an energy and theory/node-to-surface#eq-residual of a contact; then `-A g` of the slots.
     pub residual: Vec<f64>,

@@ -1,39 +1,54 @@
 //! The part of a term's contributions that one of several ranks evaluates.
 
+use crate::bisect;
+use std::sync::Arc;
+
 /// The contributions of one of several ranks, told by their nodes: all ranks know whose a contribution is, whether it acts or is a candidate, and in whatever list it stands. The default
 /// is one rank, which has all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Share {
     ranks: u32,
     rank: u32,
+    /// Nodes that are dealt out by their places, ascending, and their ranks.
+    by_place: Arc<[(u32, u32)]>,
 }
 
 impl Default for Share {
     fn default() -> Self {
-        Self { ranks: 1, rank: 0 }
+        Self::new(1, 0)
     }
 }
 
 impl Share {
     /// That of a rank, counted from 0, among so many (0 counts as 1).
     pub fn new(ranks: u32, rank: u32) -> Self {
-        Self { ranks: ranks.max(1), rank }
+        Self { ranks: ranks.max(1), rank, by_place: Arc::default() }
     }
 
-    /// Whether it has all contributions.
-    pub fn is_whole(&self) -> bool {
-        self.ranks == 1
+    /// Deals out contributions that begin with one of these nodes by places, so that those of a rank are beside each other ([`bisect`]): nodes, their positions (a length), and how much begins with each.
+    #[must_use]
+    pub fn by_place(self, nodes: impl IntoIterator<Item = (u32, [f64; 3], u64)>) -> Self {
+        let mut nodes: Vec<_> = nodes.into_iter().collect();
+        nodes.sort_unstable_by_key(|node| node.0);
+        let (places, weights): (Vec<_>, Vec<_>) = nodes.iter().map(|node| (node.1, node.2)).unzip();
+        let ranks = bisect(&places, &weights, self.ranks as usize);
+        let by_place = nodes.iter().map(|node| node.0).zip(ranks).collect();
+        Self { by_place, ..self }
     }
 
-    /// The rank that evaluates a contribution to these nodes: a hash of the number of its first node, so that the nodes of a structured mesh, whose numbers on a side may all be even, are dealt
-    /// out evenly. Without nodes rank 0.
+    /// The rank that evaluates a contribution to these nodes: that of its first node. Nodes that are not dealt out by places are by a hash of their numbers, because those of a side of a structured mesh
+    /// may all be even. Without nodes rank 0.
     pub fn owner(&self, nodes: &[u32]) -> u32 {
-        nodes.first().map_or(0, |&node| hash(node) % self.ranks)
+        let Some(&node) = nodes.first() else { return 0 };
+        match self.by_place.binary_search_by_key(&node, |of| of.0) {
+            Ok(place) => self.by_place[place].1,
+            Err(_) => hash(node) % self.ranks,
+        }
     }
 
     /// Whether this rank evaluates a contribution to these nodes.
     pub fn has(&self, nodes: &[u32]) -> bool {
-        self.is_whole() || self.owner(nodes) == self.rank
+        self.ranks == 1 || self.owner(nodes) == self.rank
     }
 }
 
@@ -71,5 +86,10 @@ mod tests {
             assert!(Share::default().has(&[node]) && Share::new(0, 0).has(&[node]));
         }
         assert!(shares[0].has(&[]) && !shares[1].has(&[]));
+        // A line of nodes, of which the last is as heavy as all others.
+        let line = (0..8).map(|k| (10 * k, [f64::from(k), 0.0, 0.0], if k == 7 { 7 } else { 1 }));
+        let share = Share::new(2, 1).by_place(line);
+        assert_eq!([0, 30, 60, 70].map(|node| share.owner(&[node, 0])), [0, 0, 0, 1]);
+        assert_eq!(share.owner(&[5, 70]), Share::new(2, 0).owner(&[5]));
     }
 }

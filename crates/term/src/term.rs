@@ -1,8 +1,8 @@
 //! The trait of whatever adds to the equations of a step.
 
 use crate::{
-    At, Auxiliary, Bilateral, Coverage, Fault, Hold, Local, Potential, Rule, SlotReport, Step, Unilateral, Vectors,
-    Work,
+    At, Auxiliary, Bilateral, Coverage, Fault, Hold, Local, Potential, Rule, Share, SlotReport, Step, Unilateral,
+    Vectors, Work,
 };
 use std::ops::Range;
 
@@ -70,6 +70,12 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// Tells which nodes are carried by others, and with which weights: carriers and weights of a node, if it has any. Their positions are given with
     /// all others; a search may know from the carriers alone how a surface has moved.
     fn set_carriers<'a>(&mut self, _of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {}
+    /// Deals its contributions out among ranks, where several run the same program on the same positions: [`Self::assemble`] then evaluates those of this share and visits the others in their order as
+    /// [`Local::is_elsewhere`]; the sum of residuals and tangents over all ranks is that of one. Stencils, state, energies and work stay whole on every rank; `renew` and `assemble` may fail on one rank alone, and histories are
+    /// put together by [`Self::join_histories`]. Returns the share that it takes, which says whose each contribution is and may go by places; nothing, as by default, if all ranks evaluate all.
+    fn set_share(&mut self, _share: Share) -> Option<Share> {
+        None
+    }
     /// Begins a step: search and projection at its start, and all that is constant in it.
     ///
     /// # Errors
@@ -92,11 +98,6 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// Nodes and slots of contributions that do not act and may well do so in this step; called after `begin`. A hint: the
     /// matrix gets room for them, so that no symbolic work is needed when they come.
     fn candidates(&self, _active: &[bool], _visit: &mut dyn FnMut(&[u32], &[u32])) {}
-    /// Whether [`Self::assemble`] heeds [`At::share`]: it evaluates the contributions of that share and visits the others as [`Local::is_elsewhere`], in the same order; the sum of residuals and tangents
-    /// over all ranks is that of one. Everything else stays whole: state, stencils, energies, work, history. No by default: then every share has all.
-    fn deals(&self) -> bool {
-        false
-    }
     /// Residual and, if asked, tangent of every active contribution: what it adds to the line of the residual that [`At::rule`] names, nothing to others. A pure function; threads may compute, the
     /// visitor is called in the order of `stencils`.
     ///
@@ -175,6 +176,13 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// Opaque history for checkpoints; empty if there is none.
     fn save_history(&self) -> Vec<u8> {
         Vec::new()
+    }
+    /// The history of the whole term, as one rank alone saves it, of what all ranks saved after [`Self::set_share`], in their order. By default every rank has all.
+    ///
+    /// # Errors
+    /// The bytes belong to something else.
+    fn join_histories(&self, parts: &[Vec<u8>]) -> Result<Vec<u8>, Fault> {
+        Ok(parts.first().cloned().unwrap_or_default())
     }
     /// Restores what `save_history` wrote.
     ///

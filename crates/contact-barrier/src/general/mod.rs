@@ -69,6 +69,7 @@ pub struct GeneralContact {
     skin: Skin,
     rules: Interactions,
     options: GeneralOptions,
+    share: Share,
     proximity: Proximity,
     /// Whether forces are those of the end of the step, or between its two states.
     at_end: bool,
@@ -120,6 +121,7 @@ impl GeneralContact {
             skin,
             rules,
             options,
+            share: Share::default(),
             at_end: true,
             step_size: 0.0,
             has_rates: false,
@@ -152,10 +154,10 @@ impl GeneralContact {
     }
 
     /// What acts on the facets of a group.
-    fn contribution(&self, (facets, acts): (&[u32], Range<usize>), share: Share, want_tangent: bool, room: &mut Room) {
+    fn contribution(&self, (facets, acts): (&[u32], Range<usize>), want_tangent: bool, room: &mut Room) {
         let Room { local, joint, scatter } = room;
         self.nodes_of(facets, &mut local.nodes);
-        if !share.has(&local.nodes) {
+        if !self.share.has(&local.nodes) {
             local.set_elsewhere();
             return;
         }
@@ -204,8 +206,9 @@ impl Term for GeneralContact {
         rule == Rule::Constraint(GradientRule::EndPoint) && !self.rules.has_friction()
     }
 
-    fn deals(&self) -> bool {
-        true
+    fn set_share(&mut self, share: Share) -> Option<Share> {
+        self.share = share;
+        Some(self.share.clone())
     }
 
     fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
@@ -290,7 +293,7 @@ impl Term for GeneralContact {
         });
         let of_groups: Vec<_> = of_groups.collect();
         let compute = |group: &(&[u32], Range<usize>), room: &mut Room| {
-            self.contribution(group.clone(), at.share, want_tangent, room);
+            self.contribution(group.clone(), want_tangent, room);
             Ok(())
         };
         in_order(&of_groups, compute, |_, room| visit(&room.local))

@@ -9,8 +9,8 @@ use crate::state::{Integrated, Need, StepState};
 use stoss_contact::{ContactError, in_order};
 use stoss_segmentation::GapRange;
 use stoss_term::{
-    At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, SlotReport, Step, StepConfiguration, Term, Unilateral,
-    Work, multipliers_of,
+    At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, Share, SlotReport, Step, StepConfiguration, Term,
+    Unilateral, Work, multipliers_of,
 };
 
 impl Term for MortarContact {
@@ -46,8 +46,8 @@ impl Term for MortarContact {
         }
     }
 
-    fn deals(&self) -> bool {
-        true
+    fn set_share(&mut self, share: Share) -> Option<Share> {
+        Some(self.take_share(share))
     }
 
     fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
@@ -174,7 +174,7 @@ impl Term for MortarContact {
             self.follow_start(&carrying)?;
         }
         if want_tangent && self.learns() {
-            self.learn(q_np1, &carrying)?;
+            self.learn(q_np1, &self.of_share(&carrying))?;
         }
         let changed =
             before.iter().zip(nodes(self)).zip(active).any(|((before, now), active)| *active && *before != now);
@@ -208,7 +208,7 @@ impl Term for MortarContact {
             out.slots.push(k as u32);
             out.nodes.clear();
             out.nodes.extend_from_slice(&slot.nodes);
-            if !at.share.has(&slot.nodes) {
+            if !self.share.has(&slot.nodes) {
                 out.set_elsewhere();
                 return Ok(());
             }
@@ -257,6 +257,10 @@ impl Term for MortarContact {
 
     fn save_history(&self) -> Vec<u8> {
         self.history()
+    }
+
+    fn join_histories(&self, parts: &[Vec<u8>]) -> Result<Vec<u8>, Fault> {
+        Ok(self.join(parts)?)
     }
 
     fn load_history(&mut self, bytes: &[u8]) -> Result<(), Fault> {

@@ -37,22 +37,49 @@ impl MortarContact {
         let mut out: Vec<u8> = self.closed_steps.iter().flat_map(|steps| steps.to_le_bytes()).collect();
         out.extend(self.save_friction());
         self.reference_gap.save(&mut out);
-        let learnt: Vec<_> = self.secants.iter().enumerate().filter(|(_, secant)| !secant.is_empty()).collect();
-        out.extend((learnt.len() as u32).to_le_bytes());
-        for (k, secant) in learnt {
-            out.extend((k as u32).to_le_bytes());
-            secant.save(&mut out);
-        }
+        let learnt = self.secants.iter().enumerate().filter(|(k, _)| self.own[*k]);
+        save_secants(learnt, &mut out);
         out
     }
 
+    /// What all ranks saved, put together: what rows have learnt is that of their ranks, and everything else the same on all.
+    pub(super) fn join(&self, parts: &[Vec<u8>]) -> Result<Vec<u8>, ContactError> {
+        let mut all = vec![Secant::default(); self.slot_count()];
+        for part in parts {
+            let found = load_secants(self.before_secants(part)?.1, self.slot_count());
+            let found = found.ok_or_else(|| self.foreign(part))?;
+            let learnt = all.iter_mut().zip(found).filter(|(_, found)| !found.is_empty());
+            learnt.for_each(|(secant, found)| *secant = found);
+        }
+        let Some(first) = parts.first() else { return Ok(Vec::new()) };
+        let mut out = first[..first.len() - self.before_secants(first)?.1.len()].to_vec();
+        save_secants(all.iter().enumerate(), &mut out);
+        Ok(out)
+    }
+
+    fn foreign(&self, bytes: &[u8]) -> ContactError {
+        ContactError::History { reason: format!("{} bytes for {} slots", bytes.len(), self.slot_count()) }
+    }
+
+    /// The parts of a history: steps, friction, reference gaps as they are afterwards, and the bytes of what rows have learnt.
+    #[expect(clippy::type_complexity, reason = "used here only")]
+    fn before_secants<'a>(
+        &self,
+        bytes: &'a [u8],
+    ) -> Result<((&'a [u8], &'a [u8], stoss_term::ReferenceGap), &'a [u8]), ContactError> {
+        let split = || {
+            let (steps, rest) = bytes.split_at_checked(4 * self.closed_steps.len())?;
+            let (friction, rest) = rest.split_at_checked(self.friction_history())?;
+            let mut reference_gap = self.reference_gap.clone();
+            let rest = reference_gap.load(rest, self.slot_count())?;
+            Some(((steps, friction, reference_gap), rest))
+        };
+        split().ok_or_else(|| self.foreign(bytes))
+    }
+
     pub(super) fn set_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        let error = ContactError::History { reason: format!("{} bytes for {} slots", bytes.len(), self.slot_count()) };
-        let Some((steps, rest)) = bytes.split_at_checked(4 * self.closed_steps.len()) else { return Err(error) };
-        let Some((friction, rest)) = rest.split_at_checked(self.friction_history()) else { return Err(error) };
-        let mut reference_gap = self.reference_gap.clone();
-        let Some(rest) = reference_gap.load(rest, self.slot_count()) else { return Err(error) };
-        let Some(secants) = load_secants(rest, self.slot_count()) else { return Err(error) };
+        let ((steps, friction, reference_gap), rest) = self.before_secants(bytes)?;
+        let secants = load_secants(rest, self.slot_count()).ok_or_else(|| self.foreign(bytes))?;
         let (numbers, _) = steps.as_chunks::<4>();
         self.closed_steps.iter_mut().zip(numbers).for_each(|(steps, bytes)| *steps = u32::from_le_bytes(*bytes));
         self.load_friction(friction);
@@ -61,6 +88,16 @@ impl MortarContact {
         // Of the step that was begun before they were known.
         self.step.reference.clear();
         Ok(())
+    }
+}
+
+/// What rows have learnt, with their numbers; those that have learnt nothing are left out.
+fn save_secants<'a>(of_rows: impl Iterator<Item = (usize, &'a Secant)>, out: &mut Vec<u8>) {
+    let learnt: Vec<_> = of_rows.filter(|(_, secant)| !secant.is_empty()).collect();
+    out.extend((learnt.len() as u32).to_le_bytes());
+    for (k, secant) in learnt {
+        out.extend((k as u32).to_le_bytes());
+        secant.save(out);
     }
 }
 

@@ -28,9 +28,15 @@ impl MortarContact {
         Ok((candidates, range))
     }
 
-    /// Renews the slots of the end (and of the middle) at an iterate. Derivatives of `active` rows are there afterwards if forces or a tangent need them.
+    /// Those of these rows that are of the share.
+    pub(super) fn of_share(&self, rows: &[bool]) -> Vec<bool> {
+        rows.iter().zip(&self.own).map(|(row, own)| *row && *own).collect()
+    }
+
+    /// Renews the slots of the end (and of the middle) at an iterate. Derivatives of `active` rows of the share are there afterwards if forces or a tangent need them.
     pub(super) fn follow(&mut self, q_np1: &[f64], active: &[bool], want_tangent: bool) -> Result<(), ContactError> {
-        let has = |of: &Integrated, at_all: bool| at_all && active.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a);
+        let own = &self.of_share(active)[..];
+        let has = |of: &Integrated, at_all: bool| at_all && own.iter().zip(&of.derivatives).all(|(a, d)| *d || !*a);
         let at_end = self.step.is_at(q_np1, &self.end.at);
         let by_end = matches!(self.rule, GradientRule::EndPoint | GradientRule::EndPointMean);
         let needs_end = want_tangent || by_end && !self.has_fixed_weights();
@@ -42,7 +48,7 @@ impl MortarContact {
         let Self { surfaces, step, .. } = &*self;
         let with_facets = self.friction.is_some();
         let candidates = &step.candidates;
-        let chosen: &[bool] = if needs_end { active } else { &[] };
+        let chosen: &[bool] = if needs_end { own } else { &[] };
         let mut end = if end_done {
             self.end.clone()
         } else {
@@ -60,7 +66,7 @@ impl MortarContact {
         let mut middle = Integrated::default();
         if self.has_middle() {
             let q_m = Positions::Mean(&step.q_n, q_np1);
-            let needs = surfaces.needs(Need::Nothing, active);
+            let needs = surfaces.needs_among(active, own);
             middle = surfaces.integrate(candidates, q_m, &needs, &step.without, &end.slots, with_facets)?;
             // Nodes of the middle belong to the stencil of the end.
             for (slot, of_middle) in end.slots.iter_mut().zip(&middle.slots) {
@@ -75,10 +81,24 @@ impl MortarContact {
         Ok(())
     }
 
+    /// Adds nodes to the stencil of a row.
+    fn widen(&mut self, row: usize, nodes: &[u32]) {
+        self.end.slots[row].widen(nodes);
+        if let Some(middle) = self.middle.slots.get_mut(row) {
+            middle.widen(&self.end.slots[row].nodes);
+        }
+    }
+
     /// Gradients at the start of the step, for the rows that need them.
     pub(super) fn follow_start(&mut self, active: &[bool]) -> Result<(), ContactError> {
+        // What other ranks need widens the stencils as here.
+        let elsewhere = (0..active.len()).filter(|&k| active[k] && !self.own[k] && !self.is_frozen());
+        for k in elsewhere.collect::<Vec<_>>() {
+            self.widen(k, &self.step.start[k].nodes.clone());
+        }
+        let own = self.of_share(active);
         let missing: Vec<bool> =
-            active.iter().zip(&self.step.gradient).map(|(active, gradient)| *active && gradient.is_empty()).collect();
+            own.iter().zip(&self.step.gradient).map(|(own, gradient)| *own && gradient.is_empty()).collect();
         if !missing.iter().any(|m| *m) {
             return Ok(());
         }
@@ -109,10 +129,7 @@ impl MortarContact {
         for (k, nodes, gradient) in gradients {
             // In the order of the slot at the end, which nodes are only added to.
             if !frozen {
-                self.end.slots[k].widen(&nodes);
-                if let Some(middle) = self.middle.slots.get_mut(k) {
-                    middle.widen(&self.end.slots[k].nodes);
-                }
+                self.widen(k, &nodes);
             }
             let order = &self.end.slots[k].nodes;
             let mut sorted = vec![0.0; 3 * order.len()];

@@ -16,7 +16,7 @@ mod tunnelling;
 use crate::factors::Factors;
 use crate::friction::SurfaceFriction;
 use crate::options::{Integrals, MortarOptions, NEARNESS};
-use crate::rows::rows;
+use crate::rows::{Row, rows};
 use crate::secant::Secant;
 use crate::sharp_edges::{has_sharp_edges, smooth_parts, unit_normals};
 use crate::slot::Slot;
@@ -25,11 +25,11 @@ use crate::surfaces::{CheckExtent, SurfaceCoverage, SurfaceSegmentation, thickne
 use crate::weights::Integration;
 use crate::{Faces, MortarError};
 use nalgebra::Vector3;
-use std::collections::HashMap;
-use stoss_contact::{ContactError, ContactSurface, SurfaceTree};
+use std::collections::{BTreeMap, HashMap};
+use stoss_contact::{ContactError, ContactSurface, SurfaceTree, position};
 use stoss_reference_element::FacePiece;
 use stoss_segmentation::FacetSegmentation;
-use stoss_term::{GradientRule, ReferenceGap, Step, Support};
+use stoss_term::{GradientRule, ReferenceGap, Share, Step, Support};
 
 /// Penetration at which points take no part any more, in lengths of slave facets, where a surface has sharp edges or both sides of its body: beyond that other sides
 /// are.
@@ -66,6 +66,9 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 #[derive(Clone, Debug)]
 pub struct MortarContact {
     name: String,
+    share: Share,
+    /// Rows of this share.
+    own: Vec<bool>,
     pub(crate) surfaces: Surfaces,
     /// Over the master.
     tree: SurfaceTree,
@@ -126,6 +129,8 @@ impl MortarContact {
             reference_gap: ReferenceGap::default(),
             closed_steps,
             name: name.to_owned(),
+            share: Share::default(),
+            own: vec![true; rows.len()],
             tree: SurfaceTree::new(&master, reference)?,
             surfaces: Surfaces {
                 slave,
@@ -181,6 +186,19 @@ impl MortarContact {
             }
         }
         without
+    }
+
+    /// Takes the rows of a share. They are dealt out by places: the derivatives of integrals over a facet are needed by all its corners.
+    fn take_share(&mut self, share: Share) -> Share {
+        let Surfaces { slave, faces, rows, .. } = &self.surfaces;
+        let first = |row: &Row| faces[0].nodes(slave, row.facets[0].0)[0];
+        let mut begin: BTreeMap<u32, u64> = BTreeMap::new();
+        rows.iter().for_each(|row| *begin.entry(first(row)).or_default() += 1);
+        let share =
+            share.by_place(begin.into_iter().map(|(node, rows)| (node, position(&self.step.q_n, node).into(), rows)));
+        self.own = rows.iter().map(|row| share.has(&[first(row)])).collect();
+        self.share = share.clone();
+        share
     }
 
     /// Tells the stress per length, Young's modulus over the length of a facet, that compliances are measured by. Without it there are none.

@@ -29,7 +29,7 @@ use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
 use stoss_contact::{ContactError, in_order, position};
 use stoss_term::{
-    At, Auxiliary, Fault, GradientRule, Hold, Local, ReferenceGap, SlotReport, Step, StepConfiguration, Term,
+    At, Auxiliary, Fault, GradientRule, Hold, Local, ReferenceGap, Share, SlotReport, Step, StepConfiguration, Term,
     Unilateral, Work,
 };
 
@@ -235,8 +235,8 @@ impl Term for CoordinateAugmented {
         self.inner.set_carriers(of);
     }
 
-    fn deals(&self) -> bool {
-        self.inner.deals()
+    fn set_share(&mut self, share: Share) -> Option<Share> {
+        self.inner.set_share(share)
     }
 
     fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
@@ -325,13 +325,13 @@ impl Term for CoordinateAugmented {
             let values = self.values(slot, auxiliaries);
             let pressure = pressures[slot];
             let Some(pairing) = self.inner.slots[slot].pairing else {
-                self.inner.without_partner(slot, pressure, values, (at.share, want_tangent), contribution);
+                self.inner.without_partner(slot, pressure, values, want_tangent, contribution);
                 return Ok(());
             };
             let failed = || ContactError::Projection { node: self.inner.node(slot), facet: pairing.end };
             let element = self.element(slot, pairing);
             contribution.nodes.extend_from_slice(element.list());
-            if !at.share.has(element.list()) {
+            if !self.inner.share.has(element.list()) {
                 contribution.set_elsewhere();
                 return Ok(());
             }

@@ -26,11 +26,11 @@ impl NodeToSurface {
         slot: usize,
         pressure: f64,
         auxiliaries: &[f64],
-        (share, want_tangent): (Share, bool),
+        want_tangent: bool,
         contribution: &mut Local,
     ) {
         contribution.nodes.push(self.node(slot));
-        if !share.has(&contribution.nodes) {
+        if !self.share.has(&contribution.nodes) {
             contribution.set_elsewhere();
             return;
         }
@@ -77,8 +77,9 @@ impl Term for NodeToSurface {
         self.search.set_carriers(of);
     }
 
-    fn deals(&self) -> bool {
-        true
+    fn set_share(&mut self, share: Share) -> Option<Share> {
+        self.share = share;
+        Some(self.share.clone())
     }
 
     fn holds(&self, visit: &mut dyn FnMut(u32, Hold)) {
@@ -207,12 +208,12 @@ impl Term for NodeToSurface {
             contribution.nodes.clear();
             let multiplier = multipliers_of(slot, further, auxiliaries);
             let Some(pairing) = self.slots[slot].pairing else {
-                self.without_partner(slot, pressures[slot], &multiplier, (at.share, want_tangent), contribution);
+                self.without_partner(slot, pressures[slot], &multiplier, want_tangent, contribution);
                 return Ok(());
             };
             let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
             contribution.nodes.extend_from_slice(element.list());
-            if !at.share.has(element.list()) {
+            if !self.share.has(element.list()) {
                 contribution.set_elsewhere();
                 return Ok(());
             }

@@ -19,13 +19,14 @@ use crate::slave::Slave;
 use crate::slot::Slot;
 use stoss_contact::{ContactError, ContactLine, ContactSurface, FacetNodes, MasterSearch, position};
 use stoss_geometry::Patch;
-use stoss_term::{ReferenceGap, SlotReport, Term};
+use stoss_term::{ReferenceGap, Share, SlotReport, Term};
 
 /// Slave nodes against master facets, with or without friction, one pressure a slave node: traction on the node's reference area or, of a line, force per reference
 /// length.
 #[derive(Clone, Debug)]
 pub struct NodeToSurface {
     name: String,
+    pub(crate) share: Share,
     pub(crate) slave: Slave,
     pub(crate) search: MasterSearch,
     pub(crate) constraint: ConstraintForm,
@@ -91,6 +92,7 @@ impl NodeToSurface {
         let slots = vec![Slot::FREE; slave.nodes().len()];
         Ok(Self {
             name: name.to_owned(),
+            share: Share::default(),
             search: MasterSearch::new(master, reference, options.search)?,
             constraint: options.constraint,
             hold: options.hold,

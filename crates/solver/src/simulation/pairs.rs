@@ -108,7 +108,7 @@ impl Simulation {
             }
             let at = iterate.at(c, &step);
             self.log.timings.measure(Phase::Contact, || {
-                pair.term.assemble(&at, false, &mut |local| {
+                self.system.shares.visit_all(c, &*pair.term, &at, &mut |local| {
                     for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                         if !on_surface.is_empty() {
                             // Minus the force of the nodes that carry it.

@@ -27,13 +27,9 @@ impl Simulation {
 
     /// What each term carries from step to step.
     pub(super) fn histories(&self) -> Vec<Vec<u8>> {
-        let (bodies, model) = (self.model.bodies.len(), &self.model);
-        let of = |(k, term): (usize, &dyn Term)| match term.save_history() {
-            // Its elements may be those of several ranks.
-            mine if k < bodies => self.system.shares.history(model, k, mine),
-            whole => whole,
-        };
-        model.terms().enumerate().map(of).collect()
+        let of =
+            |(number, term): (usize, &dyn Term)| self.system.shares.history(&self.model, number, term.save_history());
+        self.model.terms().enumerate().map(of).collect()
     }
 
     /// Continues from a checkpoint of the same scene in the present stage (of a new simulation: the first one), to the end of this simulation.

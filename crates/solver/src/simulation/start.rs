@@ -110,7 +110,8 @@ impl Simulation {
         let q = &self.state.q;
         let step = ContactConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
         for (c, pair) in self.model.couplings().filter(|(_, pair)| which(pair)) {
-            pair.term.assemble(&step.at(&self.slots.pressures[c], &self.slots.active[c]), false, &mut |local| {
+            let at = step.at(&self.slots.pressures[c], &self.slots.active[c]);
+            self.system.shares.visit_all(c, &*pair.term, &at, &mut |local| {
                 for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                     let first = 3 * node as usize;
                     out[first..first + 3].iter_mut().zip(residual).for_each(|(out, r)| *out -= r);
@@ -158,9 +159,11 @@ impl Simulation {
             let mut q = state.q.clone();
             vector::axpy(distance, &state.v, &mut q);
             model.embedding.follow(&mut q);
-            for (c, pair) in model.couplings_mut() {
-                pair.term.renew(&At::end(&q, &zeros[c], &active[c]).with_auxiliaries(&auxiliaries[c]), tangent)?;
-            }
+            let renewed = model.couplings_mut().try_for_each(|(c, pair)| {
+                let at = At::end(&q, &zeros[c], &active[c]).with_auxiliaries(&auxiliaries[c]);
+                pair.term.renew(&at, tangent).map(|_| ())
+            });
+            system.shares.agree(renewed)?;
             let at = StepConfiguration { time: state.time, dt: 0.0, q_n: &state.q, q_np1: &q };
             let mut fe = FeSystem { model, system, pressures: &zeros, auxiliaries: &auxiliaries, active: &active };
             if tangent {

@@ -136,7 +136,7 @@ fields = ["displacement", "principal_stresses", "deformation_gradient", "green_l
         fixed("bottom", "z")
     );
     let scene = parse(&text, "block.toml").unwrap();
-    let mut simulation = crate::build::build(&scene, std::path::Path::new(".")).unwrap().simulation;
+    let mut simulation = crate::build::build(&scene, Path::new(".")).unwrap().simulation;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.vtu");
     let read = |simulation: &Simulation| {

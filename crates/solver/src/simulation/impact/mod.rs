@@ -297,9 +297,10 @@ impl Simulation {
             }
             let (pressures, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
             let mut work = of_pairs[c].friction_work - of_pairs[c].driven;
-            pair.term.assemble(
+            self.system.shares.visit_all(
+                c,
+                &*pair.term,
                 &configuration.at(pressures, active).with_auxiliaries(auxiliaries),
-                false,
                 &mut |local| {
                     for (&node, residual) in local.nodes.iter().zip(local.residual.chunks_exact(3)) {
                         let first = 3 * node as usize;

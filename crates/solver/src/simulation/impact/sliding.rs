@@ -58,9 +58,10 @@ impl Simulation {
             pair.term.report(q)?.iter().for_each(|report| is_slave[report.node as usize] = true);
             let (pressures, auxiliaries, active) = (&iterate.pressures[c], &iterate.auxiliaries[c], &iterate.active[c]);
             let mut forces = vec![[0.0; 3]; active.len()];
-            pair.term.assemble(
+            self.system.shares.visit_all(
+                c,
+                &*pair.term,
                 &configuration.at(pressures, active).with_auxiliaries(auxiliaries),
-                false,
                 &mut |local| {
                     let [slot] = local.slots[..] else { return };
                     let of_slaves = local.nodes.iter().zip(local.residual.chunks_exact(3));

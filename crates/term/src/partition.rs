@@ -1,4 +1,4 @@
-//! Elements divided among ranks by their places. Not what a rank does with its part, not connectivity.
+//! Elements, or what else has places and weights, divided among ranks. Not what a rank does with its part, not connectivity.
 
 /// The part of each element by recursive bisection: elements are ordered along the longest side of the box around their centres and cut in two by their weights, then each half again,
 /// until there is one list for each of the `parts` (0 counts as 1). `centres`: a length; `weights`: the work of each element in any unit.

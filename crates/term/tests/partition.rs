@@ -1,6 +1,6 @@
 //! Elements divided among ranks: sizes, places, order.
 use proptest::prelude::*;
-use stoss_mesh::bisect;
+use stoss_term::bisect;
 
 fn sizes(part_of: &[u32], weights: &[u64], parts: usize) -> Vec<u64> {
     let mut sizes = vec![0; parts];
