@@ -68,6 +68,9 @@ enum Command {
         /// Set a parameter of the scene to another value; may be given several times.
         #[arg(long, value_name = "NAME=VALUE", value_parser = job::assignment)]
         set: Vec<(String, String)>,
+        /// Also estimate the memory that a run on N ranks would need, and the bytes that a rank would receive.
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+        ranks: Option<u32>,
     },
     /// Write a page for a browser that shows a scene before its run: bodies, surfaces of contacts with their gaps, supports, loads, joints and sets with their names.
     View(view::View),
@@ -144,7 +147,7 @@ fn main() -> ExitCode {
         Command::Picture(asked) => picture::write(asked),
         Command::Values(asked) => values::write(asked),
         Command::Table(asked) => table::print(&asked),
-        Command::Check { scene, set } => check(&scene, set),
+        Command::Check { scene, set, ranks } => check(&scene, set, ranks),
         Command::View(asked) => view::view(&asked),
         Command::Judge { out } => judge(&out),
         Command::Diagnose { out } => diagnose::diagnose(&out),
@@ -180,9 +183,12 @@ fn judge(out: &Path) -> ExitCode {
     }
 }
 
-fn check(path: &Path, set: Vec<(String, String)>) -> ExitCode {
+fn check(path: &Path, set: Vec<(String, String)>, ranks: Option<u32>) -> ExitCode {
     match stoss::run::check_scene_for(path, &RunOptions { set, ..RunOptions::default() }) {
-        Ok(plan) => tell(&plan.to_string()),
+        Ok(plan) => {
+            let of_ranks = ranks.map(|ranks| format!("\n{}", plan.on_ranks(ranks))).unwrap_or_default();
+            tell(&format!("{plan}{of_ranks}"))
+        }
         Err(error) => refused(path, &error),
     }
 }

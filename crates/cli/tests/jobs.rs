@@ -1,6 +1,7 @@
 //! Jobs: interruption, parameters, events, sweeps.
 
 use serde_json::Value;
+use std::io::Write;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -372,6 +373,66 @@ fn commands_are_lines_for_a_shell() {
     assert_eq!(collected.status.code(), Some(0), "{}", stderr(&collected));
     let outcomes: Vec<String> = table(&folder.path().join("out")).iter().map(|row| row["outcome"].clone()).collect();
     assert_eq!(outcomes, ["completed", "completed", "missing", "missing"]);
+    // The rest by another program, two at once; then the table is that of a sweep.
+    let rest = stoss(folder.path(), &["sweep", "a fall.toml", "--commands", "--out", "out"]).stdout;
+    let mut xargs = Command::new("xargs");
+    xargs.args(["-0", "-P", "2", "-I", "LINE", "sh", "-c", "LINE"]).current_dir(folder.path()).env("PATH", &path);
+    let mut xargs = xargs.stdin(Stdio::piped()).spawn().unwrap();
+    let lines: Vec<u8> = rest.iter().map(|&byte| if byte == b'\n' { 0 } else { byte }).collect();
+    assert_eq!(lines.iter().filter(|&&byte| byte == 0).count(), 2);
+    xargs.stdin.take().unwrap().write_all(&lines).unwrap();
+    assert!(xargs.wait().unwrap().success());
+    for arguments in [&["--collect", "--out", "out"][..], &["--out", "swept", "--threads", "1"]] {
+        let output = stoss(folder.path(), &[&["sweep", "a fall.toml", "--no-report"], arguments].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    }
+    let [collected, swept] = ["out", "swept"].map(|name| {
+        let mut rows = table(&folder.path().join(name));
+        rows.iter_mut().for_each(|row| drop(row.remove("wall_seconds")));
+        rows
+    });
+    assert!(collected.len() == 4 && collected == swept, "{collected:?}\n{swept:?}");
+}
+
+/// Without MPI each process would do the whole run: one of them says so.
+#[cfg(not(feature = "mpi"))]
+#[test]
+fn processes_that_were_started_together_need_mpi() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "fall.toml", FALL);
+    let of_rank = |rank: &str, arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stoss"));
+        command.args(arguments).current_dir(folder.path()).stdin(Stdio::null());
+        command.env("OMPI_COMM_WORLD_SIZE", "2").env("OMPI_COMM_WORLD_RANK", rank).output().expect("the program starts")
+    };
+    for (arguments, message) in [
+        (&["run", "fall.toml"][..], "has no MPI"),
+        (&["sweep", "fall.toml"], "only `stoss run`"),
+        (&["rum"], "unrecognized subcommand"),
+    ] {
+        let [first, second] = ["0", "1"].map(|rank| of_rank(rank, arguments));
+        assert!(first.status.code() == Some(2) && stderr(&first).contains(message), "{}", stderr(&first));
+        assert!(second.status.success() && second.stderr.is_empty(), "{}", stderr(&second));
+    }
+    let output = stoss(folder.path(), &["run", "fall.toml", "--out", "one", "--quiet", "--no-report"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(!folder.path().join("fall.out").exists() && !folder.path().join("fall.sweep").exists());
+    write(folder.path(), "petsc.toml", &FALL.replace("[sweep]", "[solver]\nlinear = \"petsc\"\n[sweep]"));
+    let output = stoss(folder.path(), &["run", "petsc.toml"]);
+    let text = stderr(&output);
+    assert!(output.status.code() == Some(2) && text.contains("solver.linear") && text.contains("`mpi`"), "{text}");
+}
+
+/// The sums are those of the documented formula for 27 nodes.
+#[test]
+fn check_estimates_what_a_rank_needs() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "fall.toml", FALL);
+    let output = stoss(folder.path(), &["check", "fall.toml", "--ranks", "4"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.contains("on 4 ranks (estimate"), "{text}");
+    assert!(text.contains("57.2 MB") && text.contains("1.9 kB"), "{text}");
+    assert_eq!(stoss(folder.path(), &["check", "fall.toml", "--ranks", "0"]).status.code(), Some(2));
 }
 
 /// A sweep that is interrupted leaves cases that go on from their checkpoints.

@@ -167,6 +167,8 @@ const CASES: &[Case] = &[
     dynamic("max_iterations = 20", "max_iterations = 0", "max_iterations", "solver.max_iterations"),
     dynamic("max_iterations = 20", "polish = 0", "polish", "solver.polish"),
     dynamic("max_iterations = 20", "linear = \"magic\"", "magic", "solver.linear"),
+    dynamic("max_iterations = 20", "petsc = \"cholesky\"", "cholesky", "solver.petsc"),
+    dynamic("max_iterations = 20", "linear = \"faer\"\npetsc = \"direct\"", "petsc", "solver.petsc"),
     dynamic("max_iterations = 20", "absolute_tolerance = -1", "absolute_tolerance", "solver.absolute_tolerance"),
     // [watch]
     dynamic("[time]", "[watch]\nevery = 0\n\n[time]", "every = 0", "watch.every"),

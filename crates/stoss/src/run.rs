@@ -1,5 +1,6 @@
 //! Runs a scene file into a folder; checks a scene file. What the program `stoss` does, for programs.
 
+mod estimate;
 mod session;
 
 use crate::build::{Built, OwnLaws, build_on};
@@ -174,6 +175,14 @@ fn constraint_unknowns(built: &Built, slots: usize) -> String {
 #[derive(Clone, Debug)]
 pub struct PlanReport {
     lines: Vec<String>,
+    plan: Plan,
+}
+
+impl PlanReport {
+    /// A line with the memory that a run on so many ranks would need and the bytes that a rank would receive: an estimate.
+    pub fn on_ranks(&self, ranks: u32) -> String {
+        estimate::on_ranks(&self.plan, ranks)
+    }
 }
 
 impl std::fmt::Display for PlanReport {
@@ -204,7 +213,7 @@ pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunEr
 /// As [`check_scene`].
 pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, RunError> {
     let (scene, built) = load(path, options)?;
-    Ok(PlanReport { lines: report_lines(path, options, &scene, &built)? })
+    Ok(PlanReport { lines: report_lines(path, options, &scene, &built)?, plan: built.simulation.plan() })
 }
 
 /// The plan of a scene that was built, and what is to be said about it.

@@ -47,6 +47,7 @@ mod pair_table;
 mod pairs;
 mod pressures;
 mod ranks;
+mod ranks_output;
 mod rigid_pairs;
 mod rigid_tools;
 mod rims;
