@@ -3,7 +3,6 @@
 use crate::{
     ForceRule, SolidOptions, SolidStep, StepEnd, TimeLevel, Volumetric,
     assembly::{self, AssemblyTarget, ElementEvaluator},
-    blocks,
     element::{self, ElementHistory, ElementStep, Failure, FailureKind, Geometry, gather, natural_gradients},
     element_block::{ElementBlock, ElementFailure, InvertedCell, Material, PointStrain},
     kernel::{self, ElementIntegration, Gradients, LocalTangent, NodalVectors, PointBuffers, TangentFactors},
@@ -61,7 +60,7 @@ impl<const N: usize, const G: usize> Block<N, G> {
         law: &dyn HyperelasticLaw,
     ) -> Result<Self, InvertedCell> {
         let kind = cells.kind();
-        let rule = blocks::rule_of(kind, options.integration);
+        let rule = options.rule(kind);
         let natural: [Gradients<N>; G] = std::array::from_fn(|g| natural_gradients(kind, rule[g].0));
         let weights: [f64; G] = std::array::from_fn(|g| rule[g].1);
         let elements = cells.nodes().as_chunks::<N>().0.iter().enumerate().map(|(element, nodes)| {

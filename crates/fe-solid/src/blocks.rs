@@ -8,12 +8,7 @@ use crate::{
 };
 use stoss_continuum::HyperelasticLaw;
 use stoss_mesh::{CellBlock, Elements};
-use stoss_reference_element::{CellKind, Integration, Rule};
-
-/// The points of a kind of cells: those that are asked for if the kind has them, else those of the full rule, which every kind has.
-pub(crate) fn rule_of(kind: CellKind, asked: Integration) -> Rule {
-    kind.rule(asked).or_else(|| kind.rule(Integration::Full)).unwrap_or_default()
-}
+use stoss_reference_element::{CellKind, Integration};
 
 /// Cells whose data [`check`] makes at once.
 const PIECE: usize = 256;

@@ -7,7 +7,7 @@ use crate::{
     element::{Failure, FailureKind},
     element_block::{ElementBlock, ElementFailure, InvertedCell, Material},
     mass::{self, Carried},
-    share::Own,
+    own::Own,
     viscous::Viscosity,
 };
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};

@@ -1,6 +1,6 @@
 //! What an element costs in an iteration, for dividing elements among ranks. Not a measurement of a run: clocks of ranks differ.
 
-use crate::{SolidBody, Volumetric, blocks::rule_of};
+use crate::{SolidBody, Volumetric};
 
 /// Solution of the linear equations, for each node: 13 us by smoothed aggregation to 55 us by elimination of some ten thousand nodes.
 const SOLUTION: u64 = 27_000;
@@ -25,7 +25,7 @@ impl SolidBody {
             more += AVERAGE;
         }
         let cost = |(kind, nodes): (_, &[u32])| {
-            let (points, nodes_squared) = (rule_of(kind, options.integration).len() as u64, nodes.len().pow(2) as u64);
+            let (points, nodes_squared) = (options.rule(kind).len() as u64, nodes.len().pow(2) as u64);
             let solution: u64 = nodes.iter().map(|node| SOLUTION / around[local(node)]).sum();
             points * (POINT + PAIR * nodes_squared + more) + solution
         };

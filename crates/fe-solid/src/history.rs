@@ -1,6 +1,6 @@
 //! States of the Gauss points of a body whose law has some: the end of a step, what it lost, and the states as numbers for restarts and output.
 
-use crate::{MaterialPoint, OutputPlace, SolidBody, SolidError, StepEnd, blocks::rule_of, recovery};
+use crate::{MaterialPoint, OutputPlace, SolidBody, SolidError, StepEnd, recovery};
 use std::iter::repeat_n;
 use stoss_continuum::{Material, Mechanisms, StateEntry};
 
@@ -174,8 +174,8 @@ impl SolidBody {
 
     /// How many numbers the states of each element of the body are.
     pub(crate) fn state_lengths(&self) -> Vec<usize> {
-        let (len, asked) = (self.state_len(), self.options().integration);
+        let (len, options) = (self.state_len(), self.options());
         let blocks = self.elements().blocks().iter();
-        blocks.flat_map(|cells| repeat_n(len * rule_of(cells.kind(), asked).len(), cells.len())).collect()
+        blocks.flat_map(|cells| repeat_n(len * options.rule(cells.kind()).len(), cells.len())).collect()
     }
 }

@@ -42,6 +42,7 @@ mod matrices;
 mod mixed;
 mod nodal;
 mod options;
+mod own;
 mod point;
 mod recovery;
 mod reference;

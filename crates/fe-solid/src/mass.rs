@@ -5,7 +5,7 @@ use crate::{
     element::natural_gradients,
     element_block::InvertedCell,
     kernel::{self, Gradients, NodalVectors},
-    share::Own,
+    own::Own,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! What elements of a body can do in more than one way.
 
-use stoss_reference_element::Integration;
+use stoss_reference_element::{CellKind, Integration, Rule};
 
 /// What elements of a body can do in more than one way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -9,6 +9,13 @@ pub struct SolidOptions {
     pub integration: Integration,
     /// How the change of volume is treated.
     pub volumetric: Volumetric,
+}
+
+impl SolidOptions {
+    /// The points of a kind of cells: those that are asked for if the kind has them, else those of the full rule, which every kind has.
+    pub(crate) fn rule(self, kind: CellKind) -> Rule {
+        kind.rule(self.integration).or_else(|| kind.rule(Integration::Full)).unwrap_or_default()
+    }
 }
 
 /// How elements treat the change of volume.

@@ -72,7 +72,7 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     fn set_carriers<'a>(&mut self, _of: &dyn Fn(u32) -> Option<&'a [(u32, f64)]>) {}
     /// Deals its contributions out among ranks, where several run the same program on the same positions: [`Self::assemble`] then evaluates those of this share and visits the others in their order as
     /// [`Local::is_elsewhere`]; the sum of residuals and tangents over all ranks is that of one. Stencils, state, energies and work stay whole on every rank; `renew` and `assemble` may fail on one rank alone, and histories are
-    /// put together by [`Self::join_histories`]. Returns the share that it takes, which says whose each contribution is and may go by places; nothing, as by default, if all ranks evaluate all.
+    /// put together by [`Self::join_histories`]. To be called once, before the first step. Returns the share that it takes, which says whose each contribution is and may go by places; nothing, as by default, if all ranks evaluate all.
     fn set_share(&mut self, _share: Share) -> Option<Share> {
         None
     }

@@ -251,6 +251,7 @@ fn terms_keep_what_the_trait_promises() {
         }
     }
     println!("{count:?}");
+    assert!(count.shared > 5, "{count:?}");
     assert!(count.made > 300 && 10 * count.bent < count.made, "{count:?}");
 }
 

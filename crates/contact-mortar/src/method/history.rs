@@ -3,7 +3,17 @@
 use super::MortarContact;
 use crate::secant::Secant;
 use stoss_contact::ContactError;
-use stoss_term::{Term as _, Work};
+use stoss_term::{ReferenceGap, Term as _, Work};
+
+/// A history, as it was saved.
+struct Saved<'a> {
+    steps: &'a [u8],
+    friction: &'a [u8],
+    reference_gap: ReferenceGap,
+    /// Bytes of these three.
+    length: usize,
+    secants: Vec<Secant>,
+}
 
 impl MortarContact {
     pub(super) fn step_work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Work {
@@ -45,41 +55,37 @@ impl MortarContact {
     /// What all ranks saved, put together: what rows have learnt is that of their ranks, and everything else the same on all.
     pub(super) fn join(&self, parts: &[Vec<u8>]) -> Result<Vec<u8>, ContactError> {
         let mut all = vec![Secant::default(); self.slot_count()];
+        let mut out = Vec::new();
         for part in parts {
-            let found = load_secants(self.before_secants(part)?.1, self.slot_count());
-            let found = found.ok_or_else(|| self.foreign(part))?;
-            let learnt = all.iter_mut().zip(found).filter(|(_, found)| !found.is_empty());
+            let Saved { length, secants, .. } = self.saved(part)?;
+            out.clear();
+            out.extend_from_slice(&part[..length]);
+            let learnt = all.iter_mut().zip(secants).filter(|(_, found)| !found.is_empty());
             learnt.for_each(|(secant, found)| *secant = found);
         }
-        let Some(first) = parts.first() else { return Ok(Vec::new()) };
-        let mut out = first[..first.len() - self.before_secants(first)?.1.len()].to_vec();
-        save_secants(all.iter().enumerate(), &mut out);
+        if !parts.is_empty() {
+            save_secants(all.iter().enumerate(), &mut out);
+        }
         Ok(out)
     }
 
-    fn foreign(&self, bytes: &[u8]) -> ContactError {
-        ContactError::History { reason: format!("{} bytes for {} slots", bytes.len(), self.slot_count()) }
-    }
-
-    /// The parts of a history: steps, friction, reference gaps as they are afterwards, and the bytes of what rows have learnt.
-    #[expect(clippy::type_complexity, reason = "used here only")]
-    fn before_secants<'a>(
-        &self,
-        bytes: &'a [u8],
-    ) -> Result<((&'a [u8], &'a [u8], stoss_term::ReferenceGap), &'a [u8]), ContactError> {
-        let split = || {
+    fn saved<'a>(&self, bytes: &'a [u8]) -> Result<Saved<'a>, ContactError> {
+        let saved = || {
             let (steps, rest) = bytes.split_at_checked(4 * self.closed_steps.len())?;
             let (friction, rest) = rest.split_at_checked(self.friction_history())?;
             let mut reference_gap = self.reference_gap.clone();
             let rest = reference_gap.load(rest, self.slot_count())?;
-            Some(((steps, friction, reference_gap), rest))
+            let secants = load_secants(rest, self.slot_count())?;
+            Some(Saved { steps, friction, reference_gap, length: bytes.len() - rest.len(), secants })
         };
-        split().ok_or_else(|| self.foreign(bytes))
+        saved().ok_or_else(|| {
+            let reason = format!("{} bytes for {} slots", bytes.len(), self.slot_count());
+            ContactError::History { reason }
+        })
     }
 
     pub(super) fn set_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        let ((steps, friction, reference_gap), rest) = self.before_secants(bytes)?;
-        let secants = load_secants(rest, self.slot_count()).ok_or_else(|| self.foreign(bytes))?;
+        let Saved { steps, friction, reference_gap, secants, .. } = self.saved(bytes)?;
         let (numbers, _) = steps.as_chunks::<4>();
         self.closed_steps.iter_mut().zip(numbers).for_each(|(steps, bytes)| *steps = u32::from_le_bytes(*bytes));
         self.load_friction(friction);
