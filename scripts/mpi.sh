@@ -21,9 +21,9 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
 # Of all members at once, so that what the tests have built serves again.
-cargo build --workspace --bins --features stoss-cli/mpi
-cargo build --workspace --features stoss-cli/mpi,stoss-linalg-petsc/petsc -p stoss-linalg-petsc --example ranks
-cargo clippy --quiet --workspace --features stoss-cli/mpi,stoss-linalg-petsc/petsc -- -D warnings
+cargo build --workspace --features stoss-cli/mpi
+cargo build --workspace --example ranks --features stoss-cli/mpi,stoss-linalg-petsc/petsc
+cargo clippy --quiet -p stoss-linalg-petsc --all-targets --features petsc -- -D warnings
 
 echo "== sums, texts, exchanges, systems"
 for n in 1 "$ranks" 3; do together "$n" "$built/examples/ranks"; done

@@ -151,7 +151,9 @@ fn check_tool(
 
 /// All sources of a member in one text; tests, benches and examples do not count.
 fn sources(workspace: &Workspace, folder: &str) -> Outcome<String> {
-    let files = workspace.files()?.into_iter().filter(|file| file.starts_with(format!("{folder}/src")));
+    // Build dependencies are named by the build script.
+    let (src, script) = (format!("{folder}/src"), format!("{folder}/build.rs"));
+    let files = workspace.files()?.into_iter().filter(|file| file.starts_with(&src) || file.starts_with(&script));
     let sources = files.filter(|file| file.extension().is_some_and(|kind| kind == "rs"));
     sources.map(|file| workspace.read(file)).collect()
 }
