@@ -51,7 +51,7 @@ impact() {
     scene "$1" dynamic 0.008 0.001 'integrator = { scheme = "energy-momentum" }'
     block lower "[0, 0, 0]" "[2, 2, 1]" "[4, 4, 2]" ""
     block upper "[0.3, 0.3, 1.004]" "[1.3, 1.3, 2.004]" "[3, 3, 2]" "velocity = [3.0, 2.0, -2.0]"
-    printf '[[probe]]\nname = "upper"\nset = "upper.top"\nquantity = "position"\n'
+    printf '[[probe]]\nname = "upper"\nset = "upper.bottom"\nquantity = "position"\n'
 }
 {
     scene cube quasi-static 1.0 0.5 ''

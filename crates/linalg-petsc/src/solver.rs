@@ -222,8 +222,7 @@ impl PetscSolver {
                 std::mem::swap(&mut r, &mut left);
                 quality = new;
             }
-            // Also of one that is no number.
-            if !(gain < 0.5) {
+            if exceeds(gain, 0.5) {
                 break;
             }
         }
@@ -237,6 +236,11 @@ struct Iterated {
     /// Why it is not to be used.
     refusal: Option<String>,
     is_indefinite: bool,
+}
+
+/// Also of what is no number.
+fn exceeds(value: f64, limit: f64) -> bool {
+    value.is_nan() || value > limit
 }
 
 fn failed(operation: &'static str, message: String) -> LinalgError {
@@ -343,11 +347,11 @@ impl LinearSolver for PetscSolver {
         self.statistics.refinement_steps += u64::from(steps);
         self.statistics.iterations += if is_own_choice { ended.iterations } else { 0 };
         let limit = self.options.acceptable_backward_error;
-        if !is_own_choice && ended.has_converged && !(quality.backward_error <= limit) {
+        if !is_own_choice && ended.has_converged && exceeds(quality.backward_error, limit) {
             let backward_error = quality.backward_error;
             return Err(LinalgError::NotConverged { backward_error, limit, refinement_steps: steps });
         }
-        if !ended.has_converged || (is_own_choice && !(quality.residual <= ACCEPTED)) {
+        if !ended.has_converged || (is_own_choice && exceeds(quality.residual, ACCEPTED)) {
             let (reason, count, residual) = (&ended.reason, ended.iterations, quality.residual);
             let message = format!("{reason} after {count} iterations, relative residual {residual:.1e}");
             return Err(failed(SOLUTION, message));
