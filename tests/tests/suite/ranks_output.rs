@@ -127,7 +127,7 @@ fn assert_same_results(a: &Path, b: &Path) {
         a.iter().zip(&b).enumerate().for_each(|(k, (a, b))| assert_close(&format!("{name} {k}"), a, b, scale));
     }
     for name in files(a).iter().filter(|name| name.ends_with(".vtu")) {
-        let [a, b] = [a, b].map(|folder| read_vtu(&folder.join(name)).unwrap());
+        let [a, b] = [a, b].map(|folder| read_vtu(folder.join(name)).unwrap());
         for (field, of_b) in a.point_data.iter().zip(&b.point_data) {
             assert_eq!(field.name, of_b.name);
             assert_close(&format!("{name} {}", field.name), &field.values, &of_b.values, largest(&field.values));
