@@ -81,7 +81,8 @@ impl Threads {
         while !until(&state) {
             if let Some(gone) = state.gone {
                 drop(state);
-                panic!("{GONE} {gone} while rank {} waits for it", self.rank);
+                // The rank that is gone has said why.
+                std::panic::resume_unwind(Box::new(format!("{GONE} {gone} while rank {} waits for it", self.rank)));
             }
             state = self.board.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
