@@ -231,12 +231,12 @@ impl Shares {
         if values.len() < SHORT * self.communicator.size() {
             self.communicator.sum(values);
         } else {
-            self.add_slices(&values.to_vec(), |at, sum| values[at] = sum);
+            values.copy_from_slice(&self.sums_by_slices(values));
         }
     }
 
     /// Each rank sums a slice of the numbers, in the order of the ranks; then all get all.
-    fn add_slices(&self, part: &[f64], mut take: impl FnMut(usize, f64)) {
+    fn sums_by_slices(&self, part: &[f64]) -> Vec<f64> {
         let (rank, ranks) = (self.communicator.rank(), self.communicator.size());
         let start = |r: usize| part.len() * r / ranks;
         let counts: Vec<usize> = (0..ranks).map(|r| start(r + 1) - start(r)).collect();
@@ -249,7 +249,7 @@ impl Shares {
         }
         let mut all = vec![0.0; part.len()];
         self.communicator.gather(&sums, &counts, &mut all);
-        all.into_iter().enumerate().for_each(|(at, sum)| take(at, sum));
+        all
     }
 
     /// Sum of a number over the ranks.
@@ -266,7 +266,7 @@ impl Shares {
     /// Adds to `out`, at each of some components, the sum over the ranks of `part`. The components are the same on all ranks, each of which sums a slice of them in the order of the ranks.
     pub fn add_sum_at(&self, components: &[u32], part: &[f64], out: &mut [f64]) {
         let mine: Vec<f64> = components.iter().map(|&c| part[c as usize]).collect();
-        self.add_slices(&mine, |at, sum| out[components[at] as usize] += sum);
+        components.iter().zip(self.sums_by_slices(&mine)).for_each(|(&c, sum)| out[c as usize] += sum);
     }
 
     /// Whether it is true on any rank.
