@@ -9,13 +9,15 @@ use super::rows::{PROBES, Tables};
 use super::settings::FolderSettings;
 use super::table::CsvTable;
 use super::watch::{self, RunWatch, Watched};
-use super::{Memory, Outcome, OutputError, Summary, WatchSummary, frames};
+use super::{Memory, Outcome, OutputError, RankSummary, Summary, WatchSummary, frames};
 use crate::error::RunError;
+use crate::ranks::Ranks;
 use crate::scene::OnFault;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use stoss_linalg::Traffic;
 use stoss_solver::{
     Checkpoint, CheckpointError, DecisionKind, PhaseTime, Simulation, SimulationError, StepRecord, Table,
 };
@@ -394,6 +396,7 @@ impl ResultFolder {
             wall_seconds: self.started.elapsed().as_secs_f64(),
             cpu_seconds: self.cpu.elapsed().as_secs_f64(),
             memory: Memory { peak_resident_bytes: peak_resident_bytes(), system_bytes: plan.memory_bytes },
+            ranks: of_ranks(&self.settings.ranks),
             drift: BTreeMap::from([
                 ("linear_momentum".to_owned(), linear),
                 ("angular_momentum".to_owned(), angular),
@@ -438,6 +441,27 @@ fn read(folder: &Path, file: &Path) -> Result<(Option<FolderLock>, Vec<u8>), Run
     let unreadable = |source| CheckpointError::Io { path: file.to_path_buf(), source };
     let bytes = std::fs::read(file).map_err(unreadable).map_err(OutputError::from)?;
     Ok((Some(lock), bytes))
+}
+
+/// What each of several ranks has needed. Collective.
+fn of_ranks(ranks: &Ranks) -> Vec<RankSummary> {
+    if ranks.count() == 1 {
+        return Vec::new();
+    }
+    let communicator = ranks.communicator();
+    let Traffic { operations, messages, bytes } = communicator.traffic();
+    let mine = [operations, messages, bytes, peak_resident_bytes().unwrap_or(0)];
+    let all = communicator.gather_bytes(&mine.map(u64::to_le_bytes).concat());
+    let of_rank = |bytes: &Vec<u8>| {
+        let number = |k: usize| bytes.as_chunks().0.get(k).map_or(0, |bytes| u64::from_le_bytes(*bytes));
+        RankSummary {
+            peak_resident_bytes: Some(number(3)).filter(|&bytes| bytes > 0),
+            operations: number(0),
+            messages: number(1),
+            received_bytes: number(2),
+        }
+    };
+    all.iter().map(of_rank).collect()
 }
 
 /// Largest resident set of this process, where `/proc` tells.

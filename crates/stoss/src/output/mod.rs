@@ -34,7 +34,7 @@ pub use folder::ResultFolder;
 pub use identity::SceneIdentity;
 pub use lock::is_in_use;
 pub use settings::FolderSettings;
-pub use summary::{Memory, Outcome, Summary, WatchSummary};
+pub use summary::{Memory, Outcome, RankSummary, Summary, WatchSummary};
 pub use watch::{Watched, judge_folder};
 
 pub(crate) use promises::{changed_by, promises};

@@ -51,6 +51,19 @@ pub struct Memory {
     pub system_bytes: usize,
 }
 
+/// What a rank of a run on several has needed: memory, and what it received from the others; not what passes between them inside of PETSc.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
+pub struct RankSummary {
+    /// Largest resident set in bytes, where the system reports it.
+    pub peak_resident_bytes: Option<u64>,
+    /// Collective operations.
+    pub operations: u64,
+    /// Messages of other ranks.
+    pub messages: u64,
+    /// Their bytes.
+    pub received_bytes: u64,
+}
+
 /// What the watch checked, and when.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, PartialEq)]
 pub struct WatchSummary {
@@ -107,8 +120,11 @@ pub struct Summary {
     pub wall_seconds: f64,
     /// CPU seconds of the whole run (of this session, if resumed).
     pub cpu_seconds: f64,
-    /// Memory.
+    /// Memory; of a run on several ranks that of the first.
     pub memory: Memory,
+    /// Of a run on several ranks what each has needed (in this session, if resumed); empty of others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ranks: Vec<RankSummary>,
     /// Largest drifts: `linear_momentum`, `angular_momentum`, `energy`; those that loads or supports change have a reason in place of a number.
     pub drift: BTreeMap<String, Drift>,
     /// Every decision of step control and active set.
@@ -224,6 +240,19 @@ impl std::fmt::Display for Summary {
             write!(f, "  {name} {:.1} %", 100.0 * share)?;
         }
         writeln!(f, "  (contact altogether {:.1} %)", 100.0 * self.contact_share)?;
+        if let Some(most) = self.ranks.iter().max_by_key(|rank| rank.received_bytes) {
+            let megabytes = |bytes: u64| bytes as f64 / 1e6;
+            let peak = self.ranks.iter().filter_map(|rank| rank.peak_resident_bytes).max();
+            writeln!(
+                f,
+                "ranks:  {}, each received up to {:.2} MB in {} operations, {} messages{}",
+                self.ranks.len(),
+                megabytes(most.received_bytes),
+                most.operations,
+                most.messages,
+                peak.map_or(String::new(), |peak| format!("; memory up to {:.0} MB a rank", megabytes(peak)))
+            )?;
+        }
         write!(f, "largest relative drift:")?;
         for (name, drift) in &self.drift {
             match drift.relative {
