@@ -38,6 +38,11 @@ impl Method {
         }
     }
 
+    /// Whether an option, with its dash, is one that the user has written.
+    pub(crate) fn names(&self, option: &str) -> bool {
+        matches!(self, Self::Options(text) if text.split_whitespace().any(|word| word == option))
+    }
+
     /// Options of the solver that iterates on so many equations, if one does; `others`: how many are not of nodes of bodies.
     pub(crate) fn iterative(&self, kind: MatrixKind, equations: usize, others: usize) -> Option<String> {
         let iterates = match self {

@@ -92,7 +92,7 @@ impl PetscSolver {
             return Ok(());
         }
         let made = ffi::insert_options(&prefixed(options, &prefix)).and_then(|()| system.add_engine(engine, &prefix));
-        made.map_err(|message| failed("a solver of PETSc", format!("{message} (options: {options})")))
+        made.map_err(|message| LinalgError::Settings { message: format!("{message} (options: {options})") })
     }
 
     /// Gives PETSc the values of this rank's part.
@@ -187,8 +187,13 @@ impl PetscSolver {
             Some(unused) => unused,
             None => {
                 let prefix = self.prefix(DIRECT);
-                let unused = ffi::unused_options(&prefix).map_err(|message| failed("the options of PETSc", message))?;
-                unused.iter().map(|name| format!("-{}", &name[prefix.len()..])).collect()
+                let unused = ffi::unused_options(&prefix).map_err(|message| LinalgError::Settings { message })?;
+                let own: Vec<String> = unused.iter().map(|name| format!("-{}", &name[prefix.len()..])).collect();
+                // Some solvers are on a part of the ranks: unused is what no rank has asked for. A tolerance that was not written is no mistake.
+                let all = self.communicator().gather_bytes(own.join(" ").as_bytes());
+                let all: Vec<String> = all.iter().map(|of| String::from_utf8_lossy(of).into_owned()).collect();
+                let on_all = |name: &String| all.iter().all(|of| of.split(' ').any(|other| other == name));
+                own.into_iter().filter(|name| on_all(name) && self.method.names(name)).collect()
             }
         };
         let unused = self.unused.insert(unused);
@@ -199,7 +204,7 @@ impl PetscSolver {
             "PETSc has no use for {}: correct the spelling, or remove it; what is not of the solver goes into the environment variable PETSC_OPTIONS",
             unused.join(", ")
         );
-        Err(failed("the options of PETSc", message))
+        Err(LinalgError::Settings { message })
     }
 
     /// Improves a solution with the factors until its residual is at round-off level or falls no more; returns what it is like then, and the steps.

@@ -100,6 +100,12 @@ pub enum LinalgError {
         /// Refinement steps done.
         refinement_steps: u32,
     },
+    /// A setting that the solver does not have, or that makes no solver.
+    #[error("the linear solver refuses its settings: {message}")]
+    Settings {
+        /// The setting, and what is wrong with it.
+        message: String,
+    },
     /// The library underneath failed, usually for lack of memory.
     #[error("{operation} failed: {message}")]
     Backend {

@@ -32,10 +32,12 @@ pub(crate) struct Shares {
     elements: Vec<Vec<u32>>,
     /// Contributions of each coupling; empty with one rank.
     couplings: Vec<OfCoupling>,
-    /// Nodes of own elements that another rank owns, by rank, and those that this rank owns and others have, by rank.
+    /// Nodes that this rank adds to, ascending.
+    touched: Vec<u32>,
+    /// Those of them that another rank owns, by rank, and those that this rank owns and others add to, by rank.
     lent: Lists,
     borrowed: Lists,
-    /// Nodes of elements by the rank that owns them.
+    /// Nodes that any rank adds to, by the rank that owns them.
     owned: Lists,
 }
 
@@ -49,9 +51,9 @@ struct OfCoupling {
 
 impl Default for Shares {
     fn default() -> Self {
-        let (owner, elements, couplings) = (Vec::new(), Vec::new(), Vec::new());
+        let (owner, elements, couplings, touched) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let [lent, borrowed, owned] = std::array::from_fn(|_| Lists::default());
-        Self { communicator: Serial::shared(), owner, elements, couplings, lent, borrowed, owned }
+        Self { communicator: Serial::shared(), owner, elements, couplings, touched, lent, borrowed, owned }
     }
 }
 
@@ -90,6 +92,20 @@ fn add_packed(nodes: &[u32], packed: &[f64], values: &mut [f64]) {
     }
 }
 
+/// Nodes that the bodies' elements of this rank add to, ascending: their own, and those that carry masses of others.
+fn touched(model: &Model) -> Vec<u32> {
+    let mut nodes = Vec::new();
+    for body in &model.bodies {
+        body.solid.stencils().for_each(|of| nodes.extend_from_slice(of));
+        if body.massless.is_some() {
+            body.mass(1.0).stencils().for_each(|of| nodes.extend_from_slice(of));
+        }
+    }
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
 impl Shares {
     /// Shares out the elements of the bodies, which keep the data of those of this rank.
     pub fn new(model: &mut Model, communicator: Arc<dyn Communicator>) -> Result<Arc<Self>, StepError> {
@@ -104,23 +120,24 @@ impl Shares {
         for (nodes, &of) in pairs() {
             nodes.iter().for_each(|&node| owner[node as usize] = owner[node as usize].min(of));
         }
-        let (mut lent, mut borrowed) = (Vec::new(), Vec::new());
-        for (nodes, &of) in pairs() {
-            for &node in nodes {
-                match owner[node as usize] {
-                    owner if owner == of => {}
-                    owner if of == rank => lent.push((owner, node)),
-                    owner if owner == rank => borrowed.push((of, node)),
-                    _ => {}
-                }
-            }
-        }
-        let of_elements = owner.iter().enumerate().filter(|(_, of)| **of != u32::MAX);
-        let owned = of_elements.map(|(node, &of)| (of, node as u32)).collect();
         owner.iter_mut().filter(|of| **of == u32::MAX).for_each(|of| *of = 0);
         for (body, ranks) in model.bodies.iter_mut().zip(&elements) {
             let mine: Vec<bool> = ranks.iter().map(|&of| of == rank).collect();
             body.solid.share(&mine).map_err(Fault::from)?;
+        }
+        let touched = touched(model);
+        let bytes: Vec<u8> = touched.iter().flat_map(|node| node.to_le_bytes()).collect();
+        let (mut lent, mut borrowed, mut owned) = (Vec::new(), Vec::new(), Vec::new());
+        for (of, bytes) in (0_u32..).zip(communicator.gather_bytes(&bytes)) {
+            for node in bytes.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)) {
+                let owner = owner[node as usize];
+                owned.push((owner, node));
+                if owner != of && of == rank {
+                    lent.push((owner, node));
+                } else if owner != of && owner == rank {
+                    borrowed.push((of, node));
+                }
+            }
         }
         let couplings = model.contacts.iter_mut().map(|pair| {
             let share = Share::new(ranks as u32, rank);
@@ -131,7 +148,7 @@ impl Shares {
         });
         let couplings = couplings.collect();
         let [lent, borrowed, owned] = [lent, borrowed, owned].map(|pairs| Lists::new(pairs, ranks));
-        Ok(Arc::new(Self { communicator, owner, elements, couplings, lent, borrowed, owned }))
+        Ok(Arc::new(Self { communicator, owner, elements, couplings, touched, lent, borrowed, owned }))
     }
 
     /// Whether there is more than one rank.
@@ -212,6 +229,7 @@ impl Shares {
         }
         let mut part = vec![0.0; out.len()];
         let result = add(&mut part);
+        debug_assert!(self.has_touched(&part), "something was added at a node that this rank does not know of");
         let mut received = vec![0.0; 3 * self.borrowed.nodes.len()];
         let (lent, borrowed) = (&self.lent, &self.borrowed);
         self.communicator.exchange(&packed(&lent.nodes, &part), &lent.counts, &mut received, &borrowed.counts);
@@ -263,6 +281,12 @@ impl Shares {
         values
     }
 
+    /// Whether nothing but nodes that this rank adds to have values.
+    fn has_touched(&self, part: &[f64]) -> bool {
+        let nodes = part.chunks_exact(3).zip(0..);
+        nodes.filter(|(x, _)| **x != [0.0; 3]).all(|(_, node)| self.touched.binary_search(&node).is_ok())
+    }
+
     /// Adds to `out`, at each of some components, the sum over the ranks of `part`. The components are the same on all ranks, each of which sums a slice of them in the order of the ranks.
     pub fn add_sum_at(&self, components: &[u32], part: &[f64], out: &mut [f64]) {
         let mine: Vec<f64> = components.iter().map(|&c| part[c as usize]).collect();
@@ -289,7 +313,7 @@ impl Shares {
         let (n, ranks) = (values.len(), self.communicator.size());
         let mut all = vec![0.0; n * ranks];
         self.communicator.gather(values, &vec![n; ranks], &mut all);
-        for of_rank in all.chunks_exact(n) {
+        for of_rank in all.chunks_exact(n.max(1)) {
             values.iter_mut().zip(of_rank).for_each(|(largest, value)| *largest = largest.max(*value));
         }
     }

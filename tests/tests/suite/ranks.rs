@@ -154,6 +154,37 @@ components = ["x", "z"]
 displacement = { table = [[0, 0, 0], [1, 0.2, -0.1]] }
 "#;
 
+/// Nodes of the surface without mass, which nodes of elements farther inside carry: of other ranks, too.
+#[test]
+fn masses_that_nodes_of_other_elements_carry() {
+    let text = r#"
+[scene]
+title = "Drop"
+kind = "dynamic"
+[time]
+end = 0.01
+step = 0.001
+integrator = { scheme = "energy-momentum" }
+[[body]]
+name = "b"
+mesh = { generator = "block", min = [0, 0, 0.002], max = [1, 1, 2.002], divisions = [4, 4, 2] }
+material = { law = "neo-hooke", young = 1e6, poisson = 0.3 }
+density = 1000.0
+velocity = [0, 0, -2]
+[[rigid]]
+name = "floor"
+shape = { kind = "box", size = [4, 4, 1] }
+position = [0.5, 0.5, -0.5]
+fixed = true
+[[contact]]
+method = "mortar"
+slave = "b.bottom"
+master = "floor.all"
+surface_mass = "none"
+"#;
+    compare("surface without mass", text, Path::new("."), 6, &[2, 3, 7], 1e-9);
+}
+
 /// An element that is inverted on one rank is one for all: the same cuts, and one message.
 #[test]
 fn an_inverted_element_on_one_rank() {

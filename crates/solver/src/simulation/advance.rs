@@ -15,7 +15,7 @@ use crate::terms::Line;
 use crate::{Body, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationError, StepError, StepRecord};
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{State, Step, StepRule, finish};
-use stoss_linalg::vector;
+use stoss_linalg::{LinalgError, vector};
 use stoss_term::{Coverage, Fault, Step as ContactStep, Work};
 
 /// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
@@ -25,6 +25,11 @@ const EXTRAPOLATION_FITS: f64 = 0.1;
 /// End of the message of a step whose size does not matter.
 const AT_ANY_SIZE: &str =
     "; the matrix at the start of the step is singular whatever the step size, so that smaller steps were not tried";
+
+/// Whether the linear solver refuses its settings, which no step changes.
+fn is_refused(cause: &StepError) -> bool {
+    matches!(cause, StepError::Linear(LinalgError::Settings { .. }))
+}
 
 /// From where the iterations start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +112,11 @@ impl Simulation {
                         continue;
                     }
                     if at_any_size || !self.clock.cut() {
-                        let hint = if at_any_size { AT_ANY_SIZE.to_owned() } else { self.undivided(&cause) };
+                        let hint = match at_any_size {
+                            true if is_refused(&cause) => String::new(),
+                            true => AT_ANY_SIZE.to_owned(),
+                            false => self.undivided(&cause),
+                        };
                         return Err(SimulationError::StepFailed {
                             step: self.step + 1,
                             time,
@@ -218,11 +227,12 @@ impl Simulation {
         if let Err(cause) = &result {
             // Without inertia and stabilisation the step size is in no term of this matrix; it is in a start that goes on as the last step ended.
             let goes_on = from == Start::Extrapolation && vector::norm_inf(&self.state.v) > 0.0;
-            let at_any_size = self.how.scheme.is_none()
+            let singular_at_any = self.how.scheme.is_none()
                 && self.system.present.stabilisation.is_none()
                 && !goes_on
                 && trace.first_was_singular(cause);
             let failed = trace.failed(&self.model, (self.step + 1, self.state.time, dt), cause);
+            let at_any_size = singular_at_any || is_refused(cause);
             self.failures.push(FailedAttempt { at_any_size, ..failed });
         }
         result

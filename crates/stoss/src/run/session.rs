@@ -85,8 +85,9 @@ impl Session {
         let steered = steer(&scene, &mut built.simulation, &options.steered)?;
         let settings = settings(&scene, &built, &options.ranks)?;
         let is_one = options.ranks.count() == 1;
-        if !is_one && !options.ranks.are_equal(settings.identity.hash().as_bytes()) {
-            let reason = "the ranks have read different scenes or mesh files: give all machines the same ones";
+        let told = format!("{} {end} {} {:?}", settings.identity.hash(), options.resume, options.steered);
+        if !is_one && !options.ranks.are_equal(told.as_bytes()) {
+            let reason = "the ranks have read different scenes or mesh files, or were given different options: give all of them the same";
             return Err(RunError::Option(reason.to_owned()));
         }
         if !is_one && options.systems > 0 {
