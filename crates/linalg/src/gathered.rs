@@ -54,6 +54,10 @@ impl GatheredSolver {
         let Some(whole) = &self.whole else {
             return Err(LinalgError::CallOrder { called: "factorise", missing: "analyse" });
         };
+        let expected = self.counts[self.communicator.rank()];
+        if values.len() != expected {
+            return Err(LinalgError::Length { what: "list of values", expected, found: values.len() });
+        }
         let mut all = vec![0.0; self.places.len()];
         self.communicator.gather(values, &self.counts, &mut all);
         self.sums.clear();

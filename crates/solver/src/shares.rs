@@ -298,13 +298,6 @@ impl Shares {
         if self.is_shared() { self.communicator.any(value) } else { value }
     }
 
-    /// Largest of the ranks' numbers.
-    pub fn max(&self, value: f64) -> f64 {
-        let mut values = [value];
-        self.max_all(&mut values);
-        values[0]
-    }
-
     /// Largest of the ranks' numbers, of each of a list.
     pub fn max_all(&self, values: &mut [f64]) {
         if !self.is_shared() {
@@ -342,11 +335,13 @@ impl Shares {
             })
             .collect();
         self.sum_all(&mut sums);
-        for (work, sum) in works.iter_mut().zip(sums.chunks_exact(6)) {
+        let mut flows: Vec<f64> = works.iter().map(|work| work.material.flow).collect();
+        self.max_all(&mut flows);
+        for ((work, sum), flow) in works.iter_mut().zip(sums.chunks_exact(6)).zip(flows) {
             (work.stored, work.dissipated) = (sum[0], sum[1]);
             let of = &mut work.material;
             (of.hardening, of.plastic, of.viscous, of.softening) = (sum[2], sum[3], sum[4], sum[5]);
-            of.flow = self.max(of.flow);
+            of.flow = flow;
         }
     }
 
