@@ -19,7 +19,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use stoss_verification::{RandomRange, gallery, manifest, program, workspace};
+use stoss_verification::{RandomRange, Selection, gallery, manifest, program, workspace};
 use workspace::{Outcome, Workspace};
 
 /// Chores of the workspace.
@@ -72,6 +72,9 @@ enum Command {
         /// Number of scenes of the suite `random`.
         #[arg(long, default_value_t = 30)]
         count: u64,
+        /// A problem of the suite `work-precision`, mostly one; all if none is given.
+        #[arg(long = "problem")]
+        problems: Vec<String>,
         /// Names of suites; all if none is given.
         suites: Vec<String>,
     },
@@ -115,8 +118,9 @@ fn dispatch(arguments: Arguments) -> Outcome<bool> {
         Command::Api { bless } => api::command(&workspace, bless),
         Command::Tidy => tidy::command(&workspace),
         Command::Schema { check } => schema::command(&workspace, check),
-        Command::Verify { quick, seed, count, suites } => {
-            stoss_verification::verify(&workspace, quick, &suites, RandomRange { seed, count })
+        Command::Verify { quick, seed, count, problems, suites } => {
+            let random = RandomRange { seed, count };
+            stoss_verification::verify(&workspace, Selection { suites, quick, random, problems })
         }
         Command::Same { other, steps, scenes } => same::command(&workspace, &same::Comparison { other, steps, scenes }),
         Command::Bench { other, pairs, threads, works } => {

@@ -11,7 +11,7 @@ pub mod workspace;
 
 use stoss_report::{plot, table, vtu};
 
-pub use verify::{RandomRange, command as verify};
+pub use verify::{RandomRange, Selection, command as verify};
 
 /// Points of the trilinear hexahedra of a frame that has no other elements.
 pub(crate) fn hexahedra(grid: &vtu::Grid) -> Vec<[usize; 8]> {

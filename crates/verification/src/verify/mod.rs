@@ -108,6 +108,8 @@ pub struct Bench {
     pub quick: bool,
     /// Which random scenes the suite `random` runs.
     pub random: random::Range,
+    /// Problems of the suite `work-precision`; all if none is named.
+    pub problems: Vec<String>,
     folder: PathBuf,
     program: Mutex<Option<Program>>,
     runs: Mutex<BTreeMap<String, Arc<Mutex<Option<Run>>>>>,
@@ -128,6 +130,7 @@ impl Bench {
             workspace: workspace.clone(),
             quick,
             random: random::Range::default(),
+            problems: Vec::new(),
             folder,
             program: Mutex::default(),
             runs: Mutex::default(),
@@ -140,6 +143,11 @@ impl Bench {
         let name = scene.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let until = if self.quick { quick_end(&self.scene(&name)?) } else { None };
         self.run(scene, until)
+    }
+
+    /// True if this problem of the suite `work-precision` is to be run.
+    pub fn is_asked(&self, problem: &str) -> bool {
+        self.problems.is_empty() || self.problems.iter().any(|name| name == problem)
     }
 
     /// The program, built when it is first needed.
@@ -220,13 +228,28 @@ fn quick_end(scene: &toml::Table) -> Option<f64> {
     (shortened < end).then_some(shortened)
 }
 
-/// Runs the named suites; false if a check falls short.
-pub fn command(workspace: &Workspace, quick: bool, names: &[String], random: random::Range) -> Outcome<bool> {
+/// What is run.
+#[derive(Clone, Debug, Default)]
+pub struct Selection {
+    /// Names of suites; all if none is given.
+    pub suites: Vec<String>,
+    /// True if long scenes are shortened.
+    pub quick: bool,
+    /// Which random scenes the suite `random` runs.
+    pub random: random::Range,
+    /// Problems of the suite `work-precision`; all if none is given.
+    pub problems: Vec<String>,
+}
+
+/// Runs the selected suites; false if a check falls short.
+pub fn command(workspace: &Workspace, selection: Selection) -> Outcome<bool> {
+    let Selection { suites: names, quick, random, problems } = selection;
+    work_precision::is_known(&problems)?;
     let known: Vec<&str> = SUITES.iter().map(|suite| suite.name()).collect();
     if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
         return Err(format!("no suite {name:?}; there are {}", known.join(", ")).into());
     }
-    let bench = Bench { random, ..Bench::new(workspace, quick)? };
+    let bench = Bench { random, problems, ..Bench::new(workspace, quick)? };
     let is_chosen = |suite: &&&dyn Suite| names.is_empty() || names.iter().any(|name| name == suite.name());
     let chosen: Vec<&dyn Suite> = SUITES.iter().filter(is_chosen).copied().collect();
     // The times of a whole report are measured alone.

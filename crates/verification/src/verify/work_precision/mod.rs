@@ -1,7 +1,9 @@
-//! Error against CPU time, step size and number of force evaluations, for every scheme; error against CPU time for every cell.
+//! Error against CPU time, step size and number of force evaluations, for every scheme; error against CPU time for every cell; and the campaign of all methods on problems with references.
 
+mod campaign;
 mod cells;
 pub(super) mod curve;
+mod problems;
 mod solids;
 mod springs;
 
@@ -34,6 +36,10 @@ impl Suite for WorkPrecision {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
+        campaign::measure(bench, &mut findings)?;
+        if !bench.problems.is_empty() {
+            return Ok(findings);
+        }
         for case in springs::cases(bench.quick)?.into_iter().chain(solids::cases(bench.quick)?) {
             report(&case, &mut findings);
         }
@@ -41,6 +47,15 @@ impl Suite for WorkPrecision {
             cells::measure(&mut findings)?;
         }
         Ok(findings)
+    }
+}
+
+/// Refuses names that no problem of the campaign has.
+pub fn is_known(names: &[String]) -> Outcome<()> {
+    let known: Vec<&str> = problems::PROBLEMS.iter().map(|problem| problem.name).collect();
+    match names.iter().find(|name| !known.contains(&name.as_str())) {
+        Some(name) => Err(format!("no problem {name:?} of work-precision; there are {}", known.join(", ")).into()),
+        None => Ok(()),
     }
 }
 

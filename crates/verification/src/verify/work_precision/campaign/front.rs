@@ -1,0 +1,80 @@
+//! The Pareto front of a problem, and the cheapest run for an error.
+
+use super::problem::Problem;
+use super::record::{Figures, Record, Records};
+
+/// Errors for which the cheapest run is named.
+pub const TARGETS: [f64; 3] = [0.1, 0.01, 0.001];
+
+/// Runs that came to their end, with figures.
+pub fn finished(records: &Records) -> impl Iterator<Item = (&Record, &Figures)> {
+    records.rows.iter().filter_map(|row| Some((row, row.result.as_ref().ok()?)))
+}
+
+/// Runs of which no other one has a smaller error of the first quantity in the same time, cheapest first.
+pub fn front(records: &Records) -> Vec<(&Record, &Figures)> {
+    let mut all: Vec<_> = finished(records).collect();
+    all.sort_by(|a, b| a.1.cpu_seconds.total_cmp(&b.1.cpu_seconds).then(a.1.errors[0].total_cmp(&b.1.errors[0])));
+    let mut least = f64::INFINITY;
+    all.retain(|(_, figures)| {
+        let is_better = figures.errors[0] < least;
+        least = least.min(figures.errors[0]);
+        is_better
+    });
+    all
+}
+
+/// The run with the least time whose error of the first quantity is not above `target`.
+pub fn cheapest(records: &Records, target: f64) -> Option<(&Record, &Figures)> {
+    finished(records)
+        .filter(|(_, figures)| figures.errors[0] <= target)
+        .min_by(|a, b| a.1.cpu_seconds.total_cmp(&b.1.cpu_seconds))
+}
+
+/// What distinguishes a run from others of the problem, in words.
+pub fn words(problem: &Problem, record: &Record) -> String {
+    let [scheme, method, cell, mesh, steps, solver, tolerance] = &record.choice;
+    let mut words = Vec::new();
+    let mut say = |is_chosen: bool, text: String| {
+        if is_chosen {
+            words.push(text);
+        }
+    };
+    say(problem.schemes.len() > 1, scheme.clone());
+    say(problem.methods.len() > 1, method.clone());
+    say(problem.cells.len() > 1, cell.clone());
+    say(problem.meshes.len() > 1, format!("{mesh} elements"));
+    say(problem.steps.len() > 1, format!("{steps} steps"));
+    say(*solver != problem.best.solver, solver.clone());
+    say(*tolerance != format!("{:e}", problem.best.tolerance), format!("tolerance {tolerance}"));
+    words.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(name: &str, cpu_seconds: f64, error: f64) -> Record {
+        let figures = Figures {
+            unknowns: 1,
+            cuts: 0,
+            iterations: 1,
+            cpu_seconds,
+            memory: 1.0,
+            verdict: "sound".into(),
+            errors: vec![error],
+        };
+        Record { choice: std::array::from_fn(|_| name.to_owned()), result: Ok(figures) }
+    }
+
+    #[test]
+    fn what_another_run_betters_is_not_on_the_front() {
+        let failed = Record { result: Err("no".into()), ..row("e", 0.1, 0.0) };
+        let rows = vec![row("a", 1.0, 0.1), row("b", 2.0, 0.2), row("c", 3.0, 0.01), row("d", 1.0, 0.3), failed];
+        let records = Records { reference_errors: vec![0.0], rows };
+        let names: Vec<&str> = front(&records).iter().map(|(row, _)| row.choice[0].as_str()).collect();
+        assert_eq!(names, ["a", "c"]);
+        assert_eq!(cheapest(&records, 0.15).unwrap().0.choice[0], "a");
+        assert_eq!(cheapest(&records, 0.001), None);
+    }
+}
