@@ -9,7 +9,8 @@
 //! | `general` | general contact: everything with everything, by a barrier |
 //! | `multibody` | rigid bodies, beams, strings, springs and joints ([`multibody`]) |
 //! | `scene` | TOML scenes and the catalogue of laws ([`scene`], [`materials`], [`build`]) |
-//! | `mesh-files` | Gmsh and Abaqus readers, scenes from Abaqus and CalculiX decks ([`deck_import`]) |
+//! | `mesh-files` | Gmsh and Abaqus readers |
+//! | `decks` | scenes from Abaqus and CalculiX decks ([`deck_import`]) |
 //! | `vtkhdf` | frames of a run in one HDF5 file |
 //! | `schema` | the scene format as a JSON schema |
 //! | `output` | folders of results, the [`watch`] on every run, and [`run`], which the program `stoss` is a thin layer over |
@@ -28,7 +29,7 @@ pub use stoss_contact_mortar as contact_mortar;
 #[cfg(feature = "nts")]
 pub use stoss_contact_nts as contact_nts;
 pub use stoss_continuum as continuum;
-#[cfg(feature = "mesh-files")]
+#[cfg(feature = "decks")]
 pub use stoss_deck_import as deck_import;
 pub use stoss_fe_solid as fe_solid;
 pub use stoss_integrators as integrators;

@@ -75,6 +75,15 @@ impl Workspace {
         files.dedup();
         Ok(files)
     }
+
+    /// The shipped scenes, relative to the root, sorted.
+    pub fn scenes(&self) -> Outcome<Vec<PathBuf>> {
+        let mut files = self.files()?;
+        files.retain(|file| {
+            file.parent() == Some(Path::new("scenes")) && file.extension().is_some_and(|kind| kind == "toml")
+        });
+        Ok(files)
+    }
 }
 
 /// Writes a file and the folders above it; the error names it.

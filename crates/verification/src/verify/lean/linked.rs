@@ -19,8 +19,14 @@ pub enum Ability {
     NodeToSurface,
     /// Mortar integrals and mesh ties.
     Mortar,
+    /// General contact.
+    GeneralContact,
+    /// Rigid bodies, beams, joints; their crate is there with scenes anyway, which check their values by it.
+    Multibody,
     /// Meshes come from files.
     MeshFiles,
+    /// Scenes are made from decks of other programs.
+    Decks,
     /// Folders of results are written and read.
     Results,
     /// Checkpoints are written and read.
@@ -31,7 +37,10 @@ pub enum Ability {
     Program,
 }
 
-use Ability::{Checkpoints, MeshFiles, Mortar, NodeToSurface, Program, Results, Scenes, Schema, Simulate};
+use Ability::{
+    Checkpoints, Decks, GeneralContact, MeshFiles, Mortar, Multibody, NodeToSurface, Program, Results, Scenes, Schema,
+    Simulate,
+};
 
 /// Crates with the abilities that they are for: all of ours, and of the others those that are for some abilities only.
 /// A crate of ours that is not listed is for nothing.
@@ -53,12 +62,14 @@ const CRATES: &[(&str, &[Ability])] = &[
     ("faer", &[Simulate]),
     ("stoss-scene", &[Scenes]),
     ("stoss-materials", &[Scenes]),
-    ("stoss-multibody", &[Scenes]),
+    ("stoss-multibody", &[Scenes, Multibody]),
     ("toml", &[Scenes]),
     ("stoss-contact-nts", &[NodeToSurface]),
+    ("stoss-contact-barrier", &[GeneralContact]),
     ("stoss-contact-mortar", &[Mortar]),
     ("stoss-segmentation", &[Mortar]),
     ("stoss-mesh-io", &[MeshFiles, Results]),
+    ("stoss-deck-import", &[Decks]),
     ("sha2", &[Results]),
     ("serde_json", &[Results, Schema]),
     ("postcard", &[Checkpoints]),
@@ -75,7 +86,10 @@ pub fn abilities(features: &[&str]) -> Vec<Ability> {
             "scene" => &[Scenes],
             "nts" => &[NodeToSurface],
             "mortar" => &[Mortar],
+            "general" => &[GeneralContact],
+            "multibody" => &[Multibody],
             "mesh-files" => &[MeshFiles],
+            "decks" => &[MeshFiles, Decks],
             "schema" => &[Scenes, Schema],
             "output" => &[Scenes, Results, Checkpoints],
             _ => &[],

@@ -1,5 +1,6 @@
 //! What a scene does not ask for is neither linked nor allocated nor called.
 
+mod acting;
 mod linked;
 mod parts;
 mod samples;
@@ -11,6 +12,7 @@ use super::check::{Bound, Check};
 use super::report::{Grid, Section};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
+use acting::Acting;
 use linked::{Tree, abilities};
 use parts::Comparison;
 use samples::Sample;
@@ -48,9 +50,9 @@ impl Suite for Lean {
         findings.checks.extend(checks);
         let scenes = Grid {
             caption: "What each scene links, allocates and calls; what deviates from what it asks for is in brackets. \
-                      Crates: those of the smallest feature set that runs the scene. Calls: search, assembly, factorisation, solve"
+                      Crates: those of the smallest feature set that runs the scene. Bytes: of the system before its factors, of what terms remember. Calls: search, assembly, factorisation, solve"
                 .into(),
-            head: ["scene", "steps", "features", "crates", "allocated", "called", "calls"].map(str::to_owned).to_vec(),
+            head: ["scene", "steps", "features", "crates", "allocated", "called", "acts", "bytes", "calls"].map(str::to_owned).to_vec(),
             rows,
         };
         findings.sections.push(Section { title: "Lean".into(), reading: "What a scene does not use must neither be compiled nor allocated nor called. Counted: crates in the build, bytes, and calls of the parts.".into(), tables: vec![scenes, sets], ..Section::default() });
@@ -67,7 +69,10 @@ struct Inspected {
     linked: (usize, String),
     allocated: Comparison,
     called: Comparison,
+    acting: Comparison,
     calls: [u64; 4],
+    /// Bytes of the system, and of what terms remember.
+    bytes: [usize; 2],
 }
 
 /// Runs a scene in memory and compares.
@@ -81,7 +86,12 @@ fn inspect(bench: &Bench, sample: &Sample, trees: &mut BTreeMap<Vec<&'static str
         let record = simulation.advance()?;
         active |= record.contact.is_some_and(|contact| contact.active > 0);
     }
-    let [allocated, called] = parts::found(&simulation, active).against(&asked);
+    let mut found = parts::found(&simulation, active);
+    if !active {
+        // Which gradient contact takes shows when it has closed.
+        found.called.contact.clone_from(&asked.called.contact);
+    }
+    let [allocated, called] = found.against(&asked);
     let features = parts::features(&scene);
     if !trees.contains_key(&features) {
         trees.insert(features.clone(), Tree::of_facade(&bench.workspace, &features)?);
@@ -95,13 +105,15 @@ fn inspect(bench: &Bench, sample: &Sample, trees: &mut BTreeMap<Vec<&'static str
         features,
         allocated,
         called,
+        acting: Acting::found(&simulation).against(&Acting::asked(&scene)),
         calls: parts::calls(&simulation),
+        bytes: [simulation.plan().memory_bytes, acting::remembered(simulation.model())],
     })
 }
 
 impl Inspected {
-    /// One row for crates, one for structures, one for calls.
-    fn checks(&self, scene: &str) -> [Check; 3] {
+    /// One row for crates, one for structures, one for calls, one for what acts.
+    fn checks(&self, scene: &str) -> [Check; 4] {
         let check = |quantity: String, count: usize, note: String| {
             Check::new(scene, quantity, count as f64, Bound::AtMost(0.0)).noted(note)
         };
@@ -114,6 +126,7 @@ impl Inspected {
             check(format!("crates unused or missing, of {}", self.crates), *count, words.clone()),
             compared("structures", &self.allocated),
             compared("phases and kernels", &self.called),
+            compared("terms and states", &self.acting),
         ]
     }
 
@@ -130,6 +143,8 @@ impl Inspected {
             with(&self.crates.to_string(), &self.linked.1),
             cell(&self.allocated),
             cell(&self.called),
+            cell(&self.acting),
+            self.bytes.map(|bytes| bytes.to_string()).join(", "),
             self.calls.map(|calls| calls.to_string()).join(", "),
         ]
     }
@@ -149,13 +164,16 @@ mod tests {
             crates: 80,
             linked: (0, String::new()),
             allocated: good,
+            acting: Comparison { items: 7, words: "friction".into(), deviations: Vec::new() },
             called: bad,
+            bytes: [5, 6],
             calls: [1, 2, 3, 4],
         };
         let checks = inspected.checks("a");
-        assert_eq!(checks.each_ref().map(Check::holds), [true, true, false]);
+        assert_eq!(checks.each_ref().map(Check::holds), [true, true, false, true]);
         assert_eq!(checks[2].note, "unused: search");
-        let row = ["a", "2", "scene, nts", "80", "mass matrix", "search [unused: search]", "1, 2, 3, 4"];
+        let row =
+            ["a", "2", "scene, nts", "80", "mass matrix", "search [unused: search]", "friction", "5, 6", "1, 2, 3, 4"];
         assert_eq!(inspected.row("a"), row);
     }
 }

@@ -1,5 +1,6 @@
 //! What a scene asks for, and what its run allocated and called.
 
+use super::acting::Acting;
 use crate::workspace::Outcome;
 use stoss_integrators::{ForceRule, GradientRule, entry};
 use stoss_scene::{LoadKind, MeshSource, Scene};
@@ -103,7 +104,7 @@ impl Called {
     }
 }
 
-fn flags(flags: &[(&'static str, bool)]) -> Vec<Item> {
+pub(super) fn flags(flags: &[(&'static str, bool)]) -> Vec<Item> {
     flags.iter().map(|&(name, flag)| (name, if flag { String::new() } else { NONE.to_owned() })).collect()
 }
 
@@ -119,7 +120,7 @@ pub struct Comparison {
 }
 
 /// Compares item by item.
-fn compare(asked: &[Item], found: &[Item]) -> Comparison {
+pub(super) fn compare(asked: &[Item], found: &[Item]) -> Comparison {
     let mut words = Vec::new();
     let mut deviations = Vec::new();
     for ((name, asked), (_, found)) in asked.iter().zip(found) {
@@ -221,7 +222,10 @@ fn contact_words(rule: GradientRule) -> String {
 
 /// What a scene asks for.
 pub fn asked(scene: &Scene) -> Outcome<Parts> {
-    let needs = match scene.time.integrator.as_ref().filter(|_| scene.is_dynamic()) {
+    let first = scene.stages.first();
+    let integrator = first.and_then(|stage| stage.integrator.as_ref()).or(scene.time.integrator.as_ref());
+    let begins_dynamic = first.map_or(scene.header.kind, |stage| stage.kind) == stoss_scene::Kind::Dynamic;
+    let needs = match integrator.filter(|_| begins_dynamic) {
         Some(integrator) => {
             let parameter = |name: &str| {
                 let default = || entry(&integrator.scheme)?.parameters.iter().find(|p| p.name == name);
@@ -245,7 +249,9 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
             equations: true,
         },
     };
-    let contact = !scene.contacts.is_empty();
+    let acting = Acting::asked(scene);
+    let contact = acting.unilateral;
+    let couples = contact || acting.general || acting.bilateral;
     let follower =
         |load: &stoss_scene::Load| matches!(load.kind(), Some((LoadKind::FollowerPressure | LoadKind::Moment, _)));
     let allocated = Allocated {
@@ -254,15 +260,16 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
         accelerations: needs.accelerations,
         history: needs.history == History::Always || (contact && needs.history == History::WithContact),
         search_tree: contact,
-        pressures: contact,
-        contact_matrix: contact,
-        contact_force: contact,
+        pressures: contact || acting.bilateral,
+        contact_matrix: couples,
+        contact_force: couples,
         reactions: !scene.prescriptions.is_empty(),
-        dead_loads: scene.loads.iter().any(|load| !follower(load)),
+        dead_loads: scene.gravity.is_some() || scene.loads.iter().any(|load| !follower(load)),
         follower_pressure: scene.loads.iter().any(follower),
     };
     let called = Called {
-        search: contact,
+        // Ties search once.
+        search: couples,
         assembly: true,
         factorisation: needs.equations,
         solve: needs.equations,
@@ -278,10 +285,15 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
 pub fn features(scene: &Scene) -> Vec<&'static str> {
     let from_file = scene.bodies.iter().any(|body| matches!(body.mesh, MeshSource::File(_)));
     let mortar = |contact: &stoss_scene::Contact| contact.method.integrates;
+    let acting = Acting::asked(scene);
+    let multibody =
+        acting.parts || !scene.joints.is_empty() || !scene.couplings.is_empty() || !scene.equations.is_empty();
     let wanted = [
         ("scene", true),
         ("nts", scene.contacts.iter().any(|contact| !mortar(contact))),
         ("mortar", !scene.ties.is_empty() || scene.contacts.iter().any(mortar)),
+        ("general", acting.general),
+        ("multibody", multibody),
         ("mesh-files", from_file),
     ];
     wanted.iter().filter(|(_, wanted)| *wanted).map(|(feature, _)| *feature).collect()

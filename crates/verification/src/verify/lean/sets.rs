@@ -22,10 +22,16 @@ pub const SETS: &[Set] = &[
     Set { name: "scene", features: &["scene"] },
     Set { name: "scene+nts", features: &["scene", "nts"] },
     Set { name: "scene+mortar", features: &["scene", "mortar"] },
+    Set { name: "scene+general", features: &["scene", "general"] },
+    Set { name: "scene+multibody", features: &["scene", "multibody"] },
     Set { name: "mesh-files", features: &["mesh-files"] },
+    Set { name: "decks", features: &["mesh-files", "decks"] },
     // `output` of the facade implies `scene`.
     Set { name: "output", features: &["scene", "output"] },
-    Set { name: "all", features: &["scene", "nts", "mortar", "mesh-files", "output", "schema"] },
+    Set {
+        name: "all",
+        features: &["scene", "nts", "mortar", "general", "multibody", "mesh-files", "decks", "output", "schema"],
+    },
 ];
 
 /// Crates that no model without scenes needs.
