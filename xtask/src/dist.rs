@@ -1,6 +1,7 @@
 //! `cargo xtask dist`: the archive of a release, made from what is here and tried at once.
 
 mod archive;
+mod interfaces;
 mod notices;
 mod wheel;
 
@@ -31,13 +32,14 @@ const FILES: [&str; 7] =
 const FOLDERS: [&str; 2] = ["docs/", "scenes/"];
 
 /// Lists for those who change the sources.
-const LEFT_OUT: [&str; 2] = ["docs/api/", "docs/reuse/"];
+const LEFT_OUT: &str = "docs/reuse/";
 
 /// The scene that the unpacked program is tried with, and how far (its unit of time).
 const TRIAL: (&str, &str) = ("two-blocks", "0.01");
 
 /// Builds the program, writes archive and checksum into `dist` of cargo's target folder, and tries the archive.
 pub fn command(workspace: &Workspace) -> Outcome<bool> {
+    interfaces::check(workspace)?;
     let host = host(&capture(workspace.process("rustc").arg("-vV"))?)?;
     let target =
         if is_installed(workspace, STATIC)? && STATIC.starts_with(architecture(&host)) { STATIC } else { &host };
@@ -125,8 +127,8 @@ fn files(workspace: &Workspace) -> Outcome<Vec<Entry>> {
     let mut entries = Vec::new();
     for path in workspace.files()? {
         let name = path.to_string_lossy().replace('\\', "/");
-        let is_in = |folders: &[&str]| folders.iter().any(|folder| name.starts_with(folder));
-        if FILES.contains(&name.as_str()) || is_in(&FOLDERS) && !is_in(&LEFT_OUT) {
+        let is_wanted = FOLDERS.iter().any(|folder| name.starts_with(folder)) && !name.starts_with(LEFT_OUT);
+        if FILES.contains(&name.as_str()) || is_wanted {
             entries.push(Entry::file(&name, std::fs::read(workspace.path(&path))?));
         }
     }
@@ -224,7 +226,7 @@ mod tests {
         for expected in ["LICENSE-MIT", "docs/ARCHITECTURE.md", "scenes/two-blocks.toml"] {
             assert!(entries.iter().any(|entry| entry.path == expected), "{expected}");
         }
-        let others = ["crates/", "docs/api/"];
+        let others = ["crates/", LEFT_OUT];
         assert!(entries.iter().all(|entry| others.iter().all(|folder| !entry.path.starts_with(folder))));
     }
 }

@@ -3,7 +3,6 @@
 //! `schema`, `gallery` and the suites of `verify` that measure scenes run the program `stoss` and read the files that it
 //! leaves; the suites that measure a crate (`tangents`, `materials`) call it. Which crates those are is in `layers.toml`.
 
-mod api;
 mod bench;
 mod circles;
 mod dist;
@@ -43,12 +42,6 @@ enum Command {
     },
     /// Builds each reusable crate alone and compares its dependency list with docs/reuse/.
     Reuse {
-        /// Writes the lists instead of comparing them.
-        #[arg(long)]
-        bless: bool,
-    },
-    /// Compares the public items of the published crates with docs/api/.
-    Api {
         /// Writes the lists instead of comparing them.
         #[arg(long)]
         bless: bool,
@@ -115,7 +108,6 @@ fn dispatch(arguments: Arguments) -> Outcome<bool> {
     match arguments.command {
         Command::Layers { bless } => layers::command(&workspace, bless),
         Command::Reuse { bless } => reuse::command(&workspace, bless),
-        Command::Api { bless } => api::command(&workspace, bless),
         Command::Tidy => tidy::command(&workspace),
         Command::Schema { check } => schema::command(&workspace, check),
         Command::Verify { quick, seed, count, problems, suites } => {
