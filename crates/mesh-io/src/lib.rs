@@ -31,7 +31,6 @@ mod contents;
 mod error;
 mod gmsh;
 mod include;
-mod inflate;
 mod lines;
 mod place;
 mod pvd;

@@ -10,8 +10,10 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use base64::engine::general_purpose::STANDARD;
+use base64::write::EncoderWriter;
+
 use crate::atomic::{self, WriteError};
-use crate::base64::Encoder;
 use crate::{MeshIoError, xml};
 use stoss_mesh::CellBlock;
 use stoss_reference_element::FaceNodes;
@@ -198,11 +200,12 @@ fn array<const N: usize>(
     values: impl Iterator<Item = [u8; N]>,
 ) -> io::Result<()> {
     writeln!(out, "<DataArray {attributes} format=\"binary\">")?;
-    let mut encoder = Encoder::new(&mut *out);
-    encoder.push(&((N * count) as u64).to_le_bytes())?;
+    let mut encoder = EncoderWriter::new(&mut *out, &STANDARD);
+    encoder.write_all(&((N * count) as u64).to_le_bytes())?;
     for value in values {
-        encoder.push(&value)?;
+        encoder.write_all(&value)?;
     }
     encoder.finish()?;
+    drop(encoder);
     writeln!(out, "\n</DataArray>")
 }

@@ -1,9 +1,12 @@
 //! Data arrays of VTK's XML files: as text, in base64 or appended; of any number type, byte order and header; zlib or no compression.
 
+use std::io::Read;
 use std::path::Path;
 
+use flate2::bufread::ZlibDecoder;
+
 use crate::lines::syntax;
-use crate::{MeshIoError, base64, inflate, xml};
+use crate::{MeshIoError, base64, xml};
 
 /// More values than this in one array are a mistake in a length.
 const VALUES: usize = 1 << 31;
@@ -124,9 +127,16 @@ impl Arrays<'_> {
         let (mut out, mut from) = (Vec::new(), 0);
         for (b, size) in sizes.into_iter().enumerate() {
             let expected = if b + 1 == blocks && last > 0 { last } else { block };
-            out.extend(inflate::zlib(all.get(from..from + size)?, expected)?);
+            out.extend(zlib(all.get(from..from + size)?, expected)?);
             from += size;
         }
         Some(out)
     }
+}
+
+/// The content of a zlib stream of `expected` bytes; `None` if it is no such stream, or has another length or check sum.
+fn zlib(bytes: &[u8], expected: usize) -> Option<Vec<u8>> {
+    let mut out = Vec::new();
+    ZlibDecoder::new(bytes).take(expected as u64 + 1).read_to_end(&mut out).ok()?;
+    (out.len() == expected).then_some(out)
 }
