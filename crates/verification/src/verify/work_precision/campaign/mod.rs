@@ -152,9 +152,11 @@ pub fn last(table: &Table, columns: &[impl AsRef<str>]) -> Outcome<Vec<f64>> {
     Ok(columns.iter().map(|name| value(name.as_ref())).collect::<Result<_, _>>()?)
 }
 
-/// The line of a log that names the error.
+/// What a log says of the error, without the place of the scene.
 fn first(log: &str) -> Option<&str> {
-    log.lines().find(|line| line.starts_with("error"))
+    let line = log.lines().find(|line| line.starts_with("error"))?;
+    let Some((_, rest)) = line.split_once(".toml:") else { return Some(line) };
+    Some(rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':'))
 }
 
 /// Points of a line for a quantity that tell its order: size and error of the finest runs whose error is clearly above that of the reference.
