@@ -8,6 +8,7 @@ mod front;
 mod lines;
 mod order;
 mod page;
+mod peers;
 mod problem;
 mod quick;
 mod record;

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use super::front::{TARGETS, cheapest, finished, front, words};
 use super::lines::{Axis, Line, lines};
 use super::order::order;
+use super::peers::{self, Peer};
 use super::points;
 use super::problem::{Problem, Reference};
 use super::record::{Figures, Record, Records};
@@ -55,9 +56,12 @@ pub fn all(store: &Store, problems: &[&Problem]) -> Outcome<Vec<(String, String)
             finished(records).count()
         );
     }
+    let peers = store.peers()?;
     for (problem, records) in &stored {
+        let own: Vec<&Peer> = peers.iter().filter(|peer| peer.problem == problem.name).collect();
         page.push_str(&section(problem, records));
-        for (end, chart) in charts(problem, records) {
+        page.push_str(&peers::table(&own, problem.quantities[0]));
+        for (end, chart) in charts(problem, records, &own) {
             files.push((format!("{HOME}/{}-{end}.svg", problem.name), chart));
         }
     }
@@ -91,7 +95,8 @@ fn anchor(title: &str) -> String {
     kept.replace(' ', "-")
 }
 
-fn seconds(seconds: f64) -> String {
+/// A duration in words.
+pub fn seconds(seconds: f64) -> String {
     if seconds < 0.1 { format!("{:.0} ms", 1e3 * seconds) } else { format!("{} s", short(seconds)) }
 }
 
@@ -237,7 +242,7 @@ fn not_run(records: &Records) -> String {
 }
 
 /// Error against CPU time, and over the sizes of that axis along which most lines go.
-fn charts(problem: &Problem, records: &Records) -> [(&'static str, String); 2] {
+fn charts(problem: &Problem, records: &Records, peers: &[&Peer]) -> [(&'static str, String); 2] {
     let lines: Vec<Line> = lines(problem).into_iter().filter(|line| line.axis != Axis::Tolerance).collect();
     let count = |axis| lines.iter().filter(|line| line.axis == axis).count();
     let axis = if count(Axis::Steps) > count(Axis::Mesh) { Axis::Steps } else { Axis::Mesh };
@@ -255,7 +260,8 @@ fn charts(problem: &Problem, records: &Records) -> [(&'static str, String); 2] {
     };
     let y = format!("error of {}", problem.quantities[0]);
     let labels = |x| Labels { title: problem.title, x, y: &y };
-    let work = series(&mut lines.iter(), &|_, figures| figures.cpu_seconds);
+    let mut work = series(&mut lines.iter(), &|_, figures| figures.cpu_seconds);
+    work.extend(peers::series(peers));
     let over = series(&mut lines.iter().filter(|line| line.axis == axis), &|choice, _| axis.size(choice));
     let x = if axis == Axis::Steps { "one over the number of steps" } else { "one over the number of elements" };
     [

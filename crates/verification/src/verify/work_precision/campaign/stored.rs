@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::peers::{self, Peer};
 use super::problem::{Problem, Values};
 use super::record::Records;
 use crate::workspace::{Outcome, Workspace, read, write};
@@ -38,6 +39,12 @@ impl<'a> Store<'a> {
     pub fn records(&self, problem: &Problem) -> Outcome<Records> {
         let path = self.of(problem, ".csv");
         Records::parse(&read(&path)?, problem).map_err(|error| format!("{}: {error}", path.display()).into())
+    }
+
+    /// Runs of other programs; none if there is no file.
+    pub fn peers(&self) -> Outcome<Vec<Peer>> {
+        let path = self.file(&format!("{HOME}/peers.csv"));
+        if path.exists() { peers::parse(&read(&path)?) } else { Ok(Vec::new()) }
     }
 
     /// Writes the values of a converged reference, a line a quantity.
