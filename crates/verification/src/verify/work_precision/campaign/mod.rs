@@ -46,7 +46,11 @@ const ABOVE_REFERENCE: f64 = 3.0;
 /// Runs what the mode asks for.
 pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let store = Store::new(&bench.workspace);
-    for problem in PROBLEMS.iter().copied().filter(|problem| bench.is_asked(problem.name)) {
+    let asked: Vec<&Problem> = PROBLEMS.iter().copied().filter(|problem| bench.is_asked(problem.name)).collect();
+    if !bench.quick {
+        announce(&store, &asked);
+    }
+    for problem in asked {
         if bench.quick {
             quick::measure(bench, &store, problem, findings)?;
         } else {
@@ -56,6 +60,19 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         }
     }
     if bench.quick { quick::pages(&store, findings) } else { page::write_all(&store, PROBLEMS) }
+}
+
+/// Says how long it takes, by what the stored runs took.
+fn announce(store: &Store, asked: &[&Problem]) {
+    let runs: usize = asked.iter().map(|problem| lines::combinations(&lines(problem)).len()).sum();
+    let stored = asked.iter().filter_map(|problem| store.records(problem).ok());
+    let seconds: f64 =
+        stored.map(|records| front::finished(&records).map(|(_, figures)| figures.cpu_seconds).sum::<f64>()).sum();
+    println!(
+        "verify: work-precision: {runs} runs, {:.0} CPU minutes by the stored ones, {} at a time",
+        seconds / 60.0,
+        threads()
+    );
 }
 
 /// How many runs go side by side. Their CPU times are little longer for it.
