@@ -123,7 +123,7 @@ fn has_mortar(scene: &Table) -> bool {
 }
 
 /// Scenes of minutes or hours, which quick mode leaves out: the tori, the chain of ten of them, the ball on a plane, the rotating indenter (suite `mortar` has a short form of it).
-fn is_large(scene: &Path) -> bool {
+pub fn is_large(scene: &Path) -> bool {
     scene.file_stem().is_some_and(|name| {
         let name = name.to_string_lossy();
         ["tori", "general-chain", "hertz-ball", "rotating-indenter", "ball-plate-tetrahedra", "ironing-tetrahedra"]

@@ -1,5 +1,6 @@
 //! The scenes: all shipped ones, and small ones for each support, load and scheme.
 
+use super::super::scenes::is_large;
 use super::Bench;
 use crate::workspace::Outcome;
 use stoss_integrators::SCHEMES;
@@ -61,10 +62,13 @@ fn generated(name: String, scheme: &str, parts: &[&str], steps: u64) -> Sample {
     Sample { name, text, steps }
 }
 
-/// All scenes.
+/// All scenes; in quick mode without the large ones.
 pub fn samples(bench: &Bench) -> Outcome<Vec<Sample>> {
     let mut samples = Vec::new();
     for file in bench.workspace.scenes()? {
+        if bench.quick && is_large(&file) {
+            continue;
+        }
         let text = bench.workspace.read(&file)?;
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let steps = LONGER.iter().find(|longer| name.starts_with(longer.0)).map_or(1, |longer| longer.1);
