@@ -36,7 +36,7 @@ impl Suite for WorkPrecision {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        campaign::measure(bench, &mut findings)?;
+        campaign::measure(bench, problems::PROBLEMS, &mut findings)?;
         if !bench.problems.is_empty() {
             return Ok(findings);
         }

@@ -20,14 +20,13 @@ pub use problem::{Claim, Problem, Reference, Values};
 use std::time::Duration;
 
 use super::curve::relative_distance;
-use super::problems::PROBLEMS;
 use crate::table::Table;
 use crate::verify::check::{Bound, Check};
 use crate::verify::launch::launch_within;
 use crate::verify::side_by_side::side_by_side;
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
-use lines::lines;
+pub use lines::lines;
 use record::{Figures, Record, Records};
 use stored::Store;
 
@@ -44,9 +43,9 @@ const FINEST: usize = 4;
 const ABOVE_REFERENCE: f64 = 3.0;
 
 /// Runs what the mode asks for.
-pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
+pub fn measure(bench: &Bench, problems: &[&Problem], findings: &mut Findings) -> Outcome<()> {
     let store = Store::new(&bench.workspace);
-    let asked: Vec<&Problem> = PROBLEMS.iter().copied().filter(|problem| bench.is_asked(problem.name)).collect();
+    let asked: Vec<&Problem> = problems.iter().copied().filter(|problem| bench.is_asked(problem.name)).collect();
     if !bench.quick {
         announce(&store, &asked);
     }
@@ -59,7 +58,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             claims(problem, &records, findings);
         }
     }
-    if bench.quick { quick::pages(&store, findings) } else { page::write_all(&store, PROBLEMS) }
+    if bench.quick { quick::pages(&store, problems, findings) } else { page::write_all(&store, problems) }
 }
 
 /// Says how long it takes, by what the stored runs took.
@@ -199,31 +198,5 @@ fn claims(problem: &Problem, records: &Records, findings: &mut Findings) {
         let check =
             Check::new(problem.name, what, order.map_or(f64::NAN, |order| order.value), Bound::AtLeast(claim.at_least));
         findings.checks.push(check.noted(order.map_or_else(String::new, |order| order.text())));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn problems_are_told_apart_and_have_what_they_name() {
-        for (k, problem) in PROBLEMS.iter().enumerate() {
-            let Problem { name, .. } = problem;
-            assert!(PROBLEMS[..k].iter().all(|other| other.name != *name), "{name} twice");
-            let lines = lines(problem);
-            for claim in problem.claims {
-                assert!(lines.iter().any(|line| line.name == claim.line), "{name}: no line {:?}", claim.line);
-                assert!(problem.quantities.contains(&claim.quantity), "{name}: no quantity {:?}", claim.quantity);
-            }
-            assert!(
-                problem.meshes.contains(&problem.best.mesh) && problem.steps.contains(&problem.best.steps),
-                "{name}: the best is in no line"
-            );
-            assert!(
-                (problem.scene)(&problem.best).is_ok_and(|text| stoss_scene::parse(&text, name).is_ok()),
-                "{name}: the best is no scene"
-            );
-        }
     }
 }

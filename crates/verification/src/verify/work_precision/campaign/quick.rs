@@ -9,7 +9,6 @@ use super::stored::Store;
 use super::{points, record, threads};
 use crate::verify::check::{Bound, Check};
 use crate::verify::side_by_side::side_by_side;
-use crate::verify::work_precision::problems::PROBLEMS;
 use crate::verify::{Bench, Findings};
 use crate::workspace::{Outcome, read};
 
@@ -91,9 +90,9 @@ pub fn measure(bench: &Bench, store: &Store, problem: &Problem, findings: &mut F
 }
 
 /// The pages are those that the stored results give.
-pub fn pages(store: &Store, findings: &mut Findings) -> Outcome<()> {
+pub fn pages(store: &Store, problems: &[&Problem], findings: &mut Findings) -> Outcome<()> {
     let mut stale = Vec::new();
-    for (name, text) in page::all(store, PROBLEMS)? {
+    for (name, text) in page::all(store, problems)? {
         if read(&store.file(&name)).ok().as_ref() != Some(&text) {
             stale.push(name);
         }

@@ -8,3 +8,30 @@ use super::campaign::Problem;
 
 /// All problems, in the order of the page.
 pub const PROBLEMS: &[&Problem] = &[&spinning_bar::PROBLEM, &plastic_tube::PROBLEM, &relaxation::PROBLEM];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::work_precision::campaign::lines;
+
+    #[test]
+    fn problems_are_told_apart_and_have_what_they_name() {
+        for (k, problem) in PROBLEMS.iter().enumerate() {
+            let Problem { name, .. } = problem;
+            assert!(PROBLEMS[..k].iter().all(|other| other.name != *name), "{name} twice");
+            let lines = lines(problem);
+            for claim in problem.claims {
+                assert!(lines.iter().any(|line| line.name == claim.line), "{name}: no line {:?}", claim.line);
+                assert!(problem.quantities.contains(&claim.quantity), "{name}: no quantity {:?}", claim.quantity);
+            }
+            assert!(
+                problem.meshes.contains(&problem.best.mesh) && problem.steps.contains(&problem.best.steps),
+                "{name}: the best is in no line"
+            );
+            assert!(
+                (problem.scene)(&problem.best).is_ok_and(|text| stoss_scene::parse(&text, name).is_ok()),
+                "{name}: the best is no scene"
+            );
+        }
+    }
+}
