@@ -84,11 +84,11 @@ impl Loss {
 /// Which ways of losing energy a material has: the parts of its [`Loss`] that can be other than zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mechanisms {
-    /// It yields.
+    /// Whether the material yields.
     pub plastic: bool,
-    /// It relaxes.
+    /// Whether the material relaxes.
     pub viscous: bool,
-    /// It softens.
+    /// Whether the material softens.
     pub softening: bool,
 }
 
@@ -96,7 +96,7 @@ impl Mechanisms {
     /// All of them.
     pub const ALL: Self = Self { plastic: true, viscous: true, softening: true };
 
-    /// Those that either has.
+    /// The mechanisms that either material has.
     pub fn or(self, other: Self) -> Self {
         Self {
             plastic: self.plastic || other.plastic,

@@ -12,9 +12,9 @@ pub enum Round {
     Cylinder {
         /// A point of the axis.
         origin: Vector3<f64>,
-        /// Its direction, a unit vector.
+        /// Direction of the axis, a unit vector.
         axis: Vector3<f64>,
-        /// A length.
+        /// Radius, a length.
         radius: f64,
     },
     /// The points at the distance `radius` from a centre.

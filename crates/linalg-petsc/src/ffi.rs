@@ -138,7 +138,7 @@ pub fn abort(message: &str) -> ! {
     std::process::abort()
 }
 
-/// As MPI counts.
+/// A count as MPI takes it; a message that is too large ends the program.
 fn int(count: usize) -> c_int {
     c_int::try_from(count).unwrap_or_else(|_| abort("a message has 2^31 numbers or more, which MPI cannot count"))
 }

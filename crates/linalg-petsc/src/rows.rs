@@ -40,7 +40,7 @@ fn motion(position: [f64; 3], component: usize) -> [f64; 6] {
 }
 
 impl Rows {
-    /// Of equations with these places and owners, for one of `size` ranks.
+    /// Rows of equations with these places and owners, for one of `size` ranks.
     ///
     /// # Errors
     /// [`LinalgError::TooLarge`] for 2^31 rows and more.

@@ -243,7 +243,7 @@ struct Iterated {
     is_indefinite: bool,
 }
 
-/// Also of what is no number.
+/// Whether a value exceeds a limit; what is no number does.
 fn exceeds(value: f64, limit: f64) -> bool {
     value.is_nan() || value > limit
 }

@@ -39,10 +39,10 @@ pub struct AutoSolver {
 /// From which size on an [`AutoSolver`] iterates.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Preference {
-    /// As soon as that is faster.
+    /// Iterates from the size on from which that is faster.
     #[default]
     Fastest,
-    /// As soon as there is anything to coarsen.
+    /// Iterates from the size on from which there is anything to coarsen.
     Iterative,
 }
 
@@ -58,18 +58,18 @@ impl AutoSolver {
     /// The smallest system with multipliers that is iterated on, if they are less than one in [`AutoSolver::MULTIPLIERS`] equations.
     pub const ITERATIVE_WITH_MULTIPLIERS: usize = 15_000;
 
-    /// See [`AutoSolver::ITERATIVE_WITH_MULTIPLIERS`].
+    /// Least number of equations to each multiplier of a system that is iterated on, see [`AutoSolver::ITERATIVE_WITH_MULTIPLIERS`].
     pub const MULTIPLIERS: usize = 8;
 
     /// The smallest system that is iterated on where that is preferred: smaller ones have nothing to coarsen.
     pub const SMALLEST_ITERATIVE: usize = 1000;
 
-    /// With the default settings.
+    /// A solver with the default settings.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// With other settings.
+    /// A solver with other settings.
     pub fn with_options(options: SolverOptions) -> Self {
         let mut iterative = IterativeSolver::default();
         iterative.renew_always(options.max_nearby_iterations == 0);
@@ -81,7 +81,8 @@ impl AutoSolver {
         }
     }
 
-    /// With other settings, and iterating from [`AutoSolver::SMALLEST_ITERATIVE`] equations on as long as less than half of them are of multipliers and parts.
+    /// A solver with other settings that iterates from [`AutoSolver::SMALLEST_ITERATIVE`] equations on as long as less than half of them are of multipliers and
+    /// parts.
     pub fn preferring_iteration(options: SolverOptions) -> Self {
         Self { preference: Preference::Iterative, ..Self::with_options(options) }
     }

@@ -13,7 +13,7 @@ pub struct Traffic {
     pub operations: u64,
     /// Messages of other ranks that were not empty.
     pub messages: u64,
-    /// Their bytes.
+    /// Bytes of these messages.
     pub bytes: u64,
 }
 
@@ -97,7 +97,7 @@ impl dyn Communicator + '_ {
 pub struct Serial;
 
 impl Serial {
-    /// As what a solver returns.
+    /// The communicator of one rank as what a solver returns.
     pub fn shared() -> Arc<dyn Communicator> {
         Arc::new(Self)
     }

@@ -104,12 +104,12 @@ pub struct DirectSolver<F> {
 }
 
 impl<F: Factorisation + Default> DirectSolver<F> {
-    /// With the default settings.
+    /// A solver with the default settings.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// With other settings.
+    /// A solver with other settings.
     pub fn with_options(options: SolverOptions) -> Self {
         Self { options, ..Self::default() }
     }

@@ -6,7 +6,7 @@ use crate::{
 };
 use std::sync::Arc;
 
-/// See the module.
+/// A solver of a system of all ranks that gathers it and solves it on each of them.
 #[derive(Debug)]
 pub struct GatheredSolver {
     communicator: Arc<dyn Communicator>,
@@ -20,7 +20,7 @@ pub struct GatheredSolver {
 }
 
 impl GatheredSolver {
-    /// With a solver of one rank.
+    /// A gathered solver around a solver of one rank.
     pub fn new(communicator: Arc<dyn Communicator>, inner: Box<dyn LinearSolver>) -> Self {
         let (counts, places, sums) = (Vec::new(), Vec::new(), Vec::new());
         Self { communicator, inner, local: None, whole: None, counts, places, sums }

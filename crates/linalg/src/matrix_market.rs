@@ -25,7 +25,7 @@ pub enum SystemFileError {
         /// The error of the operating system.
         source: io::Error,
     },
-    /// Not a file of this kind.
+    /// A line that does not belong into a file of this kind.
     #[error("{path}:{line}: {reason}", path = .path.display())]
     Format {
         /// The file.

@@ -26,10 +26,11 @@ impl SparsityPattern {
         Self::from_own_stencils(n, stencils, |_| true)
     }
 
-    /// As [`SparsityPattern::from_stencils`], for the part of a matrix that a rank has: an equation that no stencil names has its diagonal if it is one of the rank's own.
+    /// Pattern as of [`SparsityPattern::from_stencils`], for the part of a matrix that a rank has: an equation that no stencil names has its diagonal if it is
+    /// one of the rank's own.
     ///
     /// # Errors
-    /// As of [`SparsityPattern::from_stencils`].
+    /// The errors of [`SparsityPattern::from_stencils`].
     pub fn from_own_stencils<'a>(
         n: usize,
         stencils: impl Iterator<Item = &'a [u32]> + Clone,

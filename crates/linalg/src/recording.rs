@@ -31,7 +31,7 @@ pub struct RecordingSolver {
 }
 
 impl RecordingSolver {
-    /// With a recorder that gets the systems until it returns false.
+    /// A solver with a recorder that gets the systems until it returns false.
     pub fn new(inner: Box<dyn LinearSolver>, recorder: Recorder) -> Self {
         Self { inner, recorder: Some(recorder), pattern: None, kind: MatrixKind::General, values: Vec::new() }
     }

@@ -14,7 +14,7 @@ const LONGEST_RUN: usize = 3;
 pub struct ScatterMap {
     stencils: Vec<Stencil>,
     runs: Vec<Run>,
-    /// Of each stencil, run by run: the position of the first row in each local column; [`NONE`] if the column has no equation.
+    /// Positions for each stencil, run by run: that of the first row in each local column; [`NONE`] if the column has no equation.
     positions: Vec<u32>,
 }
 

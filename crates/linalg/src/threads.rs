@@ -35,7 +35,7 @@ struct Post {
 }
 
 impl Threads {
-    /// So many ranks, in their order, one for each thread.
+    /// Communicators of so many ranks, in their order, one for each thread.
     pub fn ranks(size: usize) -> Vec<Arc<dyn Communicator>> {
         let state = State { posts: (0..size).map(|_| None).collect(), ..State::default() };
         let board = Arc::new(Board { state: Mutex::new(state), changed: Condvar::new() });

@@ -13,7 +13,7 @@ pub enum MaterialError {
         law: &'static str,
         /// The parameter.
         parameter: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
     },
     /// A parameter is outside of its range.
@@ -23,7 +23,7 @@ pub enum MaterialError {
         law: &'static str,
         /// The parameter.
         parameter: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
         /// The range.
         range: &'static str,

@@ -19,10 +19,10 @@ use stoss_continuum::{
 /// Whose moduli a law with Maxwell branches was given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Moduli {
-    /// Those of fast strains: the branches take their shares out of them.
+    /// Moduli of fast strains: the branches take their shares out of them.
     #[default]
     Instantaneous,
-    /// Those that are left when all branches have relaxed.
+    /// Moduli that are left when all branches have relaxed.
     LongTerm,
 }
 
@@ -320,7 +320,7 @@ impl Inelastic {
         Ok(Self::assembled(law.name(), Some(base), Some(mullins), Vec::new(), Some(volume), law.small_strain_moduli()))
     }
 
-    /// The same with softening of its elastic part.
+    /// The material with softening of its elastic part.
     ///
     /// # Errors
     /// Parameters out of range; a material whose only part yields.
@@ -351,7 +351,7 @@ impl Inelastic {
         Self::plain(law)?.with_fibres(fibres, directions)
     }
 
-    /// The same with families of fibres beside what it has: they neither relax nor soften.
+    /// The material with families of fibres beside what it has: they neither relax nor soften.
     ///
     /// # Errors
     /// Parameters out of range, directions that are none; a material that yields.

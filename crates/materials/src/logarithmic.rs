@@ -87,7 +87,7 @@ pub(crate) struct LogStrain {
 }
 
 impl LogStrain {
-    /// Of a strain and a map; without a map `G = 1`.
+    /// The logarithmic strain of a right Cauchy-Green tensor `c` and a map; without a map `G = 1`.
     pub fn new(map: Option<&SymmetricTensor2>, c: &SymmetricTensor2) -> Result<Self, ConstitutiveError> {
         if !c.is_finite() {
             return Err(ConstitutiveError::NonFinite);

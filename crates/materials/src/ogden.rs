@@ -271,7 +271,7 @@ fn nearby_slope(alpha: f64, x_a: f64, x_b: f64) -> f64 {
     if gap == 0.0 { 0.5 * alpha / x_a } else { (0.5 * alpha * (gap / x_a).ln_1p()).exp_m1() / gap }
 }
 
-/// Of several strains at once.
+/// Spectral decompositions of several strains at once, by the widest vectors of the processor.
 struct Decomposition<'a>(&'a [SymmetricTensor2; LANES]);
 
 impl Operation for Decomposition<'_> {

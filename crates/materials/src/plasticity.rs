@@ -176,7 +176,7 @@ impl J2 {
         LogResponse { energy, stress: s * (2.0 * mu), moduli }
     }
 
-    /// Without flow.
+    /// Energy, stress and moduli of a step without flow.
     pub fn elastic(&self, e: &SymmetricTensor2) -> LogResponse {
         LogResponse {
             energy: self.mu * e.double_contract(e),

@@ -24,7 +24,7 @@ pub(crate) struct Invariants {
 }
 
 impl Invariants {
-    /// Of `C`, or why it has none.
+    /// Invariants of `C`, or why it has none.
     #[inline]
     pub fn new(c: &SymmetricTensor2) -> Result<Self, ConstitutiveError> {
         let det_c = positive_det(c)?;
@@ -49,7 +49,7 @@ pub(crate) struct Strain<T> {
 }
 
 impl<T: Number> Strain<T> {
-    /// Of any `C`; numbers that are not admissible are the caller's to find.
+    /// The strain of any `C`; numbers that are not admissible are the caller's to find.
     #[inline(always)]
     pub fn new(c: [T; 6], with_logarithm: bool) -> Self {
         let determinant = components::determinant(c);
@@ -62,7 +62,7 @@ impl<T: Number> Strain<T> {
 }
 
 impl Strain<f64> {
-    /// Of an admissible `C`, or why it is not.
+    /// The strain of an admissible `C`, or why it is not.
     #[inline]
     pub fn admissible(c: &SymmetricTensor2, with_logarithm: bool) -> Result<Self, ConstitutiveError> {
         positive_det(c)?;

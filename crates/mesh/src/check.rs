@@ -23,7 +23,7 @@ pub struct Coincident {
     pub first: u32,
     /// The other node of that pair.
     pub second: u32,
-    /// Their distance.
+    /// Distance of both nodes, a length.
     pub distance: f64,
 }
 
@@ -65,7 +65,7 @@ impl Mesh {
         self.check_sets()
     }
 
-    /// No edge without a length: two nodes of an element at the same place.
+    /// Checks that no edge has the length zero: two nodes of an element at the same place.
     fn check_edges(&self) -> Result<(), MeshError> {
         for e in 0..self.elements.len() {
             let (nodes, x) = (&self.elements[e], self.element_coordinates(e as u32));

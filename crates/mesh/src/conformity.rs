@@ -7,7 +7,7 @@ use crate::{Facet, FacetIndex, Mesh, MeshError};
 /// edges differ by that much between a coarse and a fine side. Where that holds at all corners of a facet, it is no notch.
 const OPPOSITE: f64 = -0.99;
 
-/// They lie exactly on each other within 0.3 degrees. One corner is enough then: a notch is not so sharp.
+/// Cosine from which two facets lie exactly on each other, within 0.3 degrees. One corner is enough then: a notch is not so sharp.
 const EXACTLY_OPPOSITE: f64 = -0.999_986;
 
 /// Nodes of the two faces of a crack are a pair if they are nearer along the faces than this part of the shortest edge of a facet; a crack may be open.
@@ -23,7 +23,7 @@ struct Angle {
 }
 
 impl Angle {
-    /// Of a facet at its corner number `i`; `None` if an edge has no length or both have the same direction.
+    /// The angle of a facet at its corner number `i`; `None` if an edge has no length or both have the same direction.
     fn new(mesh: &Mesh, facet: &Facet, i: usize) -> Option<Angle> {
         let (nodes, n) = (&facet.nodes, facet.nodes.corners().len());
         let place = |k: usize| mesh.nodes[nodes[k] as usize];
@@ -152,7 +152,7 @@ impl<'a> Boundary<'a> {
 }
 
 impl Mesh {
-    /// No facet on the boundary lies on others there: a quadrilateral on triangles, a large one on small ones, a quadratic one on linear
+    /// Checks that no facet on the boundary lies on others: a quadrilateral on triangles, a large one on small ones, a quadratic one on linear
     /// ones, or meshes of two parts that do not fit. Such facets have corners in common, so that no search in space is needed. The faces of
     /// a crack, which have common nodes at its front, have to match.
     pub(crate) fn check_conforming(&self, index: &FacetIndex) -> Result<(), MeshError> {

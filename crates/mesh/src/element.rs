@@ -15,7 +15,7 @@ pub struct ElementCoordinates {
 }
 
 impl ElementCoordinates {
-    /// Of an element with these nodes.
+    /// Coordinates of an element with these nodes.
     pub(crate) fn new(kind: CellKind, element: &[u32], nodes: &[[f64; 3]]) -> Self {
         let mut places = [[0.0; 3]; MAX_CELL_NODES];
         for (x, &n) in places.iter_mut().zip(element) {
@@ -29,7 +29,7 @@ impl ElementCoordinates {
         self.kind
     }
 
-    /// With other places.
+    /// Coordinates with each place replaced by its image.
     pub(crate) fn map(mut self, place: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         self.places[..self.kind.node_count()].iter_mut().for_each(|x| *x = place(*x));
         self

@@ -51,7 +51,7 @@ pub struct Elements {
 }
 
 impl Elements {
-    /// No elements yet.
+    /// A set without elements.
     pub fn new() -> Self {
         Self::default()
     }

@@ -91,7 +91,7 @@ pub enum MeshError {
         /// The name.
         name: String,
     },
-    /// Nothing of the mesh lies in the region of the set.
+    /// A set whose region has nothing of the mesh in it.
     #[error(
         "set \"{name}\" is empty: no {kind} lie in {region}; the mesh is in {:?} to {:?}: move the region or enlarge it", bounds[0], bounds[1]
     )]
@@ -135,7 +135,7 @@ pub enum MeshError {
     NonFiniteNode {
         /// The node.
         node: u32,
-        /// Its coordinates.
+        /// Coordinates of the node.
         coordinates: [f64; 3],
     },
     /// An element uses a node twice.
@@ -145,7 +145,7 @@ pub enum MeshError {
     RepeatedNode {
         /// The element.
         element: u32,
-        /// Its nodes.
+        /// Nodes of the element.
         nodes: Vec<u32>,
         /// The node that occurs twice.
         node: u32,
@@ -158,7 +158,7 @@ pub enum MeshError {
     InvertedElement {
         /// The element.
         element: u32,
-        /// Its nodes.
+        /// Nodes of the element.
         nodes: Vec<u32>,
         /// Where.
         point: ElementPoint,
@@ -201,7 +201,7 @@ pub enum MeshError {
         second: u32,
         /// Where the first is.
         coordinates: [f64; 3],
-        /// Their distance.
+        /// Distance of both nodes, a length.
         distance: f64,
     },
     /// The surface has no facet.
@@ -224,7 +224,7 @@ pub enum MeshError {
     DegenerateFacet {
         /// The facet.
         facet: u32,
-        /// Its nodes.
+        /// Nodes of the facet.
         nodes: Vec<u32>,
     },
     /// A surface that does not enclose a volume.
@@ -254,7 +254,7 @@ pub enum MeshError {
     NonMatchingFacet {
         /// The elements.
         elements: [u32; 2],
-        /// Their kinds.
+        /// Kinds of the elements.
         kinds: String,
         /// The facet's nodes in the first.
         nodes: Vec<u32>,
@@ -268,7 +268,7 @@ pub enum MeshError {
     NonConformingFacet {
         /// The element of the facet and one of those on it.
         elements: [u32; 2],
-        /// Their kinds.
+        /// Kinds of the elements.
         kinds: String,
         /// Mean of the corners of the facet.
         centre: [f64; 3],

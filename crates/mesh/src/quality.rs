@@ -26,7 +26,7 @@ pub struct QualityReport {
     pub least_valid_element: u32,
     /// Number of elements with such a bound below 0.1.
     pub poor_elements: usize,
-    /// Those of them of which it is not known whether `det J` is positive everywhere ([`crate::Validity::is_undecided`]).
+    /// Number of poor elements of which it is not known whether `det J` is positive everywhere ([`crate::Validity::is_undecided`]).
     pub undecided_elements: usize,
     /// Number of elements with `det J <= 0` at a Gauss point, or at another point of a quadratic element.
     pub inverted_elements: usize,

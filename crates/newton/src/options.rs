@@ -20,17 +20,18 @@ pub enum LineSearch {
         /// At most so many reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
         max_reductions: u32,
     },
-    /// As [`Self::Backtracking`], and where no constraint is violated a full step that goes too far is shortened by the slope `g(s) = R(u + s du) . du`: it is accepted if `g` has changed
+    /// Backtracking as [`Self::Backtracking`], and where no constraint is violated a full step that goes too far is shortened by the slope `g(s) = R(u + s du)
+    /// . du`: it is accepted if `g` has changed
     /// its sign by at most [`OVERSHOOT`]; else a root of `g` is sought by false position. For forces with kinks, as of points that begin to yield, between which full steps
     /// may jump for ever while the residual grows by little.
     Slope {
-        /// See [`Self::Backtracking`].
+        /// Largest factor by which the residual may grow, see [`Self::Backtracking`].
         max_growth: f64,
-        /// See [`Self::Backtracking`].
+        /// Lower bound of the previous residual in this test, as a part of the scale, see [`Self::Backtracking`].
         small: f64,
-        /// See [`Self::Backtracking`].
+        /// Factor between two trials, in (0, 1).
         reduction: f64,
-        /// See [`Self::Backtracking`]; also the largest number of trials along the slope.
+        /// Largest number of reductions, see [`Self::Backtracking`]; also the largest number of trials along the slope.
         max_reductions: u32,
     },
     /// If the problem has a [`crate::Potential`], a step is accepted if the potential falls sufficiently (Armijo's condition), up to round-off; the residual may grow. Without a potential a step is accepted if the residual does
@@ -91,7 +92,7 @@ pub struct NewtonOptions {
     /// Converged when `residual <= absolute_tolerance + relative_tolerance * scale` and the constraints' relative violation is at
     /// most `relative_tolerance`. A residual's unit.
     pub absolute_tolerance: f64,
-    /// See [`Self::absolute_tolerance`]. Without unit.
+    /// Part of the scale to which the residual and the constraints' violation have to fall, see [`Self::absolute_tolerance`]. Without unit.
     pub relative_tolerance: f64,
     /// Largest number of further iterations after the tolerance is reached, each only if the one before reduced the residual
     /// by [`Self::polish_factor`] and round-off is not reached yet. Zero: stop at the tolerance.
@@ -100,7 +101,7 @@ pub struct NewtonOptions {
     pub polish_factor: f64,
     /// Whether the problem is to hold the tangent of a polished solution. Nothing is solved with it any more.
     pub tangent_at_solution: bool,
-    /// No further iterations below `round_off_level * scale`: the residual is round-off.
+    /// Part of the scale below which the residual is round-off: no further iterations there.
     pub round_off_level: f64,
     /// A residual that no longer falls by [`Self::polish_factor`] counts as converged to round-off although the tolerance is
     /// not reached, if it is at most this times the scale, or ...

@@ -15,7 +15,7 @@ pub struct ResidualNorms {
 /// A function whose gradient the residual is, such as the potential energy, at an iterate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Potential {
-    /// Its value, up to a constant.
+    /// Value of the potential, up to a constant.
     pub value: f64,
     /// Bound of the round-off of a difference of two values, `>= 0`.
     pub round_off: f64,
@@ -45,14 +45,15 @@ pub trait NewtonProblem {
     /// of `du`.
     ///
     /// # Errors
-    /// The problem's own, for instance a singular tangent. They end the iteration.
+    /// The problem's own errors, for instance a singular tangent. They end the iteration.
     fn solve(&mut self) -> Result<f64, Self::Error>;
 
-    /// As [`Self::solve`], with a tangent that is modified, if necessary, so that the potential falls along the increment. Called instead of `solve` with [`crate::LineSearch::Best`].
+    /// Solves as [`Self::solve`], with a tangent that is modified, if necessary, so that the potential falls along the increment. Called instead of `solve`
+    /// with [`crate::LineSearch::Best`].
     /// [`Self::solve`] by default.
     ///
     /// # Errors
-    /// As [`Self::solve`].
+    /// The errors of [`Self::solve`].
     fn solve_downhill(&mut self) -> Result<f64, Self::Error> {
         self.solve()
     }

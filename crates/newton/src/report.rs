@@ -117,7 +117,7 @@ pub enum NewtonFailure<E> {
         /// The course so far.
         report: NewtonReport,
     },
-    /// It stopped without a solution.
+    /// An iteration that stopped without a solution.
     #[error("no convergence ({}) after {} iterations, residual {:.3e}", .0.reason, .0.iteration_count(), .0.iterations.last().map_or(f64::NAN, |r| r.residual))]
     NotConverged(NewtonReport),
 }

@@ -120,7 +120,7 @@ fn assemble<P: NewtonProblem>(problem: &mut P) -> Result<Norms, P::Error> {
     Ok(Norms::new(norms, problem.relative_violation()))
 }
 
-/// As [`assemble`], without the tangent.
+/// Norms of the residual as of [`assemble`], without the tangent.
 fn evaluate<P: NewtonProblem>(problem: &mut P) -> Result<Norms, P::Error> {
     let norms = problem.residual_norms()?;
     Ok(Norms::new(norms, problem.relative_violation()))

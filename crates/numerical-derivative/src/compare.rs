@@ -9,11 +9,11 @@ use std::fmt;
 pub struct Comparison {
     /// Row of the worst entry, from 0.
     pub row: usize,
-    /// Its column, from 0.
+    /// Column of the worst entry, from 0.
     pub column: usize,
-    /// Its analytic value.
+    /// Analytic value of the worst entry.
     pub analytic: f64,
-    /// Its numerical value.
+    /// Numerical value of the worst entry.
     pub numerical: f64,
     /// Largest magnitude of an entry of the numerical Jacobian.
     pub scale: f64,

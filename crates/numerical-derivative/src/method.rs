@@ -74,7 +74,7 @@ pub enum Step {
     /// `h = unit_step max(|x|, length)`: `length` is the size of arguments over which the function changes by its own
     /// size; it matters for arguments near zero.
     Scaled(f64),
-    /// This step.
+    /// A step of this size for all arguments.
     Fixed(f64),
 }
 

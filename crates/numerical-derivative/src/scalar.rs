@@ -117,7 +117,7 @@ impl Scalar for Complex64 {
         Self::new(real, 0.5 * (2.0 * y / (1.0 + x * x + y * y)).atanh())
     }
 
-    /// As the tangent, with `1 - tanh^2 = 1/cosh^2`: no overflow for large arguments.
+    /// Hyperbolic tangent by the formula of the tangent, with `1 - tanh^2 = 1/cosh^2`: no overflow for large arguments.
     #[inline]
     fn tanh(self) -> Self {
         let (t, u) = (self.re.tanh(), self.im.tan());

@@ -30,9 +30,9 @@ pub struct RandomQuad {
 impl RandomQuad {
     /// Ranges of tilt, shift and scale that give overlaps of every kind, for generators.
     pub const TILT: f64 = 0.5;
-    /// See [`Self::TILT`].
+    /// Range of the shift, see [`Self::TILT`].
     pub const SHIFT: f64 = 1.2;
-    /// See [`Self::TILT`]; smallest and largest.
+    /// Smallest and largest scale, see [`Self::TILT`].
     pub const SCALE: [f64; 2] = [0.05, 20.0];
 
     /// The facet.

@@ -12,7 +12,7 @@ pub const MAX_FACE_NODES: usize = 9;
 
 /// Shape functions of a face, zero beyond its nodes.
 pub type FaceShape = [f64; MAX_FACE_NODES];
-/// Their gradients: row the node, column the direction; zero beyond the nodes.
+/// Gradients of the shape functions of a face: row the node, column the direction; zero beyond the nodes.
 pub type FaceGradient = [[f64; 2]; MAX_FACE_NODES];
 
 /// A kind of face. Quadratic faces have their corners first, then the middles of the edges in order, then the centre.

@@ -77,7 +77,7 @@ pub enum Integration {
 /// A face of a cell.
 #[derive(Debug)]
 pub struct Face {
-    /// Its kind.
+    /// Kind of the face.
     pub kind: FaceKind,
     /// Local nodes in the order of the kind; `a1 x a2` points out of the cell.
     pub nodes: &'static [u8],
@@ -90,7 +90,7 @@ pub struct CellTable {
     pub name: &'static str,
     /// What it is, a sentence.
     pub about: &'static str,
-    /// Its shape.
+    /// Shape of the cell.
     pub family: Family,
     /// Natural coordinates of the nodes, corners first.
     pub nodes: &'static [[f64; 3]],
@@ -108,7 +108,7 @@ pub struct CellTable {
     pub mass: Rule,
     /// Shape functions at natural coordinates.
     pub shape: fn([f64; 3]) -> Shape,
-    /// Their gradients.
+    /// Gradients of the shape functions at natural coordinates.
     pub shape_gradient: fn([f64; 3]) -> ShapeGradient,
     /// VTK's number of the cell, whose order of nodes is ours.
     pub vtk: u8,

@@ -90,7 +90,7 @@ pub enum Given<'a> {
 }
 
 impl Given<'_> {
-    /// Its numbers.
+    /// Numbers of the value, one or more.
     pub fn list(&self) -> &[f64] {
         match self {
             Self::Number(value) => std::slice::from_ref(value),

@@ -31,7 +31,7 @@ pub struct PointDerivative {
 }
 
 impl PointDerivative {
-    /// No change.
+    /// The derivative of a point that does not move: zeros.
     pub const ZERO: Self = Self { slave: [[0.0; LOCAL]; 2], master: [[0.0; LOCAL]; 2] };
 }
 

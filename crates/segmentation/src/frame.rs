@@ -109,7 +109,7 @@ impl SlaveFrame {
     }
 }
 
-/// Of a unit normal `n = d1 x d2 / |d1 x d2|` by the nodes.
+/// Derivatives of a unit normal `n = d1 x d2 / |d1 x d2|` by the nodes; `length` is `|d1 x d2|`, an area.
 fn normal_derivatives(
     kind: FacetKind,
     [d1, d2]: [Vector3<f64>; 2],

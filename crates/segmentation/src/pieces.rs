@@ -10,7 +10,7 @@ pub(crate) struct Piece {
     pub count: usize,
     /// Corners of the facet.
     pub corners: [u8; MAX_NODES],
-    /// Their images.
+    /// Images of the corners in the plane of projection, two lengths each.
     pub points: [[f64; 2]; MAX_NODES],
     pub map: FacetMap,
     /// Planes of symmetry that the corners lie in, a bit each.

@@ -60,7 +60,7 @@ pub struct Segment {
     pub master_facet: u32,
     /// Map from the convective coordinates of the slave facet to its points.
     pub slave_map: FacetMap,
-    /// The same map of the master facet.
+    /// Map from the convective coordinates of the master facet to its points.
     pub master_map: FacetMap,
     count: usize,
     vertices: [Vertex; MAX_VERTICES],
@@ -192,7 +192,8 @@ pub fn segment_pair(
     segment_pair_within(frame, master_facet, master, &master.map(|_| 0), out)
 }
 
-/// As [`segment_pair`] for surfaces that end at planes of symmetry and go on behind them: `planes` are those that the master's corners lie in, a bit each, as in [`SlaveFrame::with_planes`].
+/// Overlap of two facets as of [`segment_pair`], for surfaces that end at planes of symmetry and go on behind them: `planes` are those that the master's
+/// corners lie in, a bit each, as in [`SlaveFrame::with_planes`].
 /// A slave's side in such a plane bounds the segment in place of the master's.
 ///
 /// # Errors

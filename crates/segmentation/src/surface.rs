@@ -42,10 +42,11 @@ pub fn segment_facet(
     segment_facet_within(SlaveFrame::new(slave)?, candidates, |_| 0, range)
 }
 
-/// As [`segment_facet`] for surfaces that end at planes of symmetry: those that a node of the master lies in, a bit each, as in [`SlaveFrame::with_planes`].
+/// Segments of a slave facet as of [`segment_facet`], for surfaces that end at planes of symmetry: `planes` are those that a node of the master lies in, a bit
+/// each, as in [`SlaveFrame::with_planes`].
 ///
 /// # Errors
-/// Those of [`segment_pair_within`].
+/// The errors of [`segment_pair_within`].
 pub fn segment_facet_within(
     frame: SlaveFrame,
     candidates: &[MasterFacet],

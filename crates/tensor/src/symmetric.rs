@@ -38,7 +38,7 @@ impl SymmetricTensor2 {
         Self(INDEX_PAIRS.map(|(i, j)| if i == j { m[(i, i)] } else { 0.5 * (m[(i, j)] + m[(j, i)]) }))
     }
 
-    /// As a full matrix.
+    /// The tensor as a full matrix.
     #[inline]
     pub fn to_matrix(self) -> Tensor2 {
         let [xx, yy, zz, xy, yz, xz] = self.0;

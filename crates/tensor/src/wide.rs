@@ -14,7 +14,7 @@ pub const LANES: usize = 4;
 /// A number of each point.
 pub type Several = [f64; LANES];
 
-/// As many numbers as a vector of `S` has: [`LANES`] of them, or a part of these.
+/// A vector of as many numbers as `S` has: [`LANES`] of them, or a part of these.
 #[derive(Clone, Copy, Debug)]
 pub struct Wide<S: Simd> {
     simd: S,
@@ -52,7 +52,7 @@ impl<S: Simd> Wide<S> {
         S::as_mut_simd_f64s(to).0[part] = self.value;
     }
 
-    /// This where `a > b`, zero elsewhere.
+    /// The numbers of `self` where `a > b`, zero elsewhere.
     #[inline(always)]
     pub fn where_greater(self, a: Self, b: Self) -> Self {
         let Self { simd, value } = self;
@@ -124,9 +124,9 @@ impl<S: Simd> Div for Wide<S> {
 
 /// What is done with vectors of a width that is known at run time.
 pub trait Operation {
-    /// Its result.
+    /// Result of the operation.
     type Output;
-    /// Does it. Must be inlined, as all that it calls: only then is it compiled for the processor's vectors. Closures cannot be made to be inlined.
+    /// Runs the operation. Must be inlined, as all that it calls: only then is it compiled for the processor's vectors. Closures cannot be made to be inlined.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
 }
 

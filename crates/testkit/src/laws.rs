@@ -155,7 +155,7 @@ pub fn battery(law: &dyn HyperelasticLaw, tolerance: f64) {
     run(256, strategies::step(), |(c_n, c_np1)| discrete_gradient(law, c_n, c_np1, tolerance));
 }
 
-/// No energy, no stress, and the tangent of the moduli at `C = 1`.
+/// Checks the reference state `C = 1`: no energy, no stress, and the tangent of the moduli.
 fn reference_state(law: &dyn HyperelasticLaw) {
     let (name, modulus) = (law.name(), modulus(law));
     let identity = SymmetricTensor2::IDENTITY;

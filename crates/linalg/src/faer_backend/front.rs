@@ -20,7 +20,7 @@ use rayon::prelude::*;
 /// cancellation is round-off.
 const SMALLEST_PIVOT: f64 = 1e-15;
 
-/// Without pivoting no multiplier may exceed this. Where displacements come before the multipliers of contact they seldom do. The three digits that it may cost
+/// Largest multiplier without pivoting. Where displacements come before the multipliers of contact they seldom exceed it. The three digits that it may cost
 /// come back with one step of refinement. (At 100, badly scaled contact of two blocks takes a tenth longer, by fronts that are factorised twice, and is not more exact.)
 const LARGEST_MULTIPLIER: f64 = 1000.0;
 

@@ -2,7 +2,7 @@
 
 use super::bsr::Bsr;
 
-/// Without an aggregate: a node that is coupled with nothing, or has no mode.
+/// The mark of a node without an aggregate: it is coupled with nothing, or has no mode.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// Which nodes are coupled, the diagonal left out.

@@ -52,7 +52,7 @@ fn for_rows<T: Real, const R: usize>(y: &mut [T], task: impl Fn(usize, &mut [T; 
 }
 
 impl<T: Real, const R: usize, const C: usize> Bsr<T, R, C> {
-    /// Without rows.
+    /// A matrix without rows.
     pub fn empty(columns: usize) -> Self {
         Self { columns, starts: vec![0], indices: Vec::new(), blocks: Vec::new() }
     }

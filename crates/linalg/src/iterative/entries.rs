@@ -10,12 +10,13 @@ use crate::{NONE, SparsityPattern};
 pub(crate) struct Entries {
     /// Whether the columns of a node are its rows too.
     symmetric: bool,
-    /// Of each block: the place of its first row in the columns of its node, of which each has the same rows; [`NONE`] if they do not, or not all rows of the block: then
+    /// Place of the first row of each block in the columns of its node, of which each has the same rows; [`NONE`] if they do not, or not all rows of the block:
+    /// then
     /// they are looked up.
     offsets: Vec<u32>,
     /// Positions of the entries of multipliers and others in the columns of nodes, equation by equation.
     border: Vec<u32>,
-    /// Where those of an equation begin; empty if there are none at all.
+    /// Where the entries of an equation begin; empty if there are none at all.
     border_starts: Vec<u32>,
 }
 

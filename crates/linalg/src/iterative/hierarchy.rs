@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Degree of Chebyshev's polynomial before and after the correction by the coarser level.
 const DEGREE: usize = 3;
 
-/// The same without coarser levels.
+/// Degree of Chebyshev's polynomial without coarser levels.
 const DEGREE_OF_ONE_LEVEL: usize = 4;
 
 /// Damping of the step of Jacobi's method that smooths the prolongator, over the largest eigenvalue.
@@ -45,7 +45,7 @@ impl<T: Real, const B: usize> Smoothed<T, B> {
         Self { a, smoother, b: vec![T::default(); n], x: vec![T::default(); n] }
     }
 
-    /// See [`Smoother::smooth`].
+    /// Smooths the solution of this level, see [`Smoother::smooth`].
     fn smooth(&mut self, from_zero: bool, residual: Option<&mut [T]>) {
         self.smoother.smooth(&self.a, &self.b, &mut self.x, from_zero, residual);
     }
@@ -214,7 +214,7 @@ pub(crate) struct Hierarchy<T> {
 }
 
 impl<T: Real> Hierarchy<T> {
-    /// Of a matrix (`kind`: whether it is symmetric), its rigid modes, and the body of each node.
+    /// The hierarchy of a matrix (`kind`: whether it is symmetric), its rigid modes, and the body of each node.
     ///
     /// # Errors
     /// [`Refusal::NoCoarsening`], [`Refusal::Coarsest`].

@@ -13,7 +13,7 @@ pub(crate) struct Layout {
     pub free: Vec<[bool; 3]>,
     /// Body of each node.
     pub labels: Vec<u32>,
-    /// Of each other equation: the slot it belongs to, by numbers from zero; `None` of one that is no multiplier.
+    /// Slot of each other equation, by numbers from zero; `None` of one that is no multiplier.
     pub slots: Vec<Option<u32>>,
     /// Equation of each component, [`crate::NONE`] if it has none.
     pub equations: Vec<[u32; 3]>,

@@ -25,7 +25,8 @@ const FORCING: f64 = 0.9;
 /// A tolerance at most this many times smaller than the forcing term is met at once: a further iteration of Newton's method for the rest would cost more.
 const NEAR_TOLERANCE: f64 = 10.0;
 
-/// With multipliers so much of the tolerance, and not more than this if the tolerance is not smaller itself: active sets and friction look at iterates, and loose solutions double their number.
+/// Share of the tolerance with multipliers, and not more than the next figure if the tolerance is not smaller itself: active sets and friction look at
+/// iterates, and loose solutions double their number.
 const SHARE_WITH_MULTIPLIERS: f64 = 1e-2;
 const TOLERANCE_WITH_MULTIPLIERS: f64 = 1e-8;
 

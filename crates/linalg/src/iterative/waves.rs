@@ -11,7 +11,7 @@ const ROWS: usize = 128;
 #[derive(Debug)]
 pub(crate) struct Waves {
     rows: usize,
-    /// Of each chunk of rows: the last chunk that one of its rows, or of rows before it, is coupled with, in either direction.
+    /// Last chunk that a row of each chunk, or a row before it, is coupled with, in either direction.
     reach: Vec<u32>,
 }
 

@@ -11,7 +11,7 @@ type Point = [f64; 3];
 struct Mesh {
     nodes: Vec<Point>,
     elements: Vec<[usize; 8]>,
-    /// Of each element.
+    /// Young's modulus of each element.
     modulus: Vec<f64>,
 }
 

@@ -37,7 +37,7 @@ impl Mesh {
         self.upgraded(&curve::Curves::new(self), CellKind::quadratic)
     }
 
-    /// With linear elements replaced by quadratic ones of these kinds on the same corners.
+    /// The mesh with linear elements replaced by quadratic ones of these kinds on the same corners.
     fn upgraded(&self, curves: &curve::Curves, quadratic: impl Fn(CellKind) -> CellKind) -> Result<Mesh, MeshError> {
         let mut mesh = Mesh { nodes: self.nodes.clone(), ..Mesh::default() };
         // New nodes, and those of elements that are quadratic already, by the corners that they lie between.

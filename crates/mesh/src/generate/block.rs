@@ -57,7 +57,7 @@ pub struct Hexahedron {
     pub corners: [[f64; 3]; 8],
     /// Numbers of elements along the three natural directions.
     pub divisions: [usize; 3],
-    /// As for [`Block::grading`], along the natural directions.
+    /// Size of the last element over that of the first along each natural direction, as for [`Block::grading`].
     pub grading: [f64; 3],
 }
 
@@ -94,7 +94,7 @@ pub struct Indenter {
     pub radius: f64,
     /// Numbers of elements along x, y, z.
     pub divisions: [usize; 3],
-    /// As for [`Block::grading`].
+    /// Size of the last element over that of the first along each axis, as for [`Block::grading`].
     pub grading: [f64; 3],
 }
 

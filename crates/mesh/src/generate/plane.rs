@@ -12,7 +12,7 @@ pub struct Rectangle {
     pub max: [f64; 2],
     /// Numbers of elements along x, y.
     pub divisions: [usize; 2],
-    /// As for [`Block::grading`].
+    /// Size of the last element over that of the first along each axis, as for [`Block::grading`].
     pub grading: [f64; 2],
 }
 

@@ -40,7 +40,7 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// Of the inside of a closed surface. A quadrilateral is taken as four triangles with the mean of its nodes as
+    /// Mass properties of the inside of a closed surface. A quadrilateral is taken as four triangles with the mean of its nodes as
     /// their common corner: the volume is that below the bilinear facet, and nothing depends on where the numbering of
     /// a facet starts. Exact for this polyhedron.
     ///
@@ -58,7 +58,7 @@ impl MassProperties {
         surface.moments()?.properties(density)
     }
 
-    /// Of a mesh. `det J x x^T` has degree 4 in each natural coordinate of a trilinear hexahedron, so that the rule of 3 x 3 x 3
+    /// Mass properties of a mesh. `det J x x^T` has degree 4 in each natural coordinate of a trilinear hexahedron, so that the rule of 3 x 3 x 3
     /// points is exact for it; the rules of the other cells are exact for straight edges.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl MassProperties {
         moments.properties(density)
     }
 
-    /// Of a ball about the origin: `V = 4/3 pi r^3`, `E = m r^2 / 5 1`.
+    /// Mass properties of a ball about the origin: `V = 4/3 pi r^3`, `E = m r^2 / 5 1`.
     ///
     /// # Errors
     /// [`MeshError::Parameter`], [`MeshError::Volume`].
@@ -89,7 +89,7 @@ impl MassProperties {
         closed_form(4.0 / 3.0 * PI * r * r * r, 0.0, [r * r / 5.0; 3], density)
     }
 
-    /// Of a box about the origin: `V = a b c`, `E = m / 12 diag(a^2, b^2, c^2)`.
+    /// Mass properties of a box about the origin: `V = a b c`, `E = m / 12 diag(a^2, b^2, c^2)`.
     ///
     /// # Errors
     /// [`MeshError::Parameter`], [`MeshError::Volume`].
@@ -100,7 +100,7 @@ impl MassProperties {
         closed_form(size.iter().product(), 0.0, size.map(|a| a * a / 12.0), density)
     }
 
-    /// Of a cylinder about the z-axis with its centre at the origin: `V = pi r^2 l`,
+    /// Mass properties of a cylinder about the z-axis with its centre at the origin: `V = pi r^2 l`,
     /// `E = m diag(r^2 / 4, r^2 / 4, l^2 / 12)`.
     ///
     /// # Errors
@@ -112,7 +112,7 @@ impl MassProperties {
         closed_form(PI * r * r * l, 0.0, [r * r / 4.0, r * r / 4.0, l * l / 12.0], density)
     }
 
-    /// Of a cone in place of [`super::Cone`], from its tip (radius `t`, 0 if it is sharp) at `z = 0` to its base
+    /// Mass properties of a cone in place of [`super::Cone`], from its tip (radius `t`, 0 if it is sharp) at `z = 0` to its base
     /// (radius `R`) at `z = h`. With the radius `t + (R - t) z / h` at `z`, and `A = R^2 + R t + t^2`:
     ///
     /// * `V = pi h A / 3`, `c_z = h (3 R^2 + 2 R t + t^2) / (4 A)`,

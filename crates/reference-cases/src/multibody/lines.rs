@@ -10,7 +10,8 @@ pub fn euler_load(length: f64, bending: f64) -> f64 {
     (std::f64::consts::PI / length).powi(2) * 0.25 * bending
 }
 
-/// The same with shear and compression, whose equation for strains as of a director beam is `F (1 - F/EA + F/GA) = F_Euler`: the smaller root (Reissner's beam;
+/// Load at which a column with shear and compression buckles, whose equation for strains as of a director beam is `F (1 - F/EA + F/GA) = F_Euler`: the smaller
+/// root (Reissner's beam;
 /// Haringx' column without `1/EA`).
 pub fn buckling_load(length: f64, bending: f64, axial: f64, shear: f64) -> f64 {
     let (euler, c) = (euler_load(length, bending), 1.0 / shear - 1.0 / axial);

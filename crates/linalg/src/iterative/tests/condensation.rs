@@ -34,7 +34,7 @@ fn parts(system: &System) -> Parts {
     Parts { k, border, saddle, condensation }
 }
 
-/// With an exact inverse of the condensed matrix.
+/// A preconditioner with an exact inverse of the condensed matrix.
 struct Exact {
     parts: Parts,
     inverse: Vec<f64>,
