@@ -22,7 +22,7 @@ const CHUNK: usize = 64;
 /// How the change of volume is averaged.
 #[derive(Clone, Debug)]
 enum Projection<const G: usize> {
-    /// Not at all.
+    /// No average.
     None,
     /// One value an element.
     Constant,
@@ -52,7 +52,7 @@ pub(crate) struct Block<const N: usize, const G: usize> {
 }
 
 impl<const N: usize, const G: usize> Block<N, G> {
-    /// With the states of virgin points, if `law` has states.
+    /// The block of these cells, with the states of virgin points if `law` has states.
     pub fn new(
         cells: &CellBlock,
         reference: &[[f64; 3]],

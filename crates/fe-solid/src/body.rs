@@ -23,18 +23,18 @@ pub struct SolidBody {
     node_offset: u32,
     /// Reference positions of the body's nodes.
     reference: Arc<[[f64; 3]]>,
-    /// With global nodes.
+    /// Elements of the body, with global nodes.
     elements: Arc<Elements>,
-    /// Those that are evaluated here: all, or the share of a rank.
+    /// Elements that are evaluated here: all, or the share of a rank.
     own: Own,
     /// One for each block of the own elements, made when they are needed first: after the elements were shared out.
     blocks: OnceLock<Vec<Box<dyn ElementBlock>>>,
-    /// Of all elements.
+    /// Reference volume of all elements.
     volume: f64,
     options: SolidOptions,
     /// The parts of the law, in a mixed body.
     split: Option<VolumetricSplit>,
-    /// Of those who bring none.
+    /// Workspace of callers who bring none.
     workspace: Mutex<Workspace>,
 }
 
@@ -69,10 +69,10 @@ impl SolidBody {
         Self::with_options(name, mesh, node_offset, law, SolidOptions::default())
     }
 
-    /// As [`Self::new`], with options.
+    /// A body as of [`Self::new`], with options.
     ///
     /// # Errors
-    /// As [`Self::new`]; [`SolidError::NoVolumetricPart`].
+    /// The errors of [`Self::new`]; [`SolidError::NoVolumetricPart`].
     pub fn with_options(
         name: &str,
         mesh: &Mesh,
@@ -253,14 +253,15 @@ impl SolidBody {
         self.assemble_after(None, step, force_weight, force, tangent, workspace)
     }
 
-    /// As [`Self::assemble`], for the tangent of an iterate that followed `before` by a linear solution. In a mixed body the stress that stiffens the
+    /// Adds force and tangent as [`Self::assemble`], for the tangent of an iterate that followed `before` by a linear solution. In a mixed body the stress that
+    /// stiffens the
     /// tangent then has the pressures of that linear solution, not those of the volumes at `q_np1`: Newton's method for displacements and pressures, from which the
     /// pressures were eliminated (theory/elements#mixed-iteration). Near incompressibility it converges from much farther away, because the volumes that a large rotation
     /// of an iterate makes are not multiplied by the bulk modulus. The force does not depend on `before`, and the tangent is the derivative of the force where the
     /// iteration ends.
     ///
     /// # Errors
-    /// Those of [`Self::assemble`].
+    /// The errors of [`Self::assemble`].
     pub fn assemble_after(
         &self,
         before: Option<&[f64]>,
@@ -456,7 +457,7 @@ impl SolidBody {
         self.mass_of((density, kind), None)
     }
 
-    /// The same with nodes that others carry.
+    /// The mass of the body with nodes that others carry.
     pub(crate) fn mass_with(&self, density: f64, kind: MassKind, carried: &Carried) -> MassMatrix {
         self.mass_of((density, kind), Some((carried, self.stencils().count())))
     }
@@ -535,14 +536,14 @@ pub struct InsideOut {
     pub count: usize,
     /// The worst one, in the body.
     pub element: usize,
-    /// Its worst node, in the order of its kind.
+    /// The worst node of this element, in the order of its kind.
     pub node: usize,
     /// `det dx/dxi` there over its mean in the element's reference volume: 1 for an undeformed parallelepiped or a tetrahedron with straight edges, not positive here.
     pub relative_volume: f64,
 }
 
 impl InsideOut {
-    /// Those of two shares of a body: their number, and the worst; of equal ones the first element.
+    /// The elements of two shares of a body: their number, and the worst; of equal ones the first element.
     pub fn and(&self, other: &Self) -> Self {
         let rank = |of: &Self| (of.relative_volume, of.element);
         let worst = if rank(self) < rank(other) { self } else { other };

@@ -44,7 +44,7 @@ pub(crate) struct ElementHistory<const G: usize> {
 }
 
 impl<const G: usize> ElementHistory<G> {
-    /// Of nothing.
+    /// A history of zeros, before a step has begun.
     pub const EMPTY: Self = Self { strains: [[0.0; G]; 6], energies: [0.0; G] };
 
     /// `C_n` at a Gauss point.
@@ -57,7 +57,7 @@ impl<const G: usize> ElementHistory<G> {
         self.energies[gauss_point]
     }
 
-    /// Both at the Gauss points from `first` on.
+    /// `C_n` and `W_n` at the Gauss points from `first` on.
     #[inline(always)]
     fn several(&self, first: usize) -> (SymmetricTensors, Several) {
         let mut strains = SymmetricTensors::ZERO;
@@ -129,7 +129,7 @@ fn in_order<S: Simd>(simd: S, count: usize, points: &mut impl Points) -> Result<
     Ok(())
 }
 
-/// The same with the processor's widest vectors.
+/// The loop of [`in_order`] with the processor's widest vectors.
 struct InOrder<'a, P> {
     count: usize,
     points: &'a mut P,
@@ -368,7 +368,7 @@ fn by_rule<S: Simd, const N: usize, const G: usize>(
     }
 }
 
-/// That no point is inverted at the end of the step.
+/// The check that no point is inverted at the end of the step.
 struct Orientation<'a, const N: usize, const G: usize> {
     geometry: Geometry<'a, N, G>,
     q: &'a NodalVectors<N>,

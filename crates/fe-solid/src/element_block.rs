@@ -30,7 +30,7 @@ pub(crate) struct Material<'a> {
 }
 
 impl<'a> Material<'a> {
-    /// Of a mixed body.
+    /// Volumetric part of the law of a mixed body.
     pub fn volume(&self) -> &'a dyn VolumetricEnergy {
         match self.volume {
             Some(volume) => volume,

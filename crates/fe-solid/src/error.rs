@@ -126,7 +126,7 @@ pub enum SolidError {
         name: String,
         /// Which array.
         what: &'static str,
-        /// Its length.
+        /// Length of the array.
         found: usize,
         /// The length that is needed.
         expected: usize,
@@ -150,7 +150,7 @@ pub enum SolidError {
     DegenerateFacet {
         /// Facet in the load's list.
         facet: usize,
-        /// Its reference area.
+        /// Reference area of the facet.
         area: f64,
     },
 }

@@ -307,7 +307,7 @@ pub(crate) struct TangentPoints<'a> {
     pub moduli: &'a Tensors4,
     pub stress: &'a SymmetricTensors,
     pub weights: &'a Several,
-    /// Of the geometric term, times the weights.
+    /// Factors of the geometric term, times the weights.
     pub scales: &'a Several,
 }
 

@@ -11,7 +11,7 @@ use stoss_continuum::{
 #[derive(Clone, Copy)]
 pub(crate) struct Laws<'a> {
     law: &'a dyn HyperelasticLaw,
-    /// Nothing of an elastic law.
+    /// States and step of a material with history; `None` of an elastic law.
     history: Option<History<'a>>,
 }
 
@@ -45,12 +45,12 @@ impl<'a> std::ops::Deref for PointLaw<'a> {
 }
 
 impl<'a> Laws<'a> {
-    /// Of an elastic law: of all points the same.
+    /// The law of an elastic body, the same at all points.
     pub fn elastic(law: &'a dyn HyperelasticLaw) -> Self {
         Self { law, history: None }
     }
 
-    /// Of a material for the states of an element at the begin of a step of the size `dt`.
+    /// The laws of a material for the states of an element at the begin of a step of the size `dt`.
     ///
     /// A stress at `q_{n+theta}` is that of the end of a step of the part `theta`; without a step it is that of the state as it is.
     pub fn of_step(material: &'a dyn Material, states: &'a [f64], dt: f64, rule: Option<ForceRule>) -> Self {

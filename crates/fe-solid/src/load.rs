@@ -72,7 +72,7 @@ impl Nodal {
         out
     }
 
-    /// Of facet number `index` of a surface, or why it has none.
+    /// Areas and area vectors at the nodes of facet number `index` of a surface, or why it has none.
     fn of_facet(index: usize, facet: &FaceNodes, positions: &[f64]) -> Result<Self, SolidError> {
         let nodal = Self::new(facet.kind(), &places(facet, positions)?[..facet.len()]);
         if nodal.area > 0.0 && nodal.area.is_finite() {
@@ -191,7 +191,7 @@ impl FollowerPressure {
         &self.tangent[..9 * self.nodes * self.nodes]
     }
 
-    /// The same, to be scaled.
+    /// Derivative by the nodes' positions, to be scaled.
     pub fn tangent_mut(&mut self) -> &mut [f64] {
         &mut self.tangent[..9 * self.nodes * self.nodes]
     }

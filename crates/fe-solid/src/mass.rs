@@ -380,7 +380,7 @@ impl MassMatrix {
         }
     }
 
-    /// The same for the entries between nodes that carry others.
+    /// Visits the entries between nodes that carry others.
     fn for_each_pair(&self, mut entry: impl FnMut(usize, usize, f64)) {
         for &([i, j], m) in &self.pairs {
             entry(i as usize, j as usize, m);

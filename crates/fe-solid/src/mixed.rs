@@ -57,7 +57,7 @@ pub(crate) struct Parts<'a> {
 pub(crate) struct Mixed<'a, const N: usize, const G: usize, const A: usize> {
     pub parts: Parts<'a>,
     pub geometry: Geometry<'a, N, G>,
-    /// The same with the gradients at all points.
+    /// Gradients at all points, of the same element.
     pub integration: &'a ElementIntegration<N, G>,
     pub basis: Basis<G, A>,
 }

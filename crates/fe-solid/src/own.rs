@@ -6,7 +6,7 @@ use stoss_mesh::Elements;
 /// The elements of which a body has data.
 #[derive(Clone, Debug)]
 pub(crate) struct Own {
-    /// With global nodes, counted from 0.
+    /// Elements with global nodes, counted from 0.
     pub elements: Arc<Elements>,
     /// Number of each in the body, ascending; nothing where a body was never shared out.
     numbers: Option<Arc<[u32]>>,

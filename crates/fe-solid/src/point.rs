@@ -14,7 +14,7 @@ use stoss_reference_element::CellKind;
 pub struct MaterialPoint {
     /// The element in the body that holds it; of several the first.
     pub element: usize,
-    /// Its natural coordinates there.
+    /// Natural coordinates of the point in that element.
     pub natural: [f64; 3],
     /// `dN_I/dX_A` at the point, `[I][A]`.
     gradients: Vec<[f64; 3]>,

@@ -158,7 +158,7 @@ impl SolidBody {
 /// share those of its elements, which add up to those of the body over all ranks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodalSums<const N: usize> {
-    /// Of each node its sums, then the volume.
+    /// Sums of each node, then the volume.
     numbers: Vec<f64>,
 }
 

@@ -10,7 +10,7 @@ use stoss_continuum::wide::{LANES, Several, Simd, Wide, parts};
 pub(crate) struct Natural<const N: usize, const G: usize> {
     /// `[g][A][I]`: `dN_I/dxi_A`.
     pub gradients: [Gradients<N>; G],
-    /// The same of [`LANES`] points side by side, `[A][I][point]`; the last point stands for those that are missing.
+    /// Gradients of [`LANES`] points side by side, `[A][I][point]`; the last point stands for those that are missing.
     several: Vec<[[Several; N]; 3]>,
 }
 
@@ -44,7 +44,7 @@ pub(crate) fn several<const G: usize>(values: &[f64; G], first: usize) -> Severa
 }
 
 impl<const G: usize> ElementReference<G> {
-    /// As [`kernel::integration`].
+    /// Inverse Jacobian and weights at the Gauss points, as of [`kernel::integration`].
     pub fn new<const N: usize>(
         x: &NodalVectors<N>,
         natural: &[Gradients<N>; G],
@@ -76,7 +76,7 @@ impl<const G: usize> ElementReference<G> {
         kernel::write_gradients(&inverse, &natural[g], out);
     }
 
-    /// With the gradients at all Gauss points.
+    /// The integration of the element with the gradients at all Gauss points.
     #[inline(always)]
     pub fn integration<const N: usize>(&self, natural: &[Gradients<N>; G]) -> ElementIntegration<N, G> {
         let mut out = ElementIntegration { gradients: [[[0.0; N]; 3]; G], weights: self.weights };

@@ -5,10 +5,10 @@ use stoss_term::Local;
 /// Room for what a step needs of all elements and nodes.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
-    /// Of each element.
+    /// Jacobians of each element.
     pub jacobians: Vec<f64>,
     pub pressures: Vec<f64>,
-    /// Of each node: pressure, and its derivative.
+    /// Pressure of each node, and its derivative.
     pub nodal: Vec<(f64, f64)>,
     /// The contribution of a node, and the two vectors that its tangent is the product of.
     pub local: Local,

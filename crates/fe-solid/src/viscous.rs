@@ -31,7 +31,7 @@ pub(crate) struct Viscosity<'a> {
     pub rate: ViscousRate<'a>,
     /// `b` times Lamé's constants.
     pub moduli: [f64; 2],
-    /// Of the tangent.
+    /// Factor of the tangent.
     pub factor: f64,
 }
 

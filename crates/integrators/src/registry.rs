@@ -25,7 +25,7 @@ pub struct SchemeEntry {
     pub name: &'static str,
     /// One sentence.
     pub about: &'static str,
-    /// Its parameters.
+    /// Parameters of the scheme.
     pub parameters: &'static [Parameter],
     /// Makes the scheme from one value for each parameter, each within its range.
     pub make: fn(&[f64]) -> Box<dyn Scheme>,
@@ -132,7 +132,7 @@ pub const SCHEMES: &[SchemeEntry] = &[
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SchemeError {
-    /// Not in the table.
+    /// A name that is not in the table.
     #[error("there is no scheme `{name}`")]
     Unknown {
         /// What was asked for.

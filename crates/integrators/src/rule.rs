@@ -82,7 +82,7 @@ pub struct Combination {
 }
 
 impl Combination {
-    /// Without an acceleration.
+    /// A combination without an acceleration.
     pub fn new(increment: f64, velocity: f64) -> Self {
         Self { increment, velocity, acceleration: 0.0 }
     }

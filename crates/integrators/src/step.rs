@@ -198,10 +198,11 @@ pub fn evaluate<S: SecondOrderSystem>(
     evaluate_constraints(system, step, end.q, tangent, buffers)
 }
 
-/// As [`evaluate`] at the same `end`, after nothing has changed but multipliers and which constraints act: all other terms, and their tangent if it is wanted, are those of the last evaluation.
+/// Evaluates as [`evaluate`] at the same `end`, after nothing has changed but multipliers and which constraints act: all other terms, and their tangent if it
+/// is wanted, are those of the last evaluation.
 ///
 /// # Errors
-/// As [`evaluate`].
+/// The errors of [`evaluate`].
 pub fn evaluate_constraints<S: SecondOrderSystem>(
     system: &mut S,
     step: &Step<'_>,

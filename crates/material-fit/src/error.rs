@@ -25,7 +25,7 @@ pub enum FitError {
         /// Points beside those without strain.
         points: usize,
     },
-    /// No start of the search led anywhere.
+    /// A search of which no start led anywhere.
     #[error(
         "no parameters of the law {law} describe these curves; see whether stresses grow with stretches, and take another law"
     )]

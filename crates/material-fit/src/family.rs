@@ -37,7 +37,7 @@ impl Family {
     /// Names of the laws that can be fitted.
     pub const NAMES: [&str; 6] = ["neo-hooke", "mooney-rivlin", "yeoh", "gent", "arruda-boyce", "ogden"];
 
-    /// Of the law with that name; `terms` of Ogden's law, from 1 to 3. `None` if it cannot be fitted.
+    /// The family of the law with that name; `terms` of Ogden's law, from 1 to 3. `None` if it cannot be fitted.
     pub fn of(law: &str, terms: usize) -> Option<Self> {
         Some(match law {
             "neo-hooke" => Self {

@@ -14,11 +14,11 @@ const SOME_BULK: f64 = 1e3;
 pub struct Fit {
     /// Name of the law.
     pub name: &'static str,
-    /// Its parameters, in the order of the catalogue; a list of several for one that is a list. Stresses are in the unit of the table.
+    /// Parameters of the law, in the order of the catalogue; a list of several for one that is a list. Stresses are in the unit of the table.
     pub parameters: Vec<(&'static str, Vec<f64>)>,
     /// The law with them.
     pub law: Arc<dyn HyperelasticLaw>,
-    /// Of each curve: the root of the mean square of the deviations, over the largest stress of the curve.
+    /// Deviation of each curve: the root of the mean square of the deviations, over the largest stress of the curve.
     pub deviations: Vec<(Mode, f64)>,
 }
 

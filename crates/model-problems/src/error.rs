@@ -29,7 +29,7 @@ pub enum ModelError {
     Newton {
         /// Number of the step, from 1.
         step: u64,
-        /// Its start.
+        /// Time at the start of the step.
         time: f64,
         /// The stop reason.
         reason: String,
@@ -39,7 +39,7 @@ pub enum ModelError {
     ActiveSet {
         /// Number of the step.
         step: u64,
-        /// Its start.
+        /// Time at the start of the step.
         time: f64,
     },
     /// Coordinates or energy have grown without bound.
@@ -47,7 +47,7 @@ pub enum ModelError {
     Unbounded {
         /// Number of the step.
         step: u64,
-        /// Its end.
+        /// Time at the end of the step.
         time: f64,
     },
 }

@@ -59,7 +59,7 @@ pub trait ModelProblem: std::fmt::Debug {
     fn spatial_nodes(&self) -> usize {
         0
     }
-    /// The same system with augmented coordinates, if there is one.
+    /// The system with augmented coordinates, if there is one.
     fn augmented(&self) -> Option<Box<dyn ModelProblem>> {
         None
     }

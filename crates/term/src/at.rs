@@ -55,14 +55,14 @@ pub struct At<'a> {
 }
 
 impl<'a> At<'a> {
-    /// Of the forces of a step with rates.
+    /// The state at which the forces of a step with rates are taken.
     pub fn force([q_n, q_np1]: [&'a [f64]; 2], rule: ForceRule, dt: f64) -> Self {
         let rule = Rule::Force(rule);
         let (multipliers, auxiliaries, active) = (&[], &[], &[]);
         Self { q_n, q_np1, rule, time: 0.0, dt, rates: true, multipliers, auxiliaries, active, before: None }
     }
 
-    /// Of constraints with these multipliers, of which those act that `active` names.
+    /// The state at which constraints with these multipliers are taken, of which those act that `active` names.
     pub fn constraint(
         positions: [&'a [f64]; 2],
         rule: GradientRule,
@@ -109,7 +109,7 @@ pub struct StepConfiguration<'a> {
 }
 
 impl<'a> StepConfiguration<'a> {
-    /// Those of an iterate, if constraints are asked for.
+    /// Both configurations of an iterate, if constraints are asked for.
     pub fn of(at: &At<'a>) -> Option<Self> {
         Some(Self { q_n: at.q_n, q_np1: at.q_np1, rule: at.rule.constraint()? })
     }

@@ -127,13 +127,13 @@ pub fn derivative(term: &mut dyn Term, at: &At<'_>, direction: &Unknowns, h: f64
 pub struct Promises {
     /// Size of the sum of the forces on positions over the sum of their sizes.
     pub resultant: f64,
-    /// The same of their moments about the middle of the step, with those of directors.
+    /// Size of the sum of the moments about the origin with positions of the middle of the step, directors included, over the sum of forces times distances.
     pub moment: f64,
     /// Largest difference between an entry of a tangent and its mirror image, over the largest entry.
     pub asymmetry: f64,
     /// Work of the forces in the step. Against it stand the energies of [`Term::work`].
     pub work: f64,
-    /// Sum of the sizes of what it is the sum of.
+    /// Sum of the magnitudes of the products that `work` is the sum of.
     pub work_scale: f64,
     /// Whether a second evaluation has the same bits.
     pub is_pure: bool,

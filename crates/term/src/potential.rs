@@ -24,7 +24,7 @@ pub struct BodyPair {
 }
 
 impl BodyPair {
-    /// Of two bodies that do nothing to each other.
+    /// The pair of two bodies that do nothing to each other.
     pub fn none(bodies: [u32; 2]) -> Self {
         Self {
             bodies,
@@ -61,7 +61,7 @@ pub struct SurfaceForce {
     pub node: u32,
     /// Force on the surface there.
     pub force: [f64; 3],
-    /// Its moment about the origin.
+    /// Moment of the force about the origin.
     pub moment: [f64; 3],
 }
 

@@ -8,24 +8,24 @@ use crate::Step;
 /// What becomes of an overlap of the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Overlap {
-    /// It is closed in the first step.
+    /// The overlap is closed in the first step.
     #[default]
     Sudden,
-    /// It is closed in proportion to time, until the end of the stage in which the contact begins to act.
+    /// The overlap is closed in proportion to time, until the end of the stage in which the contact begins to act.
     Ramp,
-    /// It stays: surfaces that overlap count as just touching.
+    /// The overlap stays: surfaces that overlap count as just touching.
     Keep,
 }
 
 /// Friction in steps in which an overlap or an interference closes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ClosingFriction {
-    /// As ever.
+    /// Friction as in all other steps.
     #[default]
     Full,
-    /// Its bound grows from zero in proportion to time.
+    /// A bound of friction that grows from zero in proportion to time.
     Grows,
-    /// None; what closes ends without tangential tractions.
+    /// No friction; what closes ends without tangential tractions.
     None,
 }
 
@@ -143,7 +143,7 @@ impl ReferenceGap {
         [most - self.left(time) * deepest, most]
     }
 
-    /// The same at the end of the present step.
+    /// Smallest and largest reference gap at the end of the present step.
     pub fn present_range(&self) -> [f64; 2] {
         self.range(self.time)
     }

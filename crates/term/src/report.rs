@@ -78,22 +78,22 @@ pub struct JointCoordinate {
 /// Torques (along an angle) or forces (along a displacement) that act on the second side of a joint along its coordinate; zero without such a thing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointTorques {
-    /// Of Coulomb friction.
+    /// Torque or force of Coulomb friction.
     pub friction: f64,
-    /// Of viscous friction, in the last step.
+    /// Torque or force of viscous friction, in the last step.
     pub viscous: f64,
-    /// Of the spring, at the end of the step.
+    /// Torque or force of the spring, at the end of the step.
     pub spring: f64,
-    /// Of the motor or the pretension.
+    /// Torque or force of the motor or the pretension.
     pub motor: f64,
-    /// Of the limits.
+    /// Torque or force of the limits.
     pub limit: f64,
 }
 
 /// A node whose motion along a direction a sliding support prescribes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SupportedNode {
-    /// Its global number.
+    /// Global number of the node.
     pub node: u32,
     /// The direction, of length one.
     pub direction: [f64; 3],

@@ -20,7 +20,7 @@ impl Default for Share {
 }
 
 impl Share {
-    /// That of a rank, counted from 0, among so many (0 counts as 1).
+    /// The share of a rank, counted from 0, among so many (0 counts as 1).
     pub fn new(ranks: u32, rank: u32) -> Self {
         Self { ranks: ranks.max(1), rank, by_place: Arc::default() }
     }

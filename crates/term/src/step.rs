@@ -97,7 +97,7 @@ pub struct Step<'a> {
     pub support: &'a Support,
 }
 
-/// Nothing is held.
+/// A support that holds nothing.
 static FREE: Support =
     Support { prescribed: Vec::new(), wholly: Vec::new(), partly: Vec::new(), on_surface: Vec::new() };
 

@@ -192,62 +192,62 @@ pub trait Term: Send + Sync + std::fmt::Debug {
         Ok(())
     }
 
-    /// Its own vectors and their mass, if it has some.
+    /// The term's own vectors and their mass, if it has some.
     fn vectors(&self) -> Option<&dyn Vectors> {
         None
     }
-    /// Its constraints as such that open and close.
+    /// The term as constraints that open and close, if it has such.
     fn unilateral(&self) -> Option<&dyn Unilateral> {
         None
     }
-    /// As [`Self::unilateral`].
+    /// The term as constraints that open and close, to be changed.
     fn unilateral_mut(&mut self) -> Option<&mut dyn Unilateral> {
         None
     }
-    /// Its constraints as such that always hold.
+    /// The term as constraints that always hold, if it has such.
     fn bilateral(&self) -> Option<&dyn Bilateral> {
         None
     }
-    /// Its forces in the place of constraints.
+    /// The term as forces in the place of constraints, if it has such.
     fn potential(&self) -> Option<&dyn Potential> {
         None
     }
-    /// As [`Self::potential`].
+    /// The term as forces in the place of constraints, to be changed.
     fn potential_mut(&mut self) -> Option<&mut dyn Potential> {
         None
     }
 }
 
-/// The same of any term; those without the ability own no vector.
+/// What [`Vectors`] says, of any term; a term without own vectors has an empty range of them.
 impl dyn Term + '_ {
-    /// See [`Vectors::own_vectors`].
+    /// Numbers of the term's own vectors, see [`Vectors::own_vectors`].
     pub fn own_vectors(&self) -> Range<u32> {
         self.vectors().map_or(0..0, |of| of.own_vectors())
     }
 
-    /// See [`Vectors::width`].
+    /// Number of components of each own vector that are unknowns, see [`Vectors::width`].
     pub fn width(&self) -> usize {
         self.vectors().map_or(3, |of| of.width())
     }
 
-    /// See [`Vectors::is_direction`].
+    /// Whether an own vector is a direction, see [`Vectors::is_direction`].
     pub fn is_direction(&self, vector: u32) -> bool {
         self.vectors().is_some_and(|of| of.is_direction(vector))
     }
 
-    /// See [`Vectors::cluster`].
+    /// First vector of the cluster of an own vector, see [`Vectors::cluster`].
     pub fn cluster(&self, vector: u32) -> u32 {
         self.vectors().map_or(vector, |of| of.cluster(vector))
     }
 
-    /// See [`Vectors::mass`].
+    /// Visits the mass matrix of the own vectors, see [`Vectors::mass`].
     pub fn mass(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
         if let Some(of) = self.vectors() {
             of.mass(visit);
         }
     }
 
-    /// See [`Vectors::weight`].
+    /// Visits the forces of gravity on the own vectors, see [`Vectors::weight`].
     pub fn weight(&self, acceleration: [f64; 3], visit: &mut dyn FnMut(u32, [f64; 3])) {
         if let Some(of) = self.vectors() {
             of.weight(acceleration, visit);

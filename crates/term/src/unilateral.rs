@@ -42,7 +42,7 @@ pub trait Unilateral: Sync {
     fn reference_gap(&self) -> Option<&ReferenceGap> {
         None
     }
-    /// The same to be changed between steps.
+    /// The gaps that the closed slots keep, to be changed between steps.
     fn reference_gap_mut(&mut self) -> Option<&mut ReferenceGap> {
         None
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// Vectors that belong to one term only, with a constant mass.
 pub trait Vectors: Sync {
-    /// Their numbers.
+    /// Numbers of the term's own vectors.
     fn own_vectors(&self) -> Range<u32>;
 
     /// Number of components of each that are unknowns, the first ones: three of a vector in space, one of a number at a point, a temperature for instance. The others stay as they are. Numbers are scaled such
@@ -13,12 +13,12 @@ pub trait Vectors: Sync {
         3
     }
 
-    /// Whether one of them is a director: a translation of the system does not change it, so that it does not contribute to linear momentum.
+    /// Whether a vector is a director: a translation of the system does not change it, so that it does not contribute to linear momentum.
     fn is_direction(&self, _vector: u32) -> bool {
         false
     }
 
-    /// First of them that the linear solver keeps together with this one: those of a rigid body, or of a cross-section.
+    /// First of the vectors that the linear solver keeps together with this one: those of a rigid body, or of a cross-section.
     fn cluster(&self, vector: u32) -> u32 {
         vector
     }
