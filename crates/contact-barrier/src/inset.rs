@@ -173,7 +173,7 @@ impl<'a> Facing<'a> {
         facing
     }
 
-    /// These triangles, and all that the surface goes on to from there without an edge (20 degrees): the whole bottom of a block, all of a ball. Ascending.
+    /// The triangles given, and all that the surface goes on to from there without an edge (20 degrees): the whole bottom of a block, all of a ball. Ascending.
     pub fn whole(&self, triangles: &[u32]) -> Vec<u32> {
         let mut marked = triangles.to_vec();
         let mut known = vec![false; self.normals.len()];

@@ -37,7 +37,7 @@ pub struct Interactions {
 }
 
 impl Interactions {
-    /// No interactions between classes that belong to these bodies, each given with its Young's modulus: infinite if it is rigid.
+    /// A table without interactions, between classes that belong to these bodies, each given with its Young's modulus: infinite if it is rigid.
     pub fn none(classes: &[(u32, f64)]) -> Self {
         let (bodies, stiffness): (Vec<u32>, Vec<f64>) = classes.iter().copied().unzip();
         Self { table: vec![None; bodies.len() * bodies.len()], bodies, stiffness }
@@ -83,7 +83,7 @@ impl Interactions {
         self.table[a as usize * self.bodies.len() + b as usize].as_ref()
     }
 
-    /// The same between different bodies alone: none acts on itself.
+    /// The interactions between different bodies alone: none acts on itself.
     pub(crate) fn between_bodies(&self) -> Self {
         let (mut all, n) = (self.clone(), self.bodies.len());
         for (k, entry) in all.table.iter_mut().enumerate() {

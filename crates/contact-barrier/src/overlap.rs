@@ -39,11 +39,11 @@ const SAMPLES: [[f64; 3]; 6] = [
 /// How two bodies lie to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Relation {
-    /// Their surfaces cross, or share planes and have a volume in common.
+    /// The surfaces cross, or share planes and have a volume in common.
     Cross,
     /// One of them is wholly inside the other.
     Inside,
-    /// They are apart, by this distance if it is below what was looked for.
+    /// The bodies are apart, by this distance if it is below what was looked for.
     Apart(Option<f64>),
 }
 
@@ -52,7 +52,7 @@ pub enum Relation {
 pub struct Separation {
     /// Unit vector.
     pub direction: Vector3<f64>,
-    /// Its length.
+    /// Length of the translation.
     pub length: f64,
 }
 
@@ -182,7 +182,7 @@ impl<'a> Overlaps<'a> {
         self.relation_of(&self.local(bodies, shift, reach), bodies, shift, &Vector3::zeros(), reach)
     }
 
-    /// The same of a local skin at `shift`, after a further motion.
+    /// How `a`, moved by `shift` and then by `by`, lies to `b`, by a local skin at `shift`.
     fn relation_of(
         &self,
         local: &Local,

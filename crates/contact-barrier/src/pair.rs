@@ -39,7 +39,7 @@ impl PairForce {
 /// Both forces of a pair in a step; the sum of the two gradients is to be added to a residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepForce {
-    /// Of the layer.
+    /// Force of the layer.
     pub barrier: PairForce,
     /// Friction.
     pub friction: FrictionForce,

@@ -68,7 +68,7 @@ pub(crate) struct Proximity {
     motion: Vec<Vector3<f64>>,
     room: f64,
     pub candidates: Vec<Candidate>,
-    /// Those from the start of the step, which remain candidates wherever they go.
+    /// Candidates from the start of the step, which remain candidates wherever they go.
     kept: Vec<Candidate>,
     thickness: f64,
     edge: f64,

@@ -18,7 +18,7 @@ pub(crate) struct Sensitivity {
 }
 
 impl Sensitivity {
-    /// Of the closest points `closest` at `x`, `r` between them.
+    /// The sensitivity of the closest points `closest` at `x`, `r` between them.
     pub fn new(closest: &ClosestPair, x: &[Vector3<f64>; 4], r: &Vector3<f64>) -> Self {
         let free = closest.free_directions();
         let count = free.as_slice().len();

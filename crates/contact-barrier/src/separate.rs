@@ -40,7 +40,7 @@ pub enum SeparationFault {
         /// The bodies.
         bodies: [u32; 2],
     },
-    /// No motion within what is allowed takes two bodies apart.
+    /// Two bodies that no motion within what is allowed takes apart.
     TooDeep {
         /// The bodies.
         bodies: [u32; 2],

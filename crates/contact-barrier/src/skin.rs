@@ -15,7 +15,8 @@ pub(crate) const GUARD: f64 = 0.01;
 /// Ratio of two areas from which on the larger one no longer counts as it is: what it meets then has no more of it than this many of its own.
 const UNEVEN: f64 = 3.0;
 
-/// Of two surfaces the rougher one has the points: it begins to have more of them where its angles are [`FLAT`] larger, and has all of them from `ROUGHER` times those of the other and twice [`FLAT`] on.
+/// Ratio of angles from which on the rougher of two surfaces has all of the points: it begins to have more of them where its angles are [`FLAT`] larger, and
+/// has all of them from `ROUGHER` times those of the other and twice [`FLAT`] on.
 const ROUGHER: f64 = 2.0;
 
 /// Angles, in rad, below which surfaces are flat.

@@ -33,12 +33,12 @@ struct Limit {
 pub enum Stick {
     /// The law does not stick ([`FrictionLaw::sticks`]): friction is a function of the slip of the step.
     Never,
-    /// It creeps: friction grows smoothly with the slip of the step.
+    /// Friction that creeps: it grows smoothly with the slip of the step.
     Creep {
         /// Slip in a step, a positive length, from which on all of the friction acts: a small velocity times the size of the step.
         slip_scale: f64,
     },
-    /// It holds like a spring across the pair that slides where its force reaches the limit. What it does not depend on is the number of steps.
+    /// A spring across the pair that holds, and slides where its force reaches the limit. What it does not depend on is the number of steps.
     Spring {
         /// Force per length, positive.
         stiffness: f64,
@@ -173,7 +173,7 @@ pub(crate) struct Slid {
 }
 
 impl Slid {
-    /// Of a pair with this gradient.
+    /// The friction force of a pair with this gradient.
     pub fn of_pair(self, gradient: [Vector3<f64>; 4]) -> FrictionForce {
         let Self { work, stored, stretch, slid, slip, normal_force, tangential_force } = self;
         FrictionForce { gradient, work, stored, stretch, slid, slip, normal_force, tangential_force }
@@ -379,7 +379,7 @@ struct Spin {
     /// Signs of the points in the two edges `a`, `b`: those of a pair of edges, or two of the triangle (the third one is `-a - b`).
     signs: [[f64; 4]; 2],
     edges: [Vector3<f64>; 2],
-    /// Their change in the step.
+    /// Changes of the edges in the step.
     moved: [Vector3<f64>; 2],
     /// What the edges count: `A = own a + other b`, `B = own b + other a`.
     own: f64,
@@ -401,7 +401,7 @@ struct Spin {
 struct ByEdge {
     omega: Matrix3<f64>,
     fade: Vector3<f64>,
-    /// Of the forces on both edges, at a fixed moment.
+    /// Derivatives of the forces on both edges, at a fixed moment.
     couple: [Matrix3<f64>; 2],
 }
 

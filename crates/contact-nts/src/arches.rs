@@ -27,7 +27,7 @@ pub struct Arches {
 }
 
 impl Arches {
-    /// Those of two surfaces that are curved alike, at the positions `reference` (`3 * nodes`); `None` of other ones.
+    /// The arches of two surfaces that are curved alike, at the positions `reference` (`3 * nodes`); `None` of other ones.
     pub fn of(pieces: [&[FacePiece]; 2], contact: &NodeToSurface, reference: &[f64]) -> Option<Self> {
         let beside = pieces.iter().map(|pieces| arch(pieces, reference)).sum::<f64>() / 3.0;
         if beside == 0.0 || !are_curved_alike(pieces, reference) {
@@ -42,7 +42,7 @@ impl Arches {
         Some(Self { beside, spread: 0.5 * (high - low), overlap })
     }
 
-    /// Those that would decide on the pressures of an `interference` (0 if there is none) or, if that `overlaps`, of what overlaps at the start.
+    /// The arches that would decide on the pressures of an `interference` (0 if there is none) or, if that `overlaps`, of what overlaps at the start.
     pub fn spoil(
         pieces: [&[FacePiece]; 2],
         contact: &NodeToSurface,

@@ -32,13 +32,13 @@ const FOLDED: f64 = 1.0e-3;
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceFriction {
     pub friction: Friction,
-    /// Of the step that began last.
+    /// Rule of the step that began last.
     pub rule: GradientRule,
     pub step_size: f64,
     pub points: Vec<PointHistory>,
     /// Rounds of augmentation in this step.
     pub rounds: u32,
-    /// Of the stick of each point, in multiples of one over the stiffness.
+    /// Compliance of the stick of each point, in multiples of one over the stiffness.
     pub compliance: Vec<f64>,
     /// Whether all points have one, whatever else acts on them.
     pub is_compliant: bool,
@@ -74,7 +74,7 @@ pub(crate) struct PointHistory {
     pub start: [f64; 2],
     /// What the multipliers of [`stoss_contact::friction::Stick::Multiplier`] add to it.
     pub multiplier: [f64; 2],
-    /// Of this step.
+    /// Iteration of the friction of this step.
     pub iteration: PointIteration,
     /// What the last accepted step came to.
     pub last: Option<SlotFriction>,
@@ -129,7 +129,7 @@ pub(crate) struct FrictionElement<'a> {
     /// Local node numbers of the facet at `n`.
     pub start: &'a Nodal<usize>,
     pub history: &'a PointHistory,
-    /// Of the stick by multipliers.
+    /// Compliance of the stick by multipliers.
     pub compliance: f64,
     pub slip: Slip<'a>,
     pub pressure: f64,
@@ -191,7 +191,7 @@ impl<T: Scalar> Arguments<T> {
 
 /// Derivatives of a scalar of a slot.
 pub(crate) struct Slope {
-    /// With respect to the 15 components of [`Arguments`].
+    /// Derivatives with respect to the 15 components of [`Arguments`].
     pub by_arguments: Dual,
     pub by_pressure: f64,
     pub by_multiplier: [f64; 2],

@@ -289,7 +289,7 @@ pub fn discrete_gradient(q_n: &Local, q_np1: &Local, gap_n: &Gap, gap_np1: &Gap,
     gradient(&n, &np1)
 }
 
-/// As [`discrete_gradient`], with its derivative with respect to `q_np1` (row `i`: derivative of component `i`).
+/// Discrete gradient as of [`discrete_gradient`], with its derivative with respect to `q_np1` (row `i`: derivative of component `i`).
 pub fn discrete_gradient_and_tangent(
     q_n: &Local,
     q_np1: &Local,

@@ -9,14 +9,14 @@ use stoss_term::GradientRule;
 #[derive(Clone, Debug)]
 pub(crate) struct NormalEnforcement {
     pub enforcement: Enforcement,
-    /// Of the step that began last.
+    /// Rule of the step that began last.
     pub rule: GradientRule,
     /// Multipliers of the augmented Lagrangian, one a slot; empty with another enforcement.
     pub multipliers: Vec<f64>,
-    /// Those at the start of the step.
+    /// Multipliers at the start of the step.
     committed: Vec<f64>,
     pub rounds: u32,
-    /// By the largest gap of each round.
+    /// Stiffening by the largest gap of each round.
     pub stiffening: Stiffening,
 }
 

@@ -104,7 +104,7 @@ impl Slot {
         slot
     }
 
-    /// The same for one whose gap was held: it keeps what is `held` of it, after it has come down by `settling`.
+    /// The slot with its gap held: it keeps what is `held` of it, after it has come down by `settling`.
     pub fn holding(self, held: f64, settling: f64, steps: u32) -> Self {
         let mut slot = Self { wanted: held, held, settling, steps, ..self };
         if let Some(facet) = slot.committed {

@@ -113,13 +113,13 @@ pub struct ActiveSetControl {
 /// How many slots are turned at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pace {
-    /// All that are wrong.
+    /// All slots that are wrong.
     Together,
-    /// The same, after the union of sets was taken once.
+    /// All slots that are wrong, after the union of sets was taken once.
     AfterUnion,
-    /// The one that is most wrong.
+    /// The slot that is most wrong.
     Worst,
-    /// The first one (Murty 1974): with a matrix all of whose principal minors are positive no set comes back.
+    /// The first slot that is wrong (Murty 1974): with a matrix all of whose principal minors are positive no set comes back.
     First,
 }
 

@@ -57,7 +57,7 @@ pub enum ContactError {
     DegenerateFacet {
         /// Index of the facet.
         facet: u32,
-        /// Its reference area.
+        /// Reference area of the facet.
         area: f64,
     },
     /// A facet names a node that does not exist.
@@ -157,9 +157,9 @@ pub enum ContactError {
         faults: usize,
         /// The first of them, local number.
         facet: u32,
-        /// Its uncovered area that lies opposite the master.
+        /// Uncovered area of the facet that lies opposite the master.
         uncovered: f64,
-        /// Its area that is covered twice.
+        /// Area of the facet that is covered twice.
         double: f64,
         /// Interior edges that do not match.
         open_edges: usize,
@@ -172,15 +172,15 @@ pub enum ContactError {
     Tunnelled {
         /// Local number of the slave facet.
         facet: u32,
-        /// Its gap at the start of the step.
+        /// Gap of the facet at the start of the step.
         before: f64,
-        /// Its gap at the end.
+        /// Gap of the facet at the end.
         after: f64,
     },
     /// A joint cannot be evaluated.
     #[error("joint {joint}: {reason}")]
     Joint {
-        /// Its name.
+        /// Name of the joint.
         joint: String,
         /// What is wrong.
         reason: String,

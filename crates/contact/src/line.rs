@@ -60,7 +60,7 @@ impl ContactLine {
         &self.lengths
     }
 
-    /// The same at positions `q`: the reference length, stretched as the distances to the neighbours are.
+    /// Tributary length of each node at positions `q`: the reference length, stretched as the distances to the neighbours are.
     pub fn lengths_at(&self, q: &[f64]) -> Vec<f64> {
         let now = spans(&self.nodes, q);
         let around = |spans: &[f64], k: usize| spans[k.saturating_sub(1)..spans.len().min(k + 1)].iter().sum::<f64>();

@@ -53,7 +53,7 @@ pub enum Corner {
 pub struct BoundaryFacet {
     /// Element, and number of the facet in it.
     pub number: (u32, u8),
-    /// Its nodes, outward.
+    /// Nodes of the facet, outward.
     pub nodes: FacetNodes,
 }
 
@@ -70,11 +70,11 @@ pub enum RoundKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RoundFault {
-    /// Nothing fits the nodes.
+    /// Nodes that neither a cylinder nor a sphere fits.
     NoFit,
     /// Nodes are off the surface that fits best.
     Off {
-        /// By so much, a length.
+        /// Largest distance of a node from it, a length.
         off: f64,
         /// The largest arch over a side, a length.
         arch: f64,
@@ -83,7 +83,7 @@ pub enum RoundFault {
     TooCoarse,
     /// A facet belongs to two surfaces.
     Twice {
-        /// Its element, and its number in it.
+        /// Element of the facet, and number of the facet in it.
         facet: (u32, u8),
     },
 }
@@ -91,9 +91,9 @@ pub enum RoundFault {
 /// The round surfaces of a body.
 #[derive(Debug, Default)]
 pub struct RoundSurfaces {
-    /// Of sides along the curvature.
+    /// Surfaces of sides along the curvature.
     sides: BTreeMap<[u32; 2], Round>,
-    /// Of facets.
+    /// Surfaces of facets.
     rounds: BTreeMap<(u32, u8), Round>,
 }
 

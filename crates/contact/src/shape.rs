@@ -42,14 +42,14 @@ fn centre(facet: &FacetNodes, reference: &[f64]) -> Vector {
 /// Curvatures of a surface near another one, one over a length.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Curvature {
-    /// Of the roundest place, not negative, and its direction.
+    /// Curvature of the roundest place, not negative, and its direction.
     pub round: f64,
     pub along: Vector,
-    /// Of the most hollow place, not positive.
+    /// Curvature of the most hollow place, not positive.
     pub hollow: f64,
 }
 
-/// Between neighbours of facets that are near the other surface.
+/// Curvature between neighbours of facets that are near the other surface.
 pub(crate) fn curvature(facets: &[FacetNodes], other: &[FacetNodes], reference: &[f64]) -> Curvature {
     let centres: Vec<Vector> = facets.iter().map(|facet| centre(facet, reference)).collect();
     let near = near(&centres, facets, other, reference);

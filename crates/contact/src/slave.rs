@@ -29,7 +29,7 @@ pub enum KeptOut {
     Nodes,
     /// Weighted means around the nodes of the slave.
     Means,
-    /// The same with dual multipliers, whose means reach half as far.
+    /// Weighted means with dual multipliers, which reach half as far.
     DualMeans,
 }
 
@@ -90,19 +90,19 @@ pub struct Candidate<'a> {
 /// Why a side is the slave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SlaveReason {
-    /// It is a line.
+    /// The side is a line.
     IsLine,
-    /// The motion of the other one is prescribed.
+    /// The motion of the other side is prescribed.
     OtherIsPrescribed,
-    /// The other one is rigid.
+    /// The other side is rigid.
     OtherIsRigid,
-    /// The other one sinks in less between its nodes: by these two depths, the chosen one first, lengths.
+    /// The other side sinks in less between its nodes: by these two depths, the chosen one first, lengths.
     SinksLess([f64; 2]),
-    /// Its facets are smaller.
+    /// The facets of the side are smaller.
     Finer,
-    /// Its body is softer.
+    /// The body of the side is softer.
     Softer,
-    /// Nothing tells them apart: the first one.
+    /// The sides differ in nothing: the first one is the slave.
     Alike,
 }
 

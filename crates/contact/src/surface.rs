@@ -62,10 +62,10 @@ impl ContactSurface {
         Self::of_nodes(side, facets.iter().map(|&f| f.into()).collect(), reference)
     }
 
-    /// The same surface with facets of its body beside its rims ([`crate::beside_rims`]). Its length scale stays.
+    /// The surface with facets of its body beside its rims ([`crate::beside_rims`]). Its length scale stays.
     ///
     /// # Errors
-    /// Those of [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn with_sides(&self, sides: &[FacetNodes], reference: &[f64]) -> Result<Self, ContactError> {
         let whole = Self::of_nodes("master", [&self.facets, sides].concat(), reference)?;
         Ok(Self { length_scale: self.length_scale, first_beside: self.facets.len(), ..whole })

@@ -88,7 +88,7 @@ impl Scene<'_> {
         [self.skin.guard_weight(c.points[0], c.of[0]), self.thickness]
     }
 
-    /// The same of two edges.
+    /// Weight and largest thickness of two edges that stopped a motion.
     pub fn blocked_edges(&self, c: &Candidate) -> [f64; 2] {
         [self.skin.edge_weight(c.of).0, self.thickness]
     }

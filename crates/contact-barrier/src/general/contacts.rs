@@ -16,7 +16,7 @@ const AGAINST: f64 = -0.3;
 /// A point and a patch, or two edges.
 #[derive(Clone, Debug)]
 pub(super) struct Contact {
-    /// Its candidates, by their places in [`Contacts::members`].
+    /// Candidates of the contact, by their places in [`Contacts::members`].
     pub members: Range<usize>,
     pub weight: f64,
     pub thickness: f64,
@@ -43,7 +43,7 @@ impl Contact {
 #[derive(Clone, Debug)]
 struct Group {
     members: Range<usize>,
-    /// Its contacts, once it was asked which there are.
+    /// Contacts of the group, once it was asked which there are.
     contacts: Option<Range<usize>>,
 }
 

@@ -47,7 +47,7 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// Of triangles with corners at `positions`, and their edges in ascending order.
+    /// The shape of triangles with corners at `positions`, and their edges in ascending order.
     pub fn new(triangles: &[[u32; 3]], edges: &[[u32; 2]], positions: &[Vector3<f64>]) -> Self {
         let n = positions.len();
         let double_area = |t: &[u32; 3]| {

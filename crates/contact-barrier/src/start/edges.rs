@@ -9,7 +9,7 @@ pub const THICKNESS: f64 = 0.04;
 /// A facet faces another one within so many times the longest side of its triangles.
 const FEW: f64 = 2.0;
 
-/// So far, in parts of the shortest edge, facets that touch may be behind each other.
+/// Distance, in parts of the shortest edge, by which facets that touch may be behind each other.
 const BEHIND: f64 = 1e-4;
 
 /// Largest edge for the layer, in shortest edges of all: what faces nothing at the start may come into contact later.

@@ -52,7 +52,7 @@ pub enum StartFault {
     NearItself {
         /// The body.
         body: u32,
-        /// Their distance.
+        /// Distance of the parts, a length.
         distance: f64,
         /// Near this point.
         place: [f64; 3],
@@ -72,7 +72,7 @@ pub enum StartFault {
         body: u32,
         /// At this point.
         place: [f64; 3],
-        /// So deep.
+        /// Depth that it would have to go inside, a length.
         depth: f64,
         /// Why.
         reason: &'static str,

@@ -26,13 +26,13 @@ const TOUCH: f64 = 0.1;
 /// Gap, in parts of the edge that the thickness follows from, below which surfaces that face each other go inside, so that forces begin where the bodies touch.
 const CLEARANCE: f64 = 0.25;
 
-/// Of distances of inset surfaces, relative.
+/// Round-off of distances of inset surfaces, relative.
 const ROUND_OFF: f64 = 1e-6;
 
 /// Overlap up to which bodies touch, in parts of the largest coordinate: what seven digits in a file leave.
 const DIGITS: f64 = 2e-6;
 
-/// The same in thicknesses; the smaller one counts.
+/// Overlap up to which bodies touch, in thicknesses; the smaller of this and [`DIGITS`] counts.
 const SLIGHT: f64 = 0.01;
 
 /// Rounds of measuring the overlap of bodies that touch, by the distance of their inset surfaces.
@@ -60,7 +60,7 @@ pub trait Bodies {
 pub struct Nearer {
     /// The bodies.
     pub bodies: [u32; 2],
-    /// Their distance, a length.
+    /// Distance of the bodies, a length.
     pub distance: f64,
     /// The middle between the closest points.
     pub place: [f64; 3],
@@ -71,7 +71,7 @@ pub struct Nearer {
 pub struct Start {
     /// The skin, inset where bodies touch.
     pub skin: Skin,
-    /// Of the layer, a length.
+    /// Thickness of the layer, a length.
     pub thickness: f64,
     /// Pairs of bodies of which one alone goes inside, by all of the thickness: their layer is to have [`ONE_SIDED`] of the modulus.
     pub one_sided: Vec<[u32; 2]>,

@@ -24,7 +24,7 @@ pub(crate) fn solve_2(m: [[f64; 2]; 2], rhs: [f64; 2]) -> Option<[f64; 2]> {
 #[derive(Clone, Debug)]
 pub(crate) struct Sloped {
     pub value: f64,
-    /// With respect to the element's positions at `n+1`, the coordinates at `n+1`, the pressure, the multipliers of the friction.
+    /// Derivatives with respect to the element's positions at `n+1`; then to the coordinates at `n+1`, the pressure, the multipliers of the friction.
     pub by_q: [f64; 3 * MAX_NODES],
     pub by_f: [f64; 2],
     pub by_pressure: f64,

@@ -40,7 +40,7 @@ const FARTHEST: f64 = 3.0;
 /// How much of the augmented system is eliminated. The solution is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reduction {
-    /// Nothing: 20 unknowns an element.
+    /// No reduction: 20 unknowns an element.
     None,
     /// The multipliers of the foot.
     First,

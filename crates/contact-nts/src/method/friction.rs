@@ -17,14 +17,14 @@ const HISTORY: usize = 24;
 struct Placed {
     /// `q_np1 - q_n`.
     increment: [f64; 3 * MAX_NODES],
-    /// Of the force.
+    /// Positions of the configuration of the force.
     q: [f64; 3 * MAX_NODES],
     /// `None`: the kinematics are those at the end.
     mid: Option<Gap>,
 }
 
 impl NodeToSurface {
-    /// The same surfaces with friction.
+    /// The contact of the same surfaces with friction.
     ///
     /// Under the rule `EndPoint` backward Euler (statics), under `Midpoint` and `DiscreteGradient` the stepping of `friction`; under the last
     /// one the work of the friction is exact: kinetic, strain and spring energy fall by exactly what is dissipated, which is not negative.

@@ -65,10 +65,10 @@ impl NodeToSurface {
         Self::of(name, slave, master_facets, reference, options)
     }
 
-    /// As [`Self::new`] with the nodes of a string or of a beam as the slave side. They may touch from any side.
+    /// A contact as of [`Self::new`] with the nodes of a string or of a beam as the slave side. They may touch from any side.
     ///
     /// # Errors
-    /// Those of [`Self::new`] but for the slave's facets.
+    /// The errors of [`Self::new`] but for the slave's facets.
     pub fn of_line<M: Copy + Into<FacetNodes>>(
         name: &str,
         slave: ContactLine,
@@ -109,10 +109,10 @@ impl NodeToSurface {
         })
     }
 
-    /// With facets of the master's body beside the rims of the master ([`stoss_contact::beside_rims`]).
+    /// The contact with facets of the master's body beside the rims of the master ([`stoss_contact::beside_rims`]).
     ///
     /// # Errors
-    /// Those of [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn with_sides(mut self, sides: &[FacetNodes], reference: &[f64]) -> Result<Self, ContactError> {
         if !sides.is_empty() {
             let master = self.search.surface().with_sides(sides, reference)?;

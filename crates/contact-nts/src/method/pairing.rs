@@ -123,7 +123,7 @@ impl NodeToSurface {
         (pieces > 1.0).then_some((motion, pieces.min(MAX_PIECES) as usize))
     }
 
-    /// Of nodes not found behind the surface at `q_np1`: those that went through it on their straight paths from `q_n`, with the
+    /// Nodes not found behind the surface at `q_np1` that went through it on their straight paths from `q_n`, with the
     /// facet that they went through and the (negative) gap to its extension.
     ///
     /// A path can dip below a convex surface and come out again (the chord over a ridge). It did come out if the signed distance, which is

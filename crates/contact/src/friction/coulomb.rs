@@ -11,7 +11,7 @@ pub struct Coulomb {
 }
 
 impl Coulomb {
-    /// With a coefficient `mu >= 0`.
+    /// The law with a coefficient `mu >= 0`.
     ///
     /// # Errors
     /// [`ContactError::Friction`] if it is negative or not finite.

@@ -23,11 +23,11 @@ const ROUND_OFF: f64 = 1.0e-10;
 /// What becomes of the multiplier of a point after a converged iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Augmentation {
-    /// It has settled.
+    /// The multiplier has settled.
     Settled,
     /// The traction at the end of the step is the new multiplier.
     Take,
-    /// It is against the slip, from before a reversal: begin with zero.
+    /// The multiplier is against the slip, from before a reversal: begin with zero.
     Reset,
 }
 

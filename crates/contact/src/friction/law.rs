@@ -28,9 +28,9 @@ impl Sliding {
 pub struct Coefficient {
     /// Largest tangential traction over pressure, not negative.
     pub value: f64,
-    /// Its derivative by the pressure (area per force).
+    /// Derivative of the coefficient by the pressure (area per force).
     pub d_pressure: f64,
-    /// Its derivative by the length of the slip (one over a length).
+    /// Derivative of the coefficient by the length of the slip (one over a length).
     pub d_slip: f64,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    /// Of a law at a pressure that may be negative in an iteration; there is no friction then.
+    /// The bound of a law at a pressure that may be negative in an iteration; there is no friction then.
     pub fn of(law: &dyn FrictionLaw, at: &Sliding) -> Self {
         if at.pressure > 0.0 {
             let Coefficient { value, d_pressure, d_slip } = law.coefficient(at);

@@ -15,7 +15,7 @@ pub struct Regularised {
 }
 
 impl Regularised {
-    /// With a coefficient `mu >= 0` and the speed `v_0 > 0`.
+    /// The law with a coefficient `mu >= 0` and the speed `v_0 > 0`.
     ///
     /// # Errors
     /// [`ContactError::Friction`] if one is out of its range.

@@ -18,7 +18,7 @@ pub struct StaticDynamic {
 }
 
 impl StaticDynamic {
-    /// With both coefficients (`mu_static >= mu_dynamic >= 0`) and the speed of the transition.
+    /// The law with both coefficients (`mu_static >= mu_dynamic >= 0`) and the speed of the transition.
     ///
     /// # Errors
     /// [`ContactError::Friction`] if one is out of its range.

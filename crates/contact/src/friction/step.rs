@@ -70,7 +70,7 @@ pub struct Friction {
     midpoint: MidpointFriction,
     /// Smoothing of the pressures; zero: the law as it is.
     smoothing: f64,
-    /// Of a master surface that moves along itself, and its way in the present step.
+    /// Velocity of a master surface that moves along itself, and its way in the present step.
     belt: Option<SurfaceVelocity>,
     way: [f64; 3],
     /// Part of the pressure that the law gets in the present step.
@@ -183,7 +183,7 @@ impl Friction {
         })
     }
 
-    /// The same for bodies with inertia, of which the elements behind the surface have the mass `density` an area: in a small step `h` it is `density / h^2`
+    /// Friction of bodies with inertia, of which the elements behind the surface have the mass `density` an area: in a small step `h` it is `density / h^2`
     /// that tells which slip goes with which traction. For multipliers and augmented Lagrangians; no result depends on it.
     #[must_use]
     pub fn with_inertia(mut self, density: f64) -> Self {
@@ -191,7 +191,7 @@ impl Friction {
         self
     }
 
-    /// The same for the stiffness of the bodies at the surface, traction per length: the spring of an augmented Lagrangian may be stiffened to it whatever the
+    /// Friction of bodies with this stiffness at the surface, traction per length: the spring of an augmented Lagrangian may be stiffened to it whatever the
     /// pressure, because round-off of the bodies' own forces is no smaller then. No result depends on it.
     #[must_use]
     pub fn with_body_stiffness(mut self, stiffness: f64) -> Self {
@@ -200,7 +200,8 @@ impl Friction {
         self
     }
 
-    /// The same with another stiffness, traction per length, that multipliers are weighed with in a careful step ([`Step::careful`]). No result depends on it, but Newton's method
+    /// Friction with another stiffness, traction per length, that multipliers are weighed with in a careful step ([`Step::careful`]). No result depends on it,
+    /// but Newton's method
     /// does: where it is stiffer than the bodies the slip of an iterate outweighs what the multiplier knew of the direction, and a point goes to and fro between stick and
     /// two directions of slip; where it is softer, more iterates are needed.
     #[must_use]
@@ -214,7 +215,7 @@ impl Friction {
         self.resistance
     }
 
-    /// The same on a master surface that moves along itself, beside its mesh. Its part along the normal of the surface has no effect.
+    /// Friction on a master surface that moves along itself, beside its mesh. Its part along the normal of the surface has no effect.
     #[must_use]
     pub fn with_surface_velocity(mut self, belt: SurfaceVelocity) -> Self {
         self.belt = belt.moves().then_some(belt);

@@ -52,7 +52,7 @@ pub enum Feature {
         /// Whether the node lies on a rim.
         rim: bool,
     },
-    /// Nothing within reach.
+    /// No feature within reach.
     None,
 }
 
@@ -97,7 +97,7 @@ pub struct MasterPoint {
 }
 
 impl MasterPoint {
-    /// No partner.
+    /// A point without a partner.
     pub const NONE: Self = Self {
         feature: Feature::None,
         gap: f64::INFINITY,
@@ -125,9 +125,10 @@ pub struct SearchOptions {
     pub hysteresis: f64,
     /// Penetrations deeper than this are not captured, in multiples of the master's length scale; may be infinite.
     pub depth_limit: f64,
-    /// With a slave normal given, only facets with `n_facet . n_slave <` this are partners: the far side of a thin body is not.
+    /// Largest cosine `n_facet . n_slave` of a partner, with a slave normal given: the far side of a thin body is none.
     pub opposing_cosine: f64,
-    /// The same of facets beside the rims of the surface ([`crate::beside_rims`]): a slave that is flush with such a side, as a block on another one of its size, has nothing to do with it.
+    /// Largest cosine of facets beside the rims of the surface ([`crate::beside_rims`]): a slave that is flush with such a side, as a block on another one of
+    /// its size, has nothing to do with it.
     pub cosine_beside: f64,
 }
 

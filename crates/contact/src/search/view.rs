@@ -39,7 +39,7 @@ pub struct SearchView<'a> {
     pub(super) q: &'a [f64],
     /// Mean displacement since the tree was refitted.
     shift: Vector3<f64>,
-    /// No node moved farther than this from its place shifted by the mean.
+    /// Distance from its place shifted by the mean that no node exceeds.
     excess: f64,
 }
 
