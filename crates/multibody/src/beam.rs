@@ -76,7 +76,7 @@ impl Beam {
         Self::with_director_length(name, first, axis, section, length)
     }
 
-    /// With a length of the directors. The solution does not depend on it, the condition of the matrix and what tolerances mean do.
+    /// A beam with this length of the directors. The solution does not depend on it, the condition of the matrix and what tolerances mean do.
     ///
     /// # Errors
     /// [`PartDataError`].

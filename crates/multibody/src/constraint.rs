@@ -40,7 +40,7 @@ pub(crate) struct Rows<'a> {
     pub first: usize,
     /// Number of equations.
     pub count: usize,
-    /// See [`gradient_fraction`].
+    /// Fraction of the step at which gradients are taken, see [`gradient_fraction`].
     pub theta: f64,
 }
 
@@ -89,20 +89,20 @@ pub struct ConstraintSet {
 }
 
 impl ConstraintSet {
-    /// With a length against which violations are judged.
+    /// A set of equations with a length against which violations are judged.
     pub fn new(name: &str, length: f64, equations: Vec<Equation>) -> Self {
         let slots = equations.iter().map(|e| e.functions.len()).sum();
         Self { name: name.to_owned(), length, equations, slots, rigidity: false, compliance: Compliance::default() }
     }
 
-    /// As rigidity of a body or of the nodes of a beam: what determines the shape of one thing and joins it to nothing.
+    /// The set as rigidity of a body or of the nodes of a beam: what determines the shape of one thing and joins it to nothing.
     #[must_use]
     pub fn as_rigidity(mut self) -> Self {
         self.rigidity = true;
         self
     }
 
-    /// See [`Self::as_rigidity`].
+    /// Whether the set is rigidity, see [`Self::as_rigidity`].
     pub fn is_rigidity(&self) -> bool {
         self.rigidity
     }

@@ -22,7 +22,7 @@ pub enum CouplingError {
         coupling: String,
         /// Global node.
         node: u32,
-        /// Its weight.
+        /// Weight of the node.
         weight: f64,
     },
     /// Nodes on a line, or all at one point, do not determine a rotation.

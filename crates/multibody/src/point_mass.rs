@@ -15,7 +15,7 @@ pub struct PointMass {
 }
 
 impl PointMass {
-    /// With the number of its vector and a length of the system that it is part of, against which its motion is judged.
+    /// A point mass with the number of its vector and a length of the system that it is part of, against which its motion is judged.
     ///
     /// # Errors
     /// [`PartDataError::Number`].
@@ -25,7 +25,7 @@ impl PointMass {
         Ok(Self { name: name.to_owned(), vector, mass, length })
     }
 
-    /// Its position.
+    /// Position of the mass, as a vector of the system.
     pub fn position(&self) -> Embedded {
         Embedded::vector(self.vector)
     }

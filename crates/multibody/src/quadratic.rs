@@ -42,7 +42,7 @@ pub struct QuadraticsBuilder {
 pub struct FormId(usize);
 
 impl QuadraticsBuilder {
-    /// Nothing yet.
+    /// A builder without functions.
     pub fn new() -> Self {
         Self::default()
     }

@@ -97,7 +97,7 @@ pub enum RedundancyError {
     Contradiction {
         /// Name of the set.
         name: String,
-        /// Its kind.
+        /// Kind of the set.
         kind: String,
         /// Slot of the set, from one.
         equation: usize,

@@ -51,7 +51,7 @@ impl Spring {
         Ok(Self { name: name.to_owned(), ends, data, squared: builder.build(), length })
     }
 
-    /// With a positive length that is typical of it, if it has no rest length; small motions are measured against it. Without one it is 1.
+    /// The spring with a positive length that is typical of it, if it has no rest length; small motions are measured against it. Without one it is 1.
     pub fn with_length(mut self, length: f64) -> Self {
         if self.data.rest_length == 0.0 && length > 0.0 {
             self.length = length;
@@ -59,7 +59,7 @@ impl Spring {
         self
     }
 
-    /// Its ends.
+    /// Ends of the spring.
     pub fn ends(&self) -> &[Embedded; 2] {
         &self.ends
     }

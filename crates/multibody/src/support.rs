@@ -79,7 +79,7 @@ impl Supported {
 }
 
 impl ElasticSupport {
-    /// Of nodes or facets of a body with the size `length`.
+    /// A support of nodes or facets of a body with the size `length`.
     ///
     /// # Errors
     /// [`PartDataError::Number`].

@@ -18,7 +18,7 @@ const WRONG_GAIN: f64 = 0.5;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Closing {
-    /// Not: the scheme takes energy itself.
+    /// No judgement: the scheme takes energy itself.
     #[default]
     Unjudged,
     /// The scheme is of the second order: what is lost beyond its small errors is lost at closing gaps.
@@ -36,7 +36,7 @@ pub struct Promises {
     pub angular: bool,
     /// Energy, with the work of loads and supports and the losses of contact and friction, is constant.
     pub energy: bool,
-    /// No load and no support does work that the balance of energy has only to the accuracy of the scheme.
+    /// Whether no load and no support does work that the balance of energy has only to the accuracy of the scheme.
     pub autonomous: bool,
     /// Contact never adds energy to the bodies.
     pub contact_gives_nothing: bool,
@@ -60,13 +60,13 @@ pub struct BalanceState {
     pub total: f64,
     /// Work that the normal contact forces have taken from the bodies since the start.
     pub closing_loss: f64,
-    /// Energy that the law of impact has taken since the start, the part of it at contacts of deformable bodies, and what it would have added.
+    /// Energy that the law of impact has taken since the start.
     #[serde(default)]
     pub impact_loss: f64,
-    /// See there.
+    /// The part of [`Self::impact_loss`] at contacts of deformable bodies.
     #[serde(default)]
     pub impact_deformable: f64,
-    /// See there.
+    /// Energy that the law of impact would have added since the start.
     #[serde(default)]
     pub impact_capped: f64,
     /// The part of `total` that the damping of bodies has taken since the start. Its integral over a step has the error of the scheme.
@@ -178,7 +178,7 @@ impl BalanceWatch {
         }
     }
 
-    /// The same for steps that resolve forces only to this; without it all are taken as exact.
+    /// The watch for steps that resolve forces only to this; without it all are taken as exact.
     #[must_use]
     pub fn with_resolution(self, resolution: Resolution) -> Self {
         Self { resolution, ..self }

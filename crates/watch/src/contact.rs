@@ -51,7 +51,7 @@ pub struct ContactState<'a> {
     pub edge: f64,
     /// Whether closed gaps are closed exactly (multipliers), not by springs.
     pub exact: bool,
-    /// Its points.
+    /// Points of the contact.
     pub points: &'a [ContactPoint],
 }
 

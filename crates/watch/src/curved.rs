@@ -10,12 +10,12 @@ pub(crate) struct CurvedFace {
 }
 
 impl CurvedFace {
-    /// Of a quadratic face.
+    /// The face with nodes in the numbers that `place` gives.
     pub fn new(nodes: &FaceNodes, place: impl Fn(u32) -> u32) -> Self {
         Self { nodes: nodes.map(place) }
     }
 
-    /// Its kind.
+    /// Kind of the face.
     pub fn kind(&self) -> FaceKind {
         self.nodes.kind()
     }

@@ -7,12 +7,12 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
-    /// Nothing was found.
+    /// A result in which nothing was found.
     #[default]
     Sound,
-    /// The result should be examined.
+    /// A result that should be examined.
     Doubtful,
-    /// The result must not be used.
+    /// A result that must not be used.
     Wrong,
 }
 

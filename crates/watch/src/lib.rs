@@ -66,7 +66,7 @@ pub enum WatchShape {
     Solid(Elements),
     /// The surface of a rigid body.
     Surface {
-        /// Its facets.
+        /// Facets of the surface.
         facets: Vec<WatchFacet>,
         /// Whether it encloses a volume.
         is_closed: bool,
@@ -93,7 +93,7 @@ impl WatchFacet {
 }
 
 impl WatchBody {
-    /// Its elements; none of a rigid body.
+    /// Elements of the body; none of a rigid body.
     pub(crate) fn elements(&self) -> Option<&Elements> {
         match &self.shape {
             WatchShape::Solid(elements) => Some(elements),
@@ -131,7 +131,7 @@ pub enum WatchError {
     Node {
         /// The body.
         body: String,
-        /// Its element or facet.
+        /// Element of the body, or facet.
         element: usize,
         /// The node.
         node: u32,

@@ -41,7 +41,7 @@ pub struct Meeting {
     pub node: u32,
     /// Where it is.
     pub position: [f64; 3],
-    /// Its distance from that surface (a length).
+    /// Distance of the node from that surface (a length).
     pub apart: f64,
     /// Mean edge of the facet there (a length).
     pub edge: f64,
@@ -125,8 +125,9 @@ fn pushing(surface: &Surface, facets: &[u32], rim: Vec<Vector3<f64>>, force: &Ve
     normals
 }
 
-/// Of the facets of `other` that are as near to a node of `body` as the one that was found, as at an edge between two, the triangle that is most opposite to a facet of the node, with the normals of
-/// both; nothing if none is opposite, as where a node lies beside a rim.
+/// The triangle that is most opposite to a facet of the node, with the normals of both: of the facets of `other` that are as near to a node of `body` as the
+/// one that was found, as at an edge between two
+/// facets; nothing if none is opposite, as where a node lies beside a rim.
 fn opposite(body: &Surface, other: &Surface, near: &Near) -> Option<(usize, [Vector3<f64>; 2])> {
     let x = &body.points[near.node as usize];
     let first = other.facet(near.triangle);
@@ -144,7 +145,7 @@ fn opposite(body: &Surface, other: &Surface, near: &Near) -> Option<(usize, [Vec
 /// Heights of the arches of a surface at the nodes of another one that lie on it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Arches {
-    /// Their mean, if the surfaces are curved alike.
+    /// Mean of the heights, if the surfaces are curved alike.
     mean: f64,
     /// By how much the smallest distance of the nodes from the facets differs from that from the curved surface, if they are curved alike.
     of_gap: f64,

@@ -25,7 +25,7 @@ pub struct Penetration {
     pub into: usize,
     /// Distance to the nearest point of that body's surface (a length); of an open surface how far the body reaches to the side where there is less of it.
     pub depth: f64,
-    /// The same over the mean edge length of the facet there; of the facets of a rigid body, which may be large, that of the point's own facet counts too if it
+    /// Depth over the mean edge length of the facet there; of the facets of a rigid body, which may be large, that of the point's own facet counts too if it
     /// is smaller.
     pub relative: f64,
     /// Where.
@@ -69,7 +69,7 @@ impl Observation {
 #[derive(Debug)]
 struct SurfaceElements {
     elements: Vec<u32>,
-    /// Of each node of the surface the nodes of the elements around it, sorted.
+    /// Nodes of the elements around each node of the surface, sorted.
     around: Vec<Vec<u32>>,
     tree: BoundingVolumeTree,
 }

@@ -126,7 +126,8 @@ pub(crate) fn overlap(
     found
 }
 
-/// Of a body with edges through an open surface, the point that is farthest from it on the side where the body reaches less far. Points whose nearest point is on the rim are beside the
+/// The point of a body with edges through an open surface that is farthest from it on the side where the body reaches less far. Points whose nearest point is
+/// on the rim are beside the
 /// surface; of an edge that goes through it between such ends what lies before and behind is sought in parts.
 fn penetration_of_open_surface(
     body: &Surface,

@@ -44,7 +44,7 @@ pub fn is_on(x: &Vector3<f64>, [a, b, c]: [&Vector3<f64>; 3]) -> bool {
 /// How a segment intersects a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intersection {
-    /// Not at all.
+    /// No intersection.
     None,
     /// Through its inside: -1 from outside inwards, 1 outwards.
     Through(i32),

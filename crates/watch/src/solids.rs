@@ -29,7 +29,7 @@ pub struct SolidObservation {
 /// Derivatives of the shape functions of a cell at points of it, without the zeros.
 #[derive(Debug)]
 struct Frames {
-    /// Of each point and direction the nodes with a derivative.
+    /// Nodes with a derivative for each point and direction, with that derivative.
     points: Vec<[Vec<(u8, f64)>; 3]>,
 }
 

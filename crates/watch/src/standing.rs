@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 /// Part of the way by which bodies are driven into each other from which on the deepest point is doubtful. In the mean over the contact the depth is a third of it or less, and that is, to first
 /// order, the relative error of the force.
 const SINKS: f64 = 0.08;
-/// The same of a distance that contact keeps everywhere, which is the relative error of the force itself.
+/// Part of that way from which on a distance that contact keeps everywhere is doubtful, which is the relative error of the force itself.
 const APART: f64 = 0.05;
-/// The same of the arches of facets: a part of them cancels between the facets of both surfaces, and where they do not lie on each other forces are their mean.
+/// Part of that way from which on arches of facets are doubtful: a part of them cancels between the facets of both surfaces, and where they do not lie on each
+/// other forces are their mean.
 const ARCHES: f64 = 0.1;
 /// Parts of an edge below which depths and distances are what an iteration leaves.
 const NOTHING: f64 = 1.0e-4;

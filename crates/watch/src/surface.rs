@@ -20,7 +20,7 @@ pub struct Facet {
 }
 
 impl Facet {
-    /// Of three or four corners.
+    /// The facet with three or four corners.
     fn new(corners: &[u32], place: impl Fn(u32) -> u32) -> Self {
         let count = corners.len().min(4);
         Self { corners: std::array::from_fn(|k| place(corners[k % count])), count }
@@ -42,7 +42,7 @@ impl Facet {
 enum Inner {
     /// Mean of so many corners of an element, from this place in `core_corners` on.
     Element(u32, u32),
-    /// So far behind the centre of the facet: in a rigid body it is always the same point.
+    /// Distance behind the centre of the facet: in a rigid body it is always the same point.
     Behind(f64),
     /// Mean of the nodes.
     Middle,
@@ -71,7 +71,7 @@ pub struct Surface {
     pub elements: Vec<u32>,
     /// The quadratic faces.
     curved: Vec<CurvedFace>,
-    /// Of each facet that is a piece of a quadratic face that face and the natural coordinates of the corners; empty without any.
+    /// Quadratic face that each facet is a piece of and the natural coordinates of its corners there; empty without any.
     pieces: Vec<Option<(u32, [[f64; 2]; 4])>>,
     /// Points inside, with a facet before each.
     inner: Vec<(Inner, u32)>,
@@ -132,7 +132,7 @@ impl Surface {
         surface
     }
 
-    /// Of facets by global node numbers.
+    /// The surface of facets by global node numbers.
     fn of<'a>(list: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
         let mut nodes: Vec<u32> = list.clone().flatten().copied().collect();
         nodes.sort_unstable();
@@ -329,7 +329,7 @@ impl Surface {
         }
     }
 
-    /// Of a rigid surface the points and the edges of the triangles that reach into a region, in their order: all that can be inside of it.
+    /// Points and edges of the triangles of a rigid surface that reach into a region, in their order: all that can be inside of it.
     pub fn within(&self, region: &Aabb) -> (Vec<u32>, Vec<[u32; 2]>) {
         let (mut points, mut edges) = (Vec::new(), Vec::new());
         self.tree.query(region, |t| {

@@ -35,7 +35,7 @@ pub(crate) struct Passage {
 }
 
 impl Sweep {
-    /// Of a surface whose points were at `before`; of a rigid one as far as it reaches into one of the `regions`, in which the others move.
+    /// The sweep of a surface whose points were at `before`; of a rigid one as far as it reaches into one of the `regions`, in which the others move.
     pub fn new(surface: &Surface, before: &[Vector3<f64>], regions: &[Aabb]) -> Self {
         let swept = |t: usize| {
             let corners = surface.corners(t).map(|k| k as usize);
@@ -150,7 +150,7 @@ struct Crossing {
     /// In the step, 0 to 1.
     time: f64,
     inwards: bool,
-    /// Of the triangle then, a unit vector.
+    /// Normal of the triangle at that time, a unit vector.
     normal: Vector3<f64>,
     /// Edge length of the facet.
     edge: f64,

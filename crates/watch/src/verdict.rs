@@ -12,7 +12,7 @@ use std::ops::Range;
 /// The verdict on a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
-    /// That of the worst finding.
+    /// Severity of the worst finding.
     pub level: Severity,
     /// All findings, the worst first.
     pub reasons: Vec<Finding>,
@@ -123,7 +123,8 @@ impl Judge {
         self.observe_driven(step, time, seen, solids, &[]);
     }
 
-    /// The same where statics drives bodies into each other: depths in those that act on each other, `meetings`, are doubtful if they are not small against what drives them.
+    /// Adds the findings of a step in which statics drives bodies into each other: depths in those that act on each other, `meetings`, are doubtful if they are
+    /// not small against what drives them.
     pub fn observe_driven(
         &mut self,
         step: u64,
@@ -278,7 +279,7 @@ impl Judge {
         self.verdict_with(Vec::new())
     }
 
-    /// The same with further findings that hold so far.
+    /// The verdict with further findings that hold so far.
     pub fn verdict_with(&self, further: Vec<Finding>) -> Verdict {
         let mut all = self.clone();
         all.add_all(further);
@@ -306,7 +307,7 @@ mod tests {
         assert_eq!(times, ["0.95", "3e-7", "0", "12.5"]);
     }
 
-    /// Of one kind stays the worst one, with the time at which it first was of that level and that at which it was worst.
+    /// The worst finding of one kind stays, with the time at which it first was of that level and that at which it was worst.
     #[test]
     fn a_finding_has_its_first_and_its_worst_time() {
         let mut judge = Judge::new([("ball".to_owned(), 0..8)], Vec::new(), Limits::default());

@@ -119,7 +119,7 @@ impl Coordinate {
         }
     }
 
-    /// Its invariants among the values of all functions.
+    /// Invariants of the coordinate among the values of all functions.
     pub fn invariants(&self, values: &[f64]) -> [f64; 2] {
         [0, 1].map(|k| if k < self.count { values[self.first + k] } else { 0.0 })
     }

@@ -18,13 +18,13 @@ pub enum JointKind {
     Universal,
     /// The points stay in a plane with the normal `a_1`, which is also one of b: `(x_b - x_a) . a_1 = a_1 . b_2 = a_1 . b_3 = 0`, 3.
     Planar,
-    /// No relative rotation, `a_1 . b_2 = a_1 . b_3 = a_2 . b_3 = 0`, 3; translations are free.
+    /// A joint without relative rotation, `a_1 . b_2 = a_1 . b_3 = a_2 . b_3 = 0`, 3; translations are free.
     Orientation,
     /// The axis `a_1` is one of b, `a_1 . b_2 = a_1 . b_3 = 0`, 2; the rotation about it and translations are free.
     Parallel,
-    /// No equation: the rotation about `a_1`, in the plane across it, is measured and can be driven and braked; everything is free.
+    /// A joint without an equation: the rotation about `a_1`, in the plane across it, is measured and can be driven and braked; everything is free.
     Rotation,
-    /// Nothing moves, 6.
+    /// A joint in which nothing moves, 6.
     Weld,
     /// The points keep their distance: `(|x_b - x_a|^2 - L^2) / (2 L) = 0`, 1.
     Distance {
@@ -36,18 +36,18 @@ pub enum JointKind {
 /// The equations between the points of both sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Points {
-    /// They coincide: `x_b - x_a = 0`.
+    /// The points coincide: `x_b - x_a = 0`.
     Coincide,
     /// `(x_b - x_a) . a_k = 0` for these axes of side a.
     Across(&'static [usize]),
-    /// Their distance is constant.
+    /// The distance of the points is constant.
     Apart,
 }
 
 /// The directions that tell how a joint lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Directions {
-    /// None.
+    /// No direction.
     None,
     /// An axis, `a_1`: what the joint holds lies along it.
     Axis,
@@ -238,7 +238,7 @@ impl Function {
 }
 
 impl JointKind {
-    /// Its row.
+    /// Row of the kind in [`JOINTS`].
     pub fn entry(self) -> &'static JointEntry {
         let is_own = |entry: &&JointEntry| std::mem::discriminant(&entry.kind) == std::mem::discriminant(&self);
         // cannot fail: every kind has a row, as a test says.

@@ -47,7 +47,7 @@ pub enum JointError {
     Misplaced {
         /// The joint.
         joint: String,
-        /// Its kind.
+        /// Kind of the joint.
         kind: &'static str,
         /// What is misplaced.
         what: &'static str,
@@ -69,7 +69,7 @@ pub enum JointError {
     NoCoordinate {
         /// The joint.
         joint: String,
-        /// Its kind.
+        /// Kind of the joint.
         kind: &'static str,
         /// Which one, counted from 1.
         coordinate: usize,
@@ -217,15 +217,15 @@ impl Joint {
         out
     }
 
-    /// With springs, friction, motor, pretension, limits on its first coordinate.
+    /// The joint with springs, friction, motor, pretension, limits on its first coordinate.
     ///
     /// # Errors
-    /// As [`Self::with_options_of`].
+    /// The errors of [`Self::with_options_of`].
     pub fn with_options(self, options: CoordinateOptions) -> Result<Self, JointError> {
         self.with_options_of(0, options)
     }
 
-    /// With springs, friction, motor, pretension, limits on one of its coordinates, counted from 0 in the order of [`JointKind::coordinates`].
+    /// The joint with springs, friction, motor, pretension, limits on one of its coordinates, counted from 0 in the order of [`JointKind::coordinates`].
     ///
     /// # Errors
     /// [`JointError::NoCoordinate`] or [`JointError::Value`].
@@ -258,7 +258,8 @@ impl Joint {
         Ok(self)
     }
 
-    /// With a mass and a stiffness that are typical of what it connects. They weigh slips against torques in decisions between stick and slip, open and closed; no result
+    /// The joint with a mass and a stiffness that are typical of what it connects. They weigh slips against torques in decisions between stick and slip, open
+    /// and closed; no result
     /// depends on them.
     #[must_use]
     pub fn with_weights(mut self, weights: Weights) -> Self {
@@ -271,7 +272,7 @@ impl Joint {
         self.compliance.set(weights);
     }
 
-    /// Its kind.
+    /// Kind of the joint.
     pub fn kind(&self) -> JointKind {
         self.kind
     }
