@@ -26,7 +26,7 @@ pub(crate) fn image(kind: FacetKind, xi: [f64; 2]) -> Vector2<f64> {
     map(kind) * (Vector2::from(xi) - Vector2::from(kind.centre()))
 }
 
-/// Of a variation of a point.
+/// `y` of a variation of a point.
 pub(crate) fn image_of_variation(kind: FacetKind, xi: [f64; 2]) -> Vector2<f64> {
     map(kind) * Vector2::from(xi)
 }
@@ -43,7 +43,7 @@ pub(crate) fn edge_moments(p: Vector2<f64>, q: Vector2<f64>) -> Moments {
     Moments::from([0.5, sum.x / 6.0, sum.y / 6.0, square(p.x, q.x), square(p.y, q.y), mixed]) * cross(p, q)
 }
 
-/// Its variation when `p` and `q` move by `dp` and `dq`.
+/// Variation of [`edge_moments`] when `p` and `q` move by `dp` and `dq`.
 pub(crate) fn edge_variation(p: Vector2<f64>, q: Vector2<f64>, dp: Vector2<f64>, dq: Vector2<f64>) -> Moments {
     let (sum, moved) = (p + q, dp + dq);
     let square = |a: f64, b: f64| (a * a + a * b + b * b) / 12.0;
@@ -93,7 +93,7 @@ pub(crate) struct Centres {
 }
 
 impl Centres {
-    /// Of a facet with the moments of its opposite part, and the polygons that this part is made of. `None` if that part has no width.
+    /// The centres of a facet with the moments of its opposite part, and the polygons that this part is made of. `None` if that part has no width.
     pub fn new(kind: FacetKind, moments: &Moments, polygons: &[Vec<Vector2<f64>>]) -> Option<Self> {
         let area = moments[0];
         let centroid = Vector2::new(moments[1], moments[2]) / area;

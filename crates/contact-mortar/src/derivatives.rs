@@ -11,13 +11,13 @@ pub type FaceDerivatives = [[[f64; LOCAL]; MAX_FACE_NODES]; MAX_NODES];
 /// Derivatives of a pair's integrals with respect to its nodal components (slave `3 I + c`, master `MASTER + 3 K + c`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairDerivatives {
-    /// Of `int N_i dA`.
+    /// Derivatives of `int N_i dA`.
     pub shape: [[f64; LOCAL]; MAX_NODES],
-    /// Of `int N_i N_j dA`.
+    /// Derivatives of `int N_i N_j dA`.
     pub mass: [[[f64; LOCAL]; MAX_NODES]; MAX_NODES],
-    /// Of `int N_i N_k^(2) dA`.
+    /// Derivatives of `int N_i N_k^(2) dA`.
     pub coupling: [[[f64; LOCAL]; MAX_NODES]; MAX_NODES],
-    /// Of `int N_i N_J dA` with the functions of the slave's face, then of the master's; of quadratic ones only.
+    /// Derivatives of `int N_i N_J dA` with the functions of the slave's face, then of the master's; of quadratic ones only.
     pub faces: [Option<Box<FaceDerivatives>>; 2],
 }
 

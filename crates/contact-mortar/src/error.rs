@@ -37,13 +37,13 @@ pub enum MortarError {
         /// Local number of the first.
         facet: u32,
     },
-    /// Nothing of the master lies opposite the slave.
+    /// A slave that has nothing of the master opposite it.
     #[error("no part of the slave surface lies opposite the master within a distance of {reach:e}")]
     Apart {
         /// Largest distance.
         reach: f64,
     },
-    /// No slave node can have a multiplier.
+    /// A slave of which no node can have a multiplier.
     #[error("every slave node is held by supports or by another tie already")]
     AllFixed,
     /// Slave nodes cannot be moved so that the surfaces fit.

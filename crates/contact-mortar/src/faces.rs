@@ -73,14 +73,14 @@ type WideMatrix = SMatrix<f64, MAX_NODES, MAX_FACE_NODES>;
 /// quadratic face.
 #[derive(Clone, Copy, Debug)]
 pub enum FaceBlock {
-    /// Of a linear facet.
+    /// Integrals of a linear facet.
     Linear(SMatrix<f64, MAX_NODES, MAX_NODES>),
-    /// Of a quadratic face.
+    /// Integrals of a quadratic face.
     Quadratic(SMatrix<f64, MAX_NODES, MAX_FACE_NODES>),
 }
 
 impl FaceBlock {
-    /// That of the face if there is one.
+    /// The integrals of the face if there is one, else of the facet.
     pub(crate) fn of(facet: &FacetMatrix, face: Option<&FaceMatrix>) -> Self {
         match face {
             Some(face) => Self::Quadratic(WideMatrix::from_fn(|i, j| face[i][j])),
@@ -88,7 +88,7 @@ impl FaceBlock {
         }
     }
 
-    /// Of a quadratic face, from its entries.
+    /// The integrals of a quadratic face, from its entries.
     pub(crate) fn quadratic(entry: impl Fn(usize, usize) -> f64) -> Self {
         Self::Quadratic(WideMatrix::from_fn(entry))
     }
@@ -126,7 +126,7 @@ impl FaceBlock {
         }
     }
 
-    /// With rows that add up to these numbers to the last digit, from which they differ by round-off: what is missing goes to the largest entry.
+    /// The integrals with rows that add up to these numbers to the last digit, from which they differ by round-off: what is missing goes to the largest entry.
     pub(crate) fn with_row_sums(mut self, sums: &[f64; MAX_NODES]) -> Self {
         if let Self::Quadratic(m) = &mut self {
             for (a, sum) in sums.iter().enumerate() {

@@ -130,7 +130,7 @@ impl Factors {
         }
     }
 
-    /// The same with derivatives.
+    /// Multiplies the weight of a point, and its derivatives.
     pub(crate) fn apply_with_derivatives(
         &self,
         facing: &Facing,

@@ -12,7 +12,7 @@ use stoss_segmentation::FacetSegmentation;
 pub struct PairIntegrals {
     /// Local number of the master facet.
     pub master_facet: u32,
-    /// Its kind.
+    /// Kind of the master facet.
     pub master_kind: FacetKind,
     /// `int N_i^(1) N_k^(2) dA`, an area.
     pub coupling: FacetMatrix,

@@ -149,7 +149,7 @@ impl MultiplierBasis {
         rows_of(&self.variation(shape, mass, None))
     }
 
-    /// The same with a variation of the functions at the centres.
+    /// Variation of the coefficients as of [`Self::coefficient_variation`], with a variation of the functions at the centres.
     pub(crate) fn variation(
         &self,
         shape: &[f64; MAX_NODES],

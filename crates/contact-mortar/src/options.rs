@@ -8,10 +8,10 @@ pub const NEARNESS: f64 = 12.0;
 /// Which integrals the weighted gaps of a step have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrals {
-    /// Those of the positions: the weighted gap is a function of the positions alone.
+    /// Integrals of the positions: the weighted gap is a function of the positions alone.
     #[default]
     Moving,
-    /// Those of the expected middle of the step, held in the step (thesis). What two steps have different gaps for is gained or lost. Not with
+    /// Integrals of the expected middle of the step, held in the step (thesis). What two steps have different gaps for is gained or lost. Not with
     /// [`stoss_term::GradientRule::EndPoint`].
     Frozen,
 }

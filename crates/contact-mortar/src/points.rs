@@ -27,11 +27,11 @@ pub struct QuadraturePoint {
 /// Derivatives of a point with respect to the components of the slave's and the master's nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointVariation {
-    /// Of both coordinates.
+    /// Derivatives of both coordinates.
     pub coordinates: PointDerivative,
-    /// Of the weight.
+    /// Derivatives of the weight.
     pub weight: [f64; LOCAL],
-    /// Of the gap.
+    /// Derivatives of the gap.
     pub gap: [f64; LOCAL],
 }
 
@@ -101,7 +101,7 @@ pub fn for_each_point(
     }
 }
 
-/// As [`for_each_point`], with first derivatives.
+/// Visits the points as [`for_each_point`], with first derivatives.
 pub fn for_each_point_with_derivatives(
     segment: &Segment,
     frame: &SlaveFrame,

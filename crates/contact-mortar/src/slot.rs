@@ -44,7 +44,7 @@ pub(crate) struct Slot {
     pub nodes: Vec<u32>,
     /// `int phi_A dA` over what counts as opposite; zero if the node has no partner.
     pub support: f64,
-    /// The same without the factors of the gap.
+    /// `int phi_A dA` without the factors of the gap.
     pub opposite: f64,
     /// Weights of the nodes that are not negative and fade as a node leaves, an area each.
     pub positive: Vec<f64>,
@@ -89,7 +89,7 @@ pub(crate) enum Want {
     Hessian,
     /// The gradient at fixed weights, too.
     GradientAtFixedWeights,
-    /// That, and its derivative.
+    /// The gradient at fixed weights and its derivative, too.
     FixedWeights,
 }
 

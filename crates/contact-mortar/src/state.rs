@@ -68,7 +68,7 @@ pub(crate) struct Integrated {
     pub at: Vec<f64>,
     pub segments: Vec<Option<FacetSegmentation>>,
     pub slots: Vec<Slot>,
-    /// Of each slave facet against each smooth part of the master [`FacetWeights::moments`]; empty if the slave has no quadratic faces.
+    /// Moments ([`FacetWeights::moments`]) of each slave facet against each smooth part of the master; empty if the slave has no quadratic faces.
     pub moments: Vec<Option<FacetMatrix>>,
     /// Rows whose derivatives are there.
     pub derivatives: Vec<bool>,

@@ -30,7 +30,7 @@ pub(crate) struct FacetWeights {
     pub standard: Vec<f64>,
     /// `int phi_A dA`, an area.
     pub support: [f64; MAX_NODES],
-    /// The same without the factors of the gap.
+    /// `int phi_A dA` without the factors of the gap.
     pub opposite: [f64; MAX_NODES],
     /// `int phi_A N_J dA` with the functions of the facet, linear ones.
     pub moments: FacetMatrix,
@@ -82,7 +82,7 @@ pub(crate) fn hand_over(without: Without) -> NodeMatrix {
     })
 }
 
-/// Of both facets of a pair: the quadratic faces of slave and master.
+/// Faces behind both facets of a pair: the quadratic faces of slave and master.
 struct Behind<'a> {
     slave: Option<&'a FacePiece>,
     master: &'a Faces,

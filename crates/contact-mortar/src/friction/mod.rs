@@ -25,7 +25,7 @@ pub(crate) struct SurfaceFriction {
     /// Rounds of augmentation in this step.
     pub rounds: u32,
     pub points: Vec<PointHistory>,
-    /// Of the stick of each node, in multiples of one over the stiffness.
+    /// Compliance of the stick of each node, in multiples of one over the stiffness.
     pub compliance: Vec<f64>,
     /// Whether all nodes have one, whatever else acts on them.
     pub is_compliant: bool,
@@ -47,7 +47,7 @@ pub(crate) struct PointHistory {
     pub start: [f64; 2],
     /// What the multipliers of [`stoss_contact::friction::Stick::Multiplier`] add to it.
     pub multiplier: [f64; 2],
-    /// Of this step.
+    /// Iteration of the friction of this step.
     pub iteration: PointIteration,
     /// What the last accepted step came to.
     pub last: Option<SlotFriction>,

@@ -46,7 +46,7 @@ pub(crate) struct NodeFriction<'a> {
     pub history: [f64; 2],
     /// What the multipliers of [`stoss_contact::friction::Stick::Multiplier`] add to it.
     pub multiplier: [f64; 2],
-    /// Of the stick, in multiples of one over the stiffness.
+    /// Compliance of the stick, in multiples of one over the stiffness.
     pub compliance: f64,
     /// Area of the node, for the rows of the multipliers.
     pub weight: f64,
@@ -87,7 +87,7 @@ struct ByNode {
     mismatch: [Dual<NODE>; 2],
     mismatch_of_pressure: [f64; 2],
     mismatch_of_multipliers: [[f64; 2]; 2],
-    /// Of the traction, then of the mismatch, by the support that slip is divided by.
+    /// Derivatives of the traction, then of the mismatch, by the support that slip is divided by.
     of_support: [f64; 5],
 }
 
@@ -197,7 +197,7 @@ impl NodeFriction<'_> {
         Some(FrictionState { step: done, slip: node.slip, way, mismatch, traction: node.vector(done.force), branch })
     }
 
-    /// The same facet at the start of the step.
+    /// Weights of the same facet at the start of the step.
     fn old(&self, group: &GapWeights) -> Option<&GapWeights> {
         self.start.facets().iter().find(|old| old.facet == group.facet)
     }

@@ -18,7 +18,7 @@ fn norm(v: [f64; 2]) -> f64 {
 }
 
 impl MortarContact {
-    /// The same surfaces with friction, its slip measured in one of the ways of [`SlipMeasure`].
+    /// The contact of the same surfaces with friction, its slip measured in one of the ways of [`SlipMeasure`].
     ///
     /// Under [`GradientRule::EndPoint`] force and slip have the integrals of the iterate, the slip at both ends of the step: it is the relative motion of
     /// what came to lie opposite each other, also at a node that had no partner at `q_n`. Under [`GradientRule::Midpoint`] and

@@ -28,7 +28,7 @@ impl MortarContact {
         Ok((candidates, range))
     }
 
-    /// Those of these rows that are of the share.
+    /// The rows among these that are of the share.
     pub(super) fn of_share(&self, rows: &[bool]) -> Vec<bool> {
         rows.iter().zip(&self.own).map(|(row, own)| *row && *own).collect()
     }

@@ -37,7 +37,7 @@ const DEEPEST: f64 = 1.0;
 /// A row of which less than this part of the reference area is opposite the master carries no multiplier in the step: the pressure would be a force divided by next
 /// to nothing.
 const CARRIED: f64 = 0.02;
-/// The same of a row that has a mean gap.
+/// Part of the reference area that is opposite the master below which a row has no mean gap.
 const COVERED: f64 = 1e-8;
 /// A gap of more than this part of a facet is closed and not held: it would be felt in the depth.
 const LARGEST_HELD: f64 = 0.1;

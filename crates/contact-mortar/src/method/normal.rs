@@ -11,7 +11,7 @@ use stoss_term::{GradientRule, Local, StepConfiguration};
 
 /// Part of [`CARRIED`] below which the row of a multiplier gets a compliance, so that it cannot vanish.
 const VANISHING: f64 = 0.1;
-/// That compliance, in lengths of facets over Young's modulus.
+/// Compliance of such a row, in lengths of facets over Young's modulus.
 const COMPLIANCE: f64 = 1e-6;
 
 impl MortarContact {

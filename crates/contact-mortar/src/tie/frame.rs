@@ -27,13 +27,13 @@ pub(super) struct NodeFrame {
 
 /// The three constraints: values, gradients of the rule, and the derivative of `sum lambda_a gradient_a`.
 pub(super) struct Response {
-    /// At the end of the step.
+    /// Values at the end of the step.
     pub values: [f64; 3],
-    /// At the end of the step.
+    /// Gradients at the end of the step.
     pub end: [Vector9; 3],
-    /// Of the rule.
+    /// Gradients of the rule.
     pub rule: [Vector9; 3],
-    /// With respect to the stage at the end of the step; not symmetric for the energy-momentum rule.
+    /// Derivative with respect to the stage at the end of the step; not symmetric for the energy-momentum rule.
     pub derivative: Matrix9,
 }
 

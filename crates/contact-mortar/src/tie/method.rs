@@ -112,7 +112,7 @@ impl Term for MeshTie {
         self.slots[slot].weight
     }
 
-    /// With spatial axes constraints are linear, whatever the rule.
+    /// Whether the tangent is symmetric: with spatial axes constraints are linear, whatever the rule.
     fn is_symmetric(&self, rule: Rule) -> bool {
         rule == Rule::Constraint(GradientRule::EndPoint) || self.nodes.iter().all(|node| node.frame.is_none())
     }

@@ -48,10 +48,10 @@ use stoss_segmentation::GapRange;
 /// Which components of the gap vector are constrained.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TieForm {
-    /// Cartesian ones (thesis (4.97)).
+    /// Cartesian components (thesis (4.97)).
     #[default]
     Constant,
-    /// Those along a frame that moves with the slave surface (after thesis (4.98)).
+    /// Components along a frame that moves with the slave surface (after thesis (4.98)).
     FrameInvariant,
 }
 
@@ -156,12 +156,13 @@ impl MeshTie {
         Ok(tie)
     }
 
-    /// As [`Self::new`] where a component may be prescribed in some stages of a run and free in others: `is_fixed` tells whether it is given at the start, and `is_always_fixed`
+    /// A tie as of [`Self::new`] where a component may be prescribed in some stages of a run and free in others: `is_fixed` tells whether it is given at the
+    /// start, and `is_always_fixed`
     /// whether it is by something that is no prescription, or by one that never ends. Every step says what is prescribed in it ([`stoss_term::Step::support`]), and slots of
     /// components that are prescribed do not act.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn in_stages<S: Copy + Into<FacePiece>, M: Copy + Into<FacePiece>>(
         name: &str,
         slave: &[S],
@@ -177,7 +178,7 @@ impl MeshTie {
         Ok(tie)
     }
 
-    /// With surfaces and integrals that it was made from, and positions at which they fit.
+    /// The tie, the surfaces and integrals that it was made from, and positions at which they fit.
     fn made<S: Copy + Into<FacePiece>, M: Copy + Into<FacePiece>>(
         name: &str,
         slave: &[S],

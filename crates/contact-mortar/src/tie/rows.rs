@@ -18,7 +18,7 @@ pub(super) struct ConstraintRow {
     pub local_node: usize,
     /// Global number.
     pub node: u32,
-    /// Its own entry first.
+    /// Entries of the row, that of the node itself first.
     pub entries: Vec<Entry>,
     /// Components with a multiplier.
     pub kept: [bool; 3],

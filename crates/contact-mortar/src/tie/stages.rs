@@ -14,7 +14,7 @@ pub(super) struct Stages {
     matrices: MortarMatrices,
     /// Positions in which the surfaces are as they are to stay.
     q: Vec<f64>,
-    /// Of each component of each slave node whether its motion is always given, and whether it is at present.
+    /// Whether the motion of each component of each slave node is always given, and whether it is at present.
     always: Vec<bool>,
     now: Vec<bool>,
 }
