@@ -19,9 +19,9 @@ const ROUND_OFF: f64 = 1e-12;
 /// Which nodes are moved.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Which<'a> {
-    /// Those whose gap is at most this distance, and those that overlap.
+    /// Nodes whose gap is at most this distance, and those that overlap.
     Within(f64),
-    /// Those of this sorted set.
+    /// Nodes of this sorted set.
     Of(&'a [u32]),
 }
 

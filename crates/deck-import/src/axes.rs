@@ -33,7 +33,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// Of unit length; entries that are round-off are zero.
+/// The vector of unit length along `a`; entries that are round-off are zero.
 fn unit(a: [f64; 3]) -> [f64; 3] {
     let scaled = |a: [f64; 3]| {
         let length = dot(a, a).sqrt();
@@ -60,7 +60,7 @@ fn at(axes: &Axes, place: [f64; 3]) -> [Direction; 3] {
 }
 
 impl LocalAxes {
-    /// Of a deck; of two for one node the later one counts.
+    /// The local axes of a deck; of two for one node the later one counts.
     pub fn new(deck: &Deck, lookup: &Lookup<'_>, nodes: &[[f64; 3]]) -> Self {
         let mut of_node = BTreeMap::new();
         for local in &deck.local_axes {

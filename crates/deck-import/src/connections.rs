@@ -38,7 +38,7 @@ pub(crate) fn connections(context: &mut Context<'_>) {
 }
 
 impl Context<'_> {
-    /// Nothing if it does not map.
+    /// Maps a connection of a section; `None` if it does not map.
     fn connection(&mut self, item: &Connection, section: &ConnectionSection) -> Option<()> {
         let ends: Vec<End> =
             item.nodes.iter().map(|&node| self.references.end(node, self.bodies)).collect::<Option<_>>()?;

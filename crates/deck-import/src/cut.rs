@@ -14,7 +14,7 @@ pub(crate) struct Cut {
     /// Index in [`Deck::pretensions`].
     pub pretension: usize,
     pub pairs: Vec<(u32, u32)>,
-    /// Of unit length, from the elements of the surface to the other side.
+    /// Unit normal from the elements of the surface to the other side.
     pub normal: [f64; 3],
 }
 

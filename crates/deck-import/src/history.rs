@@ -24,7 +24,7 @@ pub(crate) struct History {
     pub active: Vec<bool>,
     /// Times, which do not fall, and values. Two rows of one time are a jump, at the beginning of a stage.
     pub rows: Vec<[f64; 2]>,
-    /// It begins where the nodes are at that moment, and is at its values from this time on; infinite if it is counted from there.
+    /// Time from which the function is at its values, where it begins where the nodes are at that moment; infinite if it is counted from there.
     pub ramp_until: Option<f64>,
 }
 
@@ -34,7 +34,7 @@ impl History {
         Self { active: Vec::new(), rows: vec![[0.0, 0.0]], ramp_until: None }
     }
 
-    /// With all values times a factor.
+    /// The function with all values times a factor.
     pub fn times(&self, factor: f64) -> Self {
         Self { rows: self.rows.iter().map(|row| [row[0], factor * row[1]]).collect(), ..self.clone() }
     }

@@ -7,9 +7,9 @@ use crate::severity::Severity;
 /// When the severity of a keyword is not always the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Weight {
-    /// This one.
+    /// The severity is always this one.
     Always(Severity),
-    /// Of temperatures: a load is missing where a material expands, else nothing mechanical is.
+    /// The severity of temperatures: a load is missing where a material expands, else nothing mechanical is.
     Thermal,
 }
 

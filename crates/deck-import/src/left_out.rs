@@ -17,7 +17,7 @@ pub struct LeftOut {
     pub severity: Severity,
     /// "part.inp:12"; the file alone where it concerns no line.
     pub place: String,
-    /// As "*PLASTIC".
+    /// Keyword of what is left out, as "*PLASTIC".
     pub what: String,
     /// What that changes.
     pub consequence: String,
@@ -31,7 +31,7 @@ impl LeftOut {
         if self.remedy.is_empty() { self.consequence.clone() } else { format!("{}; {}", self.consequence, self.remedy) }
     }
 
-    /// Its table `[[left_out]]` of a scene.
+    /// Table `[[left_out]]` of the entry in a scene.
     pub(crate) fn table(&self) -> String {
         let [keyword, line, text] = [&self.what, &self.place, &self.text()].map(|text| string(text));
         let severity = string(self.severity.name());

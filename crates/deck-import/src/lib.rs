@@ -93,7 +93,7 @@ pub enum ImportError {
     /// The mesh cannot be used.
     #[error(transparent)]
     Mesh(#[from] MeshIoError),
-    /// No element has a material that maps.
+    /// A deck of which no element has a material that maps.
     #[error("{file}: no element has an elastic material, so there is no body: {reasons}")]
     NoBody {
         /// The deck.

@@ -12,7 +12,7 @@ const RATIO: f64 = 0.475;
 /// A law as the scene writes it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Law {
-    /// As `{ law = "neo-hooke", young = 1.0, poisson = 0.3 }`.
+    /// Text of the law, as `{ law = "neo-hooke", young = 1.0, poisson = 0.3 }`.
     pub text: String,
     /// The law of the deck and that of the scene in one line, for the head of the scene.
     pub summary: String,

@@ -12,7 +12,7 @@ pub(crate) type StageRecords = Vec<Vec<u32>>;
 pub(crate) struct DeckLine<T> {
     /// The step of the deck; none for what stands before the first one.
     pub step: Option<usize>,
-    /// Its number among the lines of its kind.
+    /// Number of the line among the lines of its kind.
     pub record: u32,
     pub members: Vec<T>,
 }

@@ -17,9 +17,9 @@ pub(crate) enum Role {
     Point,
     /// A rigid body without mass.
     Body,
-    /// Its displacements are the rotations of the body with this number.
+    /// A node whose displacements are the rotations of the body with this number.
     RotationsOf(usize),
-    /// Its first displacement is the rotation of the body with this number about an axis.
+    /// A node whose first displacement is the rotation of the body with this number about an axis.
     RotationAbout(usize, [f64; 3]),
 }
 
@@ -30,7 +30,7 @@ pub(crate) struct Reference {
     pub name: String,
     pub at: [f64; 3],
     pub role: Role,
-    /// Of a point: along which components something acts. Along the others it is fixed.
+    /// Components along which something acts on a point. Along the others it is fixed.
     pub is_used: [bool; 3],
     /// A mass that is joined to it.
     pub mass: f64,
@@ -95,7 +95,7 @@ impl References {
         Some(self.all.len() - 1)
     }
 
-    /// As [`Self::make`] for the node that a line names.
+    /// The reference node that a line names, made as by [`Self::make`].
     pub fn make_named(&mut self, target: &Target, solids: &[u32], role: Role) -> Option<usize> {
         match self.numbers(target, solids)[..] {
             [number] => self.make(number, role),

@@ -18,7 +18,7 @@ pub(crate) struct Section {
 const FAMILIES: [(&str, &str); 3] = [("CAX", "axisymmetric"), ("CPE", "plane-strain"), ("CPS", "plane-stress")];
 
 impl Section {
-    /// That of a deck of plane elements; nothing of solid ones. Several families or thicknesses in one deck are an entry.
+    /// The section of a deck of plane elements; nothing of solid ones. Several families or thicknesses in one deck are an entry.
     pub fn of(deck: &Deck, solids: &Solids, list: &mut List) -> Option<Self> {
         if !deck.contents.is_plane() {
             return None;

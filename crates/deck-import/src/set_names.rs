@@ -103,7 +103,7 @@ impl<'a> SetNames<'a> {
         names
     }
 
-    /// As [`Self::nodes`] for facets.
+    /// References to sets that hold just these facets of a body, as of [`Self::nodes`].
     pub fn facets(
         &mut self,
         body: usize,

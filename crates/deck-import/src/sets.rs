@@ -13,7 +13,7 @@ pub(crate) struct Selection<T> {
     pub members: Vec<T>,
 }
 
-/// Those of some records that have a name, with it.
+/// Selections of some records that have a name, with it.
 pub(crate) fn named<'m, T>(selections: &'m [Selection<T>], records: &BTreeSet<u32>) -> Vec<(&'m str, &'m [T])> {
     let own = records.iter().map(|&record| &selections[record as usize]);
     own.filter_map(|selection| Some((selection.name.as_deref()?, selection.members.as_slice()))).collect()

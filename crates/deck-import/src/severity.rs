@@ -15,7 +15,7 @@ impl Severity {
     /// All of them, the worst first.
     pub const ALL: [Self; 3] = [Self::Missing, Self::Changed, Self::Note];
 
-    /// Its name in a scene.
+    /// Name of the severity in a scene.
     pub fn name(self) -> &'static str {
         match self {
             Self::Missing => "missing",

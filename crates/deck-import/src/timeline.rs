@@ -15,9 +15,9 @@ pub(crate) struct Stage {
     pub start: f64,
     pub end: f64,
     pub is_dynamic: bool,
-    /// With `NLGEOM`.
+    /// Whether the step has `NLGEOM`.
     pub is_nonlinear: bool,
-    /// What has no amplitude acts at once, else it grows over the step.
+    /// Whether what has no amplitude acts at once; else it grows over the step.
     pub is_sudden: bool,
     /// The first increment.
     pub first: f64,
@@ -25,7 +25,7 @@ pub(crate) struct Stage {
     pub step_size: f64,
     /// How often a step may be halved, where the default does not get to the first increment.
     pub cuts: Option<u32>,
-    /// As the scene writes it.
+    /// Value of `automatic` as the scene writes it.
     pub automatic: Option<String>,
     pub integrator: Option<String>,
 }
@@ -34,7 +34,7 @@ pub(crate) struct Stage {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Timeline {
     pub stages: Vec<Stage>,
-    /// Those of the deck, without jumps.
+    /// Amplitudes of the deck, without jumps.
     pub amplitudes: Vec<Amplitude>,
 }
 

@@ -50,7 +50,7 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    /// No tables yet.
+    /// Tables without entries, for a scene of this section.
     pub fn of_section(section: Option<Section>) -> Self {
         Self { section: section.map(|section| section.name), ..Self::default() }
     }

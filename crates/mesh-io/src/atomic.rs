@@ -33,7 +33,7 @@ pub(crate) fn write(
     })
 }
 
-/// As [`write`], for a file that `content` writes by its name.
+/// Writes as [`write`] a file that `content` writes by its name.
 #[cfg(feature = "vtkhdf")]
 pub(crate) fn through(path: &Path, content: impl FnOnce(&Path) -> Result<(), MeshIoError>) -> Result<(), MeshIoError> {
     let temporary = temporary_name(path);

@@ -62,11 +62,11 @@ impl Contents {
         self.mesh_of(group, false)
     }
 
-    /// As [`Contents::mesh`], but groups of faces between two elements stay sets of facets, of one of the two elements each,
+    /// The mesh as [`Contents::mesh`], but groups of faces between two elements stay sets of facets, of one of the two elements each,
     /// for a mesh that is written again. A computation cannot use them: they have no outside.
     ///
     /// # Errors
-    /// As [`Contents::mesh`].
+    /// The errors of [`Contents::mesh`].
     pub fn mesh_with_inner_facets(&self, group: Option<&str>) -> Result<Mesh, MeshIoError> {
         self.mesh_of(group, true)
     }

@@ -20,7 +20,7 @@ pub(crate) struct Source {
 /// Something in a file that Stoss does not compute with.
 #[derive(Debug, Clone)]
 pub(crate) struct Other {
-    /// As in "3 pyramids (type 7)", without the number.
+    /// Name of the thing as in "3 pyramids (type 7)", without the number.
     pub what: String,
     pub count: usize,
     pub first: Place,

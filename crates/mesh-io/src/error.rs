@@ -14,7 +14,7 @@ pub enum FilePosition {
     Byte(u64),
 }
 
-/// As it follows the name of the file: ":12", ": byte 12".
+/// The position as it follows the name of the file: ":12", ": byte 12".
 impl std::fmt::Display for FilePosition {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -36,7 +36,7 @@ pub enum MeshIoError {
         /// The reason.
         source: std::io::Error,
     },
-    /// Neither the name nor the content of the file belongs to a known format.
+    /// A file of which neither the name nor the content belongs to a known format.
     #[error("{}: unknown mesh format; known are {}", path.display(), known.join(", "))]
     UnknownFormat {
         /// The file.
@@ -98,7 +98,7 @@ pub enum MeshIoError {
         at: FilePosition,
         /// "node", "element", "node set", ...
         kind: &'static str,
-        /// Its number or name.
+        /// Number or name that is not defined.
         number: String,
     },
     /// There are no hexahedra, tetrahedra or wedges in the file.
@@ -119,9 +119,9 @@ pub enum MeshIoError {
         at: FilePosition,
         /// The element's number.
         element: u64,
-        /// Its kind.
+        /// Kind of the element.
         kind: CellKind,
-        /// Its nodes' numbers, in the order of the kind.
+        /// Numbers of the element's nodes, in the order of the kind.
         nodes: Box<[u64]>,
         /// Where.
         point: Box<ElementPoint>,
@@ -137,7 +137,7 @@ pub enum MeshIoError {
         path: PathBuf,
         /// The place of the second element.
         at: FilePosition,
-        /// Their numbers.
+        /// Numbers of the elements.
         elements: [u64; 2],
     },
     /// Elements that share the corners of a facet but not the nodes on its edges.
@@ -150,9 +150,9 @@ pub enum MeshIoError {
         path: PathBuf,
         /// The place of the second element.
         at: FilePosition,
-        /// Their numbers.
+        /// Numbers of the elements.
         elements: [u64; 2],
-        /// Their kinds.
+        /// Kinds of the elements.
         kinds: String,
     },
     /// A facet of one element on facets of others that do not have the same nodes.
@@ -167,7 +167,7 @@ pub enum MeshIoError {
         at: FilePosition,
         /// Numbers of the element of the facet and of one of those on it.
         elements: [u64; 2],
-        /// Their kinds.
+        /// Kinds of the elements.
         kinds: String,
         /// Mean of the corners of the facet.
         centre: [f64; 3],

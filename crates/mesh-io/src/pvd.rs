@@ -10,7 +10,7 @@ use crate::{MeshIoError, xml};
 /// One frame of a collection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PvdEntry {
-    /// Its time.
+    /// Time of the frame.
     pub time: f64,
     /// The file, relative to the folder of the collection, with `/` between folders.
     pub file: String,

@@ -10,7 +10,7 @@ use crate::{Contents, MeshIoError, abaqus, gmsh, vtu_mesh};
 
 /// A mesh format.
 pub struct Format {
-    /// Its name in messages.
+    /// Name of the format in messages.
     pub name: &'static str,
     /// Extensions in lower case, without the point.
     pub extensions: &'static [&'static str],

@@ -22,13 +22,13 @@ pub struct Solids {
 /// Elements of a type that Stoss does not compute with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OtherElements {
-    /// As "elements S4R".
+    /// Name of the type, as "elements S4R".
     pub what: String,
     /// How many.
     pub count: usize,
     /// The file of the first.
     pub path: PathBuf,
-    /// Its line.
+    /// Line of the first.
     pub line: usize,
     /// What to do instead.
     pub remedy: String,
@@ -37,9 +37,9 @@ pub struct OtherElements {
 /// A node that no element has which Stoss computes with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OtherNode {
-    /// Its number.
+    /// Number of the node.
     pub number: u64,
-    /// Its place.
+    /// Coordinates of the node.
     pub at: [f64; 3],
     /// The sets of nodes that it belongs to.
     pub sets: Vec<String>,

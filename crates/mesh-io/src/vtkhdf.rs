@@ -15,7 +15,7 @@ use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, H5Group, H5Type, Hdf5Error};
 
 /// Numbers in a chunk of an array with one number a frame.
 const CHUNK: usize = 64;
-/// Of the deflation, from 1 (fast) to 9.
+/// Level of the deflation, from 1 (fast) to 9.
 const LEVEL: u32 = 4;
 /// Arrays of the group `Steps` that are the same for every frame: there is one part, and its points and cells are not repeated.
 const CONSTANTS: [(&str, i64); 5] =

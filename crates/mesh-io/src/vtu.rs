@@ -30,7 +30,7 @@ pub(crate) const VTK_VERTEX: u8 = 1;
 /// ParaView takes 3 components as a vector and 6 as a symmetric tensor in the order xx, yy, zz, xy, yz, xz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field<'a> {
-    /// Its name in ParaView.
+    /// Name of the array in ParaView.
     pub name: &'a str,
     /// Number of components.
     pub components: usize,

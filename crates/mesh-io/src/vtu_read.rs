@@ -14,7 +14,7 @@ use stoss_reference_element::{CellKind, FaceKind, FaceNodes};
 /// A named array read from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnedField {
-    /// Its name.
+    /// Name of the array.
     pub name: String,
     /// Number of components.
     pub components: usize,

@@ -73,7 +73,7 @@ struct Combinations {
 }
 
 impl Combinations {
-    /// Of `count` things of types; those in no set are kept or not.
+    /// The combinations of `count` things of types; those in no set are kept or not.
     fn new<'m>(
         sets: impl Iterator<Item = &'m Vec<u32>>,
         count: usize,

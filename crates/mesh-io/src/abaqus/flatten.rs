@@ -122,7 +122,7 @@ impl Flatten {
         Ok(())
     }
 
-    /// With one instance its sets and those of the assembly share their names: the same name must mean the same.
+    /// Refuses a name that means one set in the instance and another in the assembly: with one instance both share their names.
     fn refuse_ambiguous(&self, names: &Names, assembly: Option<&Names>, i: usize) -> Result<(), MeshIoError> {
         let Some(assembly) = assembly else { return Ok(()) };
         for (own, others) in [(&names.nodes, &assembly.nodes), (&names.elements, &assembly.elements)] {

@@ -12,7 +12,7 @@ pub(crate) struct Keyword {
     pub name: String,
     /// Names in upper case without spaces; values without quotes.
     parameters: Vec<(String, Option<String>)>,
-    /// Its place.
+    /// Place of the line.
     pub place: Place,
 }
 

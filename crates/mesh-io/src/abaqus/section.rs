@@ -27,7 +27,7 @@ pub(super) enum Section {
         kind: Kind,
         name: String,
         generate: bool,
-        /// That of the numbers, if it is named.
+        /// Instance that the numbers belong to, if it is named.
         instance: Option<usize>,
     },
     Surface {

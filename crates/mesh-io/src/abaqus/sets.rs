@@ -31,7 +31,7 @@ impl Labels {
         }
     }
 
-    /// Same content, whatever the places.
+    /// Whether the content is the same, whatever the places.
     pub fn same(&self, other: &Labels) -> bool {
         self.numbers.keys().eq(other.numbers.keys()) && self.ranges.keys().eq(other.ranges.keys())
     }
@@ -40,7 +40,7 @@ impl Labels {
 /// One named set.
 #[derive(Debug, Clone)]
 pub(super) struct Set {
-    /// As first written.
+    /// Name as it was first written.
     pub name: String,
     /// First place.
     pub place: Place,

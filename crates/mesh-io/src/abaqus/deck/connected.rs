@@ -5,9 +5,9 @@ use super::{DeckPlace, Target};
 /// A linear equation between degrees of freedom (`*EQUATION`): the sum of factor times displacement is zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equation {
-    /// Its terms.
+    /// Terms of the equation.
     pub terms: Vec<EquationTerm>,
-    /// Its place.
+    /// Place of the equation.
     pub place: DeckPlace,
 }
 
@@ -27,29 +27,29 @@ pub struct EquationTerm {
 pub struct MultiPoint {
     /// The law in upper case, as `PLANE`.
     pub kind: String,
-    /// Its nodes.
+    /// Nodes of the constraint.
     pub nodes: Vec<u64>,
-    /// Its place.
+    /// Place of the constraint.
     pub place: DeckPlace,
 }
 
 /// How nodes follow a reference node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Following {
-    /// As a rigid body.
+    /// The nodes move as a rigid body.
     Kinematic,
-    /// In the mean.
+    /// The nodes follow in the mean.
     Distributing,
 }
 
 /// The nodes that follow a reference node.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Followers {
-    /// Those of a surface.
+    /// Nodes of a surface.
     Surface(String),
-    /// Those of a node set, or single nodes, with their weights.
+    /// Nodes of a node set, or single nodes, with their weights.
     Nodes(Vec<(Target, f64)>),
-    /// Those of the elements of a set.
+    /// Nodes of the elements of a set.
     Elements(String),
 }
 
@@ -68,7 +68,7 @@ pub struct Coupling {
     pub following: Option<Following>,
     /// Degrees of freedom that are coupled, counted from 0.
     pub freedoms: [bool; 6],
-    /// Its place.
+    /// Place of the coupling.
     pub place: DeckPlace,
 }
 
@@ -83,22 +83,22 @@ pub struct Pretension {
     pub node: Target,
     /// Normal of the section; that of the surface if it is not given.
     pub normal: Option<[f64; 3]>,
-    /// Its place.
+    /// Place of the section.
     pub place: DeckPlace,
 }
 
 /// An element that is no solid: a spring, a dashpot, a mass, a beam, with its nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Connection {
-    /// Its type in upper case, as `SPRINGA`.
+    /// Type of the element in upper case, as `SPRINGA`.
     pub kind: String,
-    /// Its number.
+    /// Number of the element.
     pub number: u64,
-    /// Its nodes.
+    /// Nodes of the element.
     pub nodes: Vec<u64>,
     /// The element set that its keyword names.
     pub set: Option<String>,
-    /// Its place.
+    /// Place of the element.
     pub place: DeckPlace,
 }
 
@@ -113,7 +113,7 @@ pub struct ConnectionSection {
     pub freedoms: Vec<usize>,
     /// Stiffness (force per length), damping (force per velocity) or mass.
     pub value: f64,
-    /// Its place.
+    /// Place of the section.
     pub place: DeckPlace,
 }
 
@@ -122,7 +122,7 @@ pub struct ConnectionSection {
 pub struct Change {
     /// What changes.
     pub kind: ChangeKind,
-    /// Its place.
+    /// Place of the change.
     pub place: DeckPlace,
 }
 

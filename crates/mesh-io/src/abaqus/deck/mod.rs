@@ -73,27 +73,27 @@ pub enum Target {
 /// A material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// Its name.
+    /// Name of the material.
     pub name: String,
     /// Mass per volume.
     pub density: Option<f64>,
-    /// Of `*ELASTIC, TYPE=ISOTROPIC`.
+    /// Elasticity of `*ELASTIC, TYPE=ISOTROPIC`.
     pub elastic: Option<Elastic>,
-    /// Of `*HYPERELASTIC`.
+    /// Law of `*HYPERELASTIC`.
     pub hyperelastic: Option<Hyperelastic>,
-    /// Of `*PLASTIC`, at its first temperature: equivalent plastic strain and yield stress (force per area) of each line; nothing without it.
+    /// Lines of `*PLASTIC` at its first temperature: equivalent plastic strain and yield stress (force per area) of each line; nothing without it.
     pub plastic: Vec<[f64; 2]>,
     /// Whether its hardening is kinematic, with two lines at most; else it is isotropic.
     pub is_kinematic: bool,
-    /// Of `*VISCOELASTIC, TIME=PRONY`: share of the shear modulus, share of the bulk modulus and relaxation time of each line; nothing without it.
+    /// Lines of `*VISCOELASTIC, TIME=PRONY`: share of the shear modulus, share of the bulk modulus and relaxation time of each line; nothing without it.
     pub prony: Vec<[f64; 3]>,
     /// Whether the moduli of its elastic law are those of fast strains (`MODULI=INSTANTANEOUS`); else they are those of the relaxed material.
     pub is_instantaneous: bool,
-    /// Of `*MULLINS EFFECT`: r, m (energy per volume) and beta.
+    /// Parameters of `*MULLINS EFFECT`: r, m (energy per volume) and beta.
     pub mullins: Option<[f64; 3]>,
-    /// Of `*DAMPING`.
+    /// Damping of `*DAMPING`.
     pub damping: Option<Damping>,
-    /// Its place.
+    /// Place of the material.
     pub place: DeckPlace,
 }
 
@@ -137,7 +137,7 @@ pub struct SolidSection {
     pub part: Option<String>,
     /// The thickness of plane elements, a length, if it is given.
     pub thickness: Option<f64>,
-    /// Its place.
+    /// Place of the section.
     pub place: DeckPlace,
 }
 
@@ -148,7 +148,7 @@ pub struct LocalAxes {
     pub nodes: String,
     /// The axes; none of another kind than rectangular and cylindrical.
     pub axes: Option<Axes>,
-    /// Its place.
+    /// Place of the axes.
     pub place: DeckPlace,
 }
 
@@ -174,33 +174,33 @@ pub enum Axes {
 /// A function of time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Amplitude {
-    /// Its name.
+    /// Name of the amplitude.
     pub name: String,
     /// True if its time begins with the first step, false if it begins with each step.
     pub is_total_time: bool,
     /// Times and values, linear in between.
     pub points: Vec<[f64; 2]>,
-    /// Its place.
+    /// Place of the amplitude.
     pub place: DeckPlace,
 }
 
 /// Properties of a contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interaction {
-    /// Its name.
+    /// Name of the interaction.
     pub name: String,
-    /// Of `*FRICTION`.
+    /// Friction of `*FRICTION`.
     pub friction: Option<Friction>,
-    /// Of `*SURFACE BEHAVIOR`.
+    /// Pressure against overclosure of `*SURFACE BEHAVIOR`.
     pub behavior: Option<SurfaceBehavior>,
-    /// Its place.
+    /// Place of the interaction.
     pub place: DeckPlace,
 }
 
 /// Coulomb friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
-    /// Its coefficient; infinite for `ROUGH`.
+    /// Coefficient of friction; infinite for `ROUGH`.
     pub coefficient: f64,
     /// CalculiX' stick slope, the second number (force per volume).
     pub stick_slope: Option<f64>,
@@ -226,28 +226,28 @@ pub struct ContactPair {
     pub interaction: Option<String>,
     /// `NODE TO SURFACE`, `SURFACE TO SURFACE`, `MORTAR`, ... in upper case.
     pub kind: Option<String>,
-    /// Of `ADJUST=`: a distance or a set, as written.
+    /// Value of `ADJUST=`: a distance or a set, as written.
     pub adjust: Option<String>,
     /// True with `SMALL SLIDING`.
     pub is_small_sliding: bool,
-    /// Its place.
+    /// Place of the pair.
     pub place: DeckPlace,
 }
 
 /// Two surfaces tied to each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tie {
-    /// Its name.
+    /// Name of the tie.
     pub name: Option<String>,
     /// The slave surface.
     pub slave: String,
     /// The master surface.
     pub master: String,
-    /// Of `POSITION TOLERANCE=` (a length).
+    /// Value of `POSITION TOLERANCE=` (a length).
     pub tolerance: Option<f64>,
     /// False with `ADJUST=NO`: nodes stay where they are.
     pub adjusts: bool,
-    /// Its place.
+    /// Place of the tie.
     pub place: DeckPlace,
 }
 
@@ -256,11 +256,11 @@ pub struct Tie {
 pub struct InitialVelocity {
     /// The nodes.
     pub nodes: Target,
-    /// Its component: 0, 1, 2.
+    /// Component of the velocity: 0, 1, 2.
     pub component: usize,
-    /// Its value.
+    /// Value of the component.
     pub value: f64,
-    /// Its place.
+    /// Place of the velocity.
     pub place: DeckPlace,
 }
 
@@ -273,7 +273,7 @@ pub enum Prescribed {
     Velocity,
     /// Accelerations.
     Acceleration,
-    /// With `FIXED`: the positions at the start of the step.
+    /// Positions at the start of the step, kept with `FIXED`.
     Fixed,
 }
 
@@ -290,7 +290,7 @@ pub struct Support {
     pub value: f64,
     /// The amplitude.
     pub amplitude: Option<String>,
-    /// Its place.
+    /// Place of the support.
     pub place: DeckPlace,
 }
 
@@ -299,13 +299,13 @@ pub struct Support {
 pub struct Force {
     /// The nodes.
     pub nodes: Target,
-    /// Its degree of freedom: 0, 1, 2 of a force, 3, 4, 5 of a moment.
+    /// Degree of freedom of the force: 0, 1, 2 of a force, 3, 4, 5 of a moment.
     pub freedom: usize,
     /// The value, to be multiplied by the amplitude.
     pub value: f64,
     /// The amplitude.
     pub amplitude: Option<String>,
-    /// Its place.
+    /// Place of the force.
     pub place: DeckPlace,
 }
 
@@ -321,9 +321,9 @@ pub enum LoadKind {
     },
     /// `GRAV`: an acceleration.
     Gravity {
-        /// Its magnitude.
+        /// Magnitude of the acceleration.
         magnitude: f64,
-        /// Its direction, of any length.
+        /// Direction of the acceleration, of any length.
         direction: [f64; 3],
     },
     /// `CENTRIF`: the force of a rotation.
@@ -332,14 +332,14 @@ pub enum LoadKind {
         squared: f64,
         /// A point of the axis.
         point: [f64; 3],
-        /// Its direction.
+        /// Direction of the axis.
         axis: [f64; 3],
     },
     /// `BX`, `BY`, `BZ`: a force per volume.
     Body {
-        /// Its component: 0, 1, 2.
+        /// Component of the force: 0, 1, 2.
         component: usize,
-        /// Its value.
+        /// Value of the component.
         value: f64,
     },
 }
@@ -353,7 +353,7 @@ pub struct ElementLoad {
     pub kind: LoadKind,
     /// The amplitude.
     pub amplitude: Option<String>,
-    /// Its place.
+    /// Place of the load.
     pub place: DeckPlace,
 }
 
@@ -366,7 +366,7 @@ pub struct SurfacePressure {
     pub value: f64,
     /// The amplitude.
     pub amplitude: Option<String>,
-    /// Its place.
+    /// Place of the pressure.
     pub place: DeckPlace,
 }
 
@@ -392,9 +392,9 @@ pub enum Procedure {
     Static(Times),
     /// `*DYNAMIC`.
     Dynamic {
-        /// Its times.
+        /// Times of the step.
         times: Times,
-        /// Of `ALPHA=`: numerical damping.
+        /// Value of `ALPHA=`: numerical damping.
         alpha: Option<f64>,
         /// True with `EXPLICIT`.
         is_explicit: bool,
@@ -406,7 +406,7 @@ pub enum Procedure {
 /// A step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Its name.
+    /// Name of the step.
     pub name: Option<String>,
     /// True with `NLGEOM`: large displacements.
     pub is_nonlinear: bool,
@@ -414,7 +414,7 @@ pub struct Step {
     pub is_perturbation: bool,
     /// True with `AMPLITUDE=STEP`: loads without an amplitude act at once, else they grow over the step.
     pub is_sudden: bool,
-    /// Of `INC=`.
+    /// Value of `INC=`.
     pub increments: Option<u64>,
     /// What it computes; none if no keyword says so.
     pub procedure: Option<Procedure>,
@@ -430,7 +430,7 @@ pub struct Step {
     pub changes: Vec<Change>,
     /// Which keywords of the step have `OP=NEW`.
     pub op_new: OpNew,
-    /// Its place.
+    /// Place of the step.
     pub place: DeckPlace,
 }
 
@@ -450,11 +450,11 @@ pub struct OpNew {
 /// Something of the file that [`Deck`] does not keep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOut {
-    /// As "*PLASTIC", or "parameter ORIENTATION of *SOLID SECTION".
+    /// Name of what is left out, as "*PLASTIC", or "parameter ORIENTATION of *SOLID SECTION".
     pub what: String,
     /// False for what asks for output only.
     pub changes_results: bool,
-    /// Its place.
+    /// Place of what is left out.
     pub place: DeckPlace,
 }
 
