@@ -29,7 +29,7 @@ pub(crate) struct Present {
     pub has_rates: bool,
     /// Whether forces of dampers act on bodies.
     pub has_damping: bool,
-    /// Of a static stage.
+    /// Stabilisation of a static stage.
     pub stabilisation: Option<Stabilisation>,
     /// Springs that hold what nothing holds yet.
     pub anchor: Option<Anchor>,
@@ -97,13 +97,13 @@ pub(crate) struct Base {
     pub increment: Vec<f64>,
     pub pressures: Vec<Vec<f64>>,
     pub auxiliaries: Vec<Vec<f64>>,
-    /// Its positions, if `has_linearised`; empty without mixed bodies.
+    /// Positions of the iterate, if `has_linearised`; empty without mixed bodies.
     pub linearised: Vec<f64>,
     /// Whether there is one in this step.
     pub has_linearised: bool,
-    /// Of condensed auxiliaries only.
+    /// Increments of condensed auxiliaries only.
     pub auxiliary_increment: Vec<Vec<f64>>,
-    /// Of all components, for pairs with condensed auxiliaries and those that limit motions; else empty.
+    /// Increments of all components, for pairs with condensed auxiliaries and those that limit motions; else empty.
     pub full_increment: Vec<f64>,
 }
 
@@ -177,7 +177,7 @@ pub(crate) fn has_condensed(model: &Model) -> bool {
 }
 
 impl System {
-    /// With a mass matrix if `dynamic`, whether or not the present stage needs it.
+    /// The system of a model, with a mass matrix if `dynamic`, whether or not the present stage needs it.
     pub fn new(
         model: &Model,
         acting: Acting,
@@ -252,7 +252,7 @@ impl System {
         8 * floats + self.buffers.memory_bytes() + self.matrix.memory_bytes() + self.solver.memory_bytes()
     }
 
-    /// See [`Matrix::begin_pattern`].
+    /// Begins the pattern of a step, see [`Matrix::begin_pattern`].
     pub fn begin_pattern(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
         self.tally.tangents = 0;
         self.matrix.begin_pattern(model, active)?;
@@ -260,7 +260,7 @@ impl System {
         Ok(())
     }
 
-    /// See [`Matrix::renew_pattern`].
+    /// Renews the pattern, see [`Matrix::renew_pattern`].
     pub fn renew_pattern(&mut self, model: &Model, active: &[Vec<bool>]) -> Result<(), StepError> {
         self.matrix.renew_pattern(model, active)?;
         self.fit();

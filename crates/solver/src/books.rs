@@ -41,7 +41,7 @@ pub struct Books {
 }
 
 impl Posting {
-    /// With a later step: what is stored then, and sums of the rest. A remainder that is not measured counts as none.
+    /// Adds a later step: what is stored then, and sums of the rest. A remainder that is not measured counts as none.
     fn add(&mut self, step: &Self) {
         self.stored = step.stored;
         self.dissipated += step.dissipated;
@@ -54,7 +54,7 @@ impl Posting {
 }
 
 impl Books {
-    /// With the books of a later step: what is stored then, and sums of the rest. Remainders that are not measured count as none.
+    /// Adds the books of a later step: what is stored then, and sums of the rest. Remainders that are not measured count as none.
     pub fn add(&mut self, step: &Self) {
         let lists = [
             (&mut self.bodies, &step.bodies),
@@ -81,7 +81,7 @@ impl Books {
 /// Work of forces in the step that was evaluated last, before the weights of the scheme.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Works {
-    /// Of bodies, then of parts.
+    /// Work of bodies, then of parts.
     pub forces: Vec<f64>,
     pub couplings: Vec<f64>,
 }

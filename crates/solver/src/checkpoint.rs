@@ -26,7 +26,7 @@ pub enum CheckpointError {
         /// The error of the operating system.
         source: std::io::Error,
     },
-    /// Not a checkpoint, of another version, or damaged.
+    /// A file that is no checkpoint, is of another version, or is damaged.
     #[error("checkpoint {path} is not readable: {reason}")]
     Damaged {
         /// The file.
@@ -34,7 +34,7 @@ pub enum CheckpointError {
         /// What is wrong with it.
         reason: String,
     },
-    /// Of another scene or model.
+    /// A checkpoint of another scene or model.
     #[error("checkpoint does not fit: {reason}")]
     Mismatch {
         /// What differs.
@@ -119,7 +119,7 @@ impl Checkpoint {
         Self::from_bytes(&bytes, path)
     }
 
-    /// Of the bytes of a file of this name, which others have read.
+    /// The checkpoint in the bytes of a file of this name, which others have read.
     ///
     /// # Errors
     /// [`CheckpointError::Damaged`].

@@ -20,7 +20,7 @@ impl StencilList {
         fill(&mut self.entries);
     }
 
-    /// Those of a term without slots; returns their numbers. What is not kept has an empty one.
+    /// Adds the stencils of a term without slots; returns their numbers. What is not kept has an empty one.
     pub fn push_term(&mut self, term: &dyn Term, numbering: &Numbering, keep: impl Fn(u32) -> bool) -> Range<usize> {
         let first = self.starts.len();
         term.stencils(&[], &mut |nodes, _| {
@@ -57,7 +57,7 @@ impl Contributions {
         list
     }
 
-    /// With carriers in place of embedded nodes.
+    /// Adds a contribution, with carriers in place of embedded nodes.
     pub fn push(&mut self, model: &Model, pair: usize, nodes: &[u32], slots: &[u32]) {
         let (mut expanded, first) = (Vec::new(), nodes.first().copied().unwrap_or(0));
         let nodes = if model.embedding.touches(nodes) {

@@ -36,11 +36,11 @@ pub struct Automatic {
 /// Change of the step size after a successful step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepChange {
-    /// It is kept.
+    /// The step size is kept.
     None,
-    /// It is doubled.
+    /// The step size is doubled.
     Doubled,
-    /// It is halved.
+    /// The step size is halved.
     Halved,
 }
 

@@ -71,7 +71,7 @@ impl FeSystem<'_> {
         Ok(shares.agree(added)?)
     }
 
-    /// Of this rank's elements.
+    /// Adds the damping of this rank's elements.
     fn add_own_damping(
         &mut self,
         q: &[f64],

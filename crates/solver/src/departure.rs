@@ -30,7 +30,7 @@ impl Departure {
         }
     }
 
-    /// Its rate just after a time, one over a time.
+    /// Rate of the part that is left just after a time, one over a time.
     pub(crate) fn rate(&self, until: f64, time: f64) -> f64 {
         // A time within round-off of the end is the end, as at a row of a table.
         if until == f64::INFINITY || time >= until - SAME_TIME * until.abs() { 0.0 } else { -1.0 / (until - self.time) }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// No embedded node.
+/// The mark of a node that is not embedded.
 const NONE: u32 = u32::MAX;
 
 /// Nodes whose positions are `x_a = sum_j w_aj q_j` with constant weights and other nodes as carriers: the surface of a rigid body, for instance.
@@ -90,7 +90,7 @@ impl Embedding {
         self.place(node).is_some()
     }
 
-    /// Of so many components those of nodes that are not embedded, in ascending runs.
+    /// Components of nodes that are not embedded, of so many, in ascending runs.
     pub(crate) fn own(&self, components: usize) -> Vec<Range<usize>> {
         let mut runs: Vec<Range<usize>> = Vec::new();
         let rest = 3 * self.index.len()..components.max(3 * self.index.len());

@@ -27,7 +27,7 @@ pub enum StepError {
         residual: f64,
         /// Where the residual is largest, and what may be the reason.
         place: String,
-        /// The same in numbers of the model.
+        /// That place in numbers of the model.
         at: Box<Place>,
     },
     /// The matrix is singular.
@@ -35,7 +35,7 @@ pub enum StepError {
     Singular {
         /// The unknown in which the undetermined motion is largest.
         unknown: Unknown,
-        /// The same in numbers of the model.
+        /// The unknown's place in numbers of the model.
         at: Box<Place>,
         /// What may be the reason.
         hint: String,
@@ -49,7 +49,7 @@ pub enum StepError {
         attempts: u32,
         /// Where surfaces are nearest to each other, as the middle of a sentence.
         place: String,
-        /// The same in numbers of the model.
+        /// That place in numbers of the model.
         at: Box<Place>,
         /// What may help.
         remedy: &'static str,
@@ -65,7 +65,7 @@ pub enum StepError {
         count: usize,
         /// The first of them.
         first: String,
-        /// The same in numbers of the model.
+        /// The node's place in numbers of the model.
         at: Box<Place>,
         /// Changes of the set in this attempt.
         changes: usize,
@@ -92,9 +92,9 @@ pub enum StepError {
     InsideOut {
         /// The body.
         body: String,
-        /// Its number of elements.
+        /// Number of elements of the body.
         elements: usize,
-        /// Number of such elements, and the worst one.
+        /// Number of elements that are turned inside out, and the worst one.
         found: InsideOut,
     },
     /// A point of a body flows by more in a step than the settings allow.
@@ -134,14 +134,14 @@ pub enum Unknown {
     Pressure {
         /// Contact pair.
         pair: String,
-        /// Its slave node.
+        /// Slave node of the constraint.
         node: String,
     },
     /// The multiplier of a joint, of rigidity, of a tie.
     Multiplier {
         /// The constraint.
         constraint: String,
-        /// Its equation, from one.
+        /// Equation of the constraint, from one.
         equation: usize,
     },
     /// Which one is not known.
@@ -170,7 +170,7 @@ pub enum SimulationError {
     /// The model is inconsistent.
     #[error("{0}")]
     Model(String),
-    /// No step size down to the smallest allowed one worked.
+    /// A step that failed with every step size down to the smallest allowed one.
     #[error("step {step} from time {time} failed {even}at the step size {dt:.3e}: {cause}{hint}", time = crate::short(*.time, *.dt), even = if *.were_smaller { "even " } else { "" })]
     StepFailed {
         /// Number of the step that failed.
@@ -192,7 +192,7 @@ pub enum SimulationError {
     /// A stage cannot begin.
     #[error("stage {stage}: {reason}")]
     Stage {
-        /// Its name.
+        /// Name of the stage.
         stage: String,
         /// Why.
         reason: String,
@@ -211,7 +211,7 @@ pub enum SimulationError {
         /// The length that is allowed.
         length: f64,
     },
-    /// Nothing can be released by this.
+    /// A release of something that cannot be released.
     #[error("{0}")]
     Release(String),
     /// Reading or writing a checkpoint failed.

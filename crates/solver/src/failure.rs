@@ -52,7 +52,7 @@ pub struct FailedAttempt {
     pub step: u64,
     /// Time at its start.
     pub time: f64,
-    /// Its size.
+    /// Size of the step.
     pub dt: f64,
     /// How.
     pub kind: FailureKind,
@@ -86,7 +86,7 @@ impl AttemptLog {
         self.before.extend_from_slice(active);
     }
 
-    /// It may have changed since [`Self::begin`].
+    /// The active set of a pair may have changed since [`Self::begin`].
     pub fn end(&mut self, pair: usize, active: &[bool]) {
         if self.before == active {
             return;

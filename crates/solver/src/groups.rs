@@ -6,7 +6,7 @@ use crate::contributions::Contributions;
 /// Labels of the vectors that a linear solver keeps together: of those that parts own their cluster, else the vector itself.
 #[derive(Debug)]
 pub(crate) struct Groups {
-    /// Of the vectors that parts own, from the first of them on.
+    /// Clusters of the vectors that parts own, from the first of them on.
     clusters: Vec<u32>,
     first: u32,
 }

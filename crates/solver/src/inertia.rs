@@ -19,7 +19,7 @@ pub(crate) struct Inertia {
 }
 
 impl Inertia {
-    /// Of bodies that have densities if it `exists`.
+    /// The inertia of a model, of bodies that have densities; empty unless it `exists`.
     pub fn new(model: &Model, exists: bool, shares: &Arc<Shares>) -> Self {
         let mut masses = Masses { shares: Arc::clone(shares), ..Masses::default() };
         if exists {

@@ -97,7 +97,7 @@ impl Term for Load {
         &self.name
     }
 
-    /// It has no length of its own.
+    /// Length scale of one: a load has no length of its own.
     fn length_scale(&self) -> f64 {
         1.0
     }

@@ -84,7 +84,7 @@ impl PartMass {
 /// All masses of a model; both lists are empty in statics.
 #[derive(Debug, Default)]
 pub(crate) struct Masses {
-    /// Those of bodies are of this rank's elements.
+    /// Shares of the ranks: masses of bodies are those of this rank's elements.
     pub shares: Arc<Shares>,
     /// One a body.
     pub bodies: Vec<MassMatrix>,

@@ -17,7 +17,7 @@ use stoss_term::Auxiliary;
 #[derive(Debug)]
 pub(crate) struct Fixed {
     pub pattern: Arc<SparsityPattern>,
-    /// Of the stencils.
+    /// Scatter map of the stencils.
     pub map: ScatterMap,
     pub stencils: StencilList,
     /// Stencils of each body, then of each part.
@@ -30,7 +30,7 @@ pub(crate) struct Fixed {
 }
 
 impl Fixed {
-    /// With a place for each contribution of bodies, parts, loads that follow, and masses.
+    /// The fixed part with a place for each contribution of bodies, parts, loads that follow, and masses.
     fn new(model: &Model, numbering: &Numbering, groups: &Groups, inertia: &Inertia) -> Result<Self, StepError> {
         let shares = &inertia.masses.shares;
         let mut stencils = StencilList::default();
@@ -143,13 +143,13 @@ pub(crate) struct Matrix {
     pub numbering: Numbering,
     groups: Groups,
     pub fixed: Fixed,
-    /// With the constraints that are or may become active. Without couplings: that of what is fixed.
+    /// Pattern with the constraints that are or may become active. Without couplings: that of what is fixed.
     pub pattern: Arc<SparsityPattern>,
     /// Where each entry of what is fixed goes; empty without couplings.
     pub from_fixed: Vec<u32>,
-    /// Of the active constraints.
+    /// Scatter map of the active constraints.
     pub map: ScatterMap,
-    /// With the active constraints; empty without couplings: then the matrix is what is fixed.
+    /// Values with the active constraints; empty without couplings: then the matrix is what is fixed.
     pub values: Vec<f64>,
     pub slots: Slots,
     /// What the pattern was made from.
@@ -159,7 +159,7 @@ pub(crate) struct Matrix {
 }
 
 impl Matrix {
-    /// Without constraints.
+    /// A matrix without constraints.
     pub fn new(model: &Model, numbering: Numbering, inertia: &Inertia) -> Result<Self, StepError> {
         let groups = Groups::new(model);
         let fixed = Fixed::new(model, &numbering, &groups, inertia)?;
@@ -189,7 +189,7 @@ impl Matrix {
         if self.slots.equation.is_empty() { &self.fixed.values } else { &self.values }
     }
 
-    /// As [`Self::values`].
+    /// The values of the pattern, to be changed.
     pub fn values_mut(&mut self) -> &mut [f64] {
         if self.slots.equation.is_empty() { &mut self.fixed.values } else { &mut self.values }
     }

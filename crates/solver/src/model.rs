@@ -67,7 +67,7 @@ pub struct Prescription {
     pub name: String,
     /// Global node numbers.
     pub nodes: Vec<u32>,
-    /// Those of the nodes that are directors: they rotate and are not translated. If there are any, all three components are prescribed.
+    /// Directors among the nodes: they rotate and are not translated. If there are any, all three components are prescribed.
     pub directions: Vec<u32>,
     /// Components (0, 1, 2), one a column of the table; with a rotation all three in this order.
     pub components: Vec<u8>,
@@ -142,7 +142,7 @@ pub struct Coupling {
 }
 
 impl Coupling {
-    /// That acts, with the factor of the complementarity function (zero if nothing opens and closes) and without a law of impact.
+    /// A coupling that acts, with the factor of the complementarity function (zero if nothing opens and closes) and without a law of impact.
     pub fn new(name: impl Into<String>, term: impl Term + 'static, complementarity: f64) -> Self {
         Self { name: name.into(), term: Box::new(term), acts: true, complementarity, restitution: None }
     }
@@ -157,28 +157,28 @@ impl Coupling {
         self.term.potential().is_some()
     }
 
-    /// Its constraints that open and close, if it acts.
+    /// The constraints that open and close, if the coupling has such and acts.
     pub fn unilateral(&self) -> Option<&dyn Unilateral> {
         self.term.unilateral().filter(|_| self.acts)
     }
 
-    /// As [`Self::unilateral`].
+    /// The constraints that open and close, to be changed.
     pub fn unilateral_mut(&mut self) -> Option<&mut dyn Unilateral> {
         let acts = self.acts;
         self.term.unilateral_mut().filter(|_| acts)
     }
 
-    /// Its constraints that always hold, if it acts.
+    /// The constraints that always hold, if the coupling has such and acts.
     pub fn bilateral(&self) -> Option<&dyn Bilateral> {
         self.term.bilateral().filter(|_| self.acts)
     }
 
-    /// Its forces in the place of constraints, if it acts.
+    /// The forces in the place of constraints, if the coupling has such and acts.
     pub fn potential(&self) -> Option<&dyn Potential> {
         self.term.potential().filter(|_| self.acts)
     }
 
-    /// As [`Self::potential`].
+    /// The forces in the place of constraints, to be changed.
     pub fn potential_mut(&mut self) -> Option<&mut dyn Potential> {
         let acts = self.acts;
         self.term.potential_mut().filter(|_| acts)
@@ -230,7 +230,7 @@ impl Model {
         self.contacts.iter().enumerate().filter(|(_, pair)| pair.acts)
     }
 
-    /// As [`Self::couplings`].
+    /// The couplings that act, with their numbers, to be changed.
     pub(crate) fn couplings_mut(&mut self) -> impl Iterator<Item = (usize, &mut Coupling)> {
         self.contacts.iter_mut().enumerate().filter(|(_, pair)| pair.acts)
     }

@@ -62,7 +62,7 @@ fn product(a: &[Vector; 3], x: &Vector) -> Vector {
     [dot(&a[0], x), dot(&a[1], x), dot(&a[2], x)]
 }
 
-/// Of a symmetric matrix that is positive definite.
+/// Inverse of a symmetric matrix that is positive definite; `None` of one that is singular.
 fn inverse(a: &[Vector; 3]) -> Option<[Vector; 3]> {
     // Columns of the adjoint, which is symmetric.
     let adjoint = [cross(&a[1], &a[2]), cross(&a[2], &a[0]), cross(&a[0], &a[1])];

@@ -15,7 +15,7 @@ pub(crate) struct Numbering {
 }
 
 impl Numbering {
-    /// Of the components of elements and of what parts own, without those that are prescribed at present.
+    /// The numbering of the components of elements and of what parts own, without those that are prescribed at present.
     pub fn of(model: &Model, acting: &Acting) -> Self {
         let mut blocked = vec![true; model.reference.len()];
         for body in &model.bodies {

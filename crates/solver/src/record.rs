@@ -128,7 +128,7 @@ pub struct StepRecord {
     pub stage: u32,
     /// Time at its end.
     pub time: f64,
-    /// Its size.
+    /// Size of the step.
     pub dt: f64,
     /// True if its end is a multiple of the nominal step size.
     pub nominal: bool,
@@ -146,7 +146,8 @@ pub struct StepRecord {
     /// negative curvature of layers of general contact. Zero for other steps,
     /// and where the linear solver does not count them.
     pub unstable: usize,
-    /// Of a stabilised static step the sums of the magnitudes of the components of nodal forces at its end: those of the stabilisation, and those of supports and loads.
+    /// Sums of the magnitudes of the components of nodal forces at the end of a stabilised static step: those of the stabilisation, and those of supports and
+    /// loads.
     pub stabilising: Option<[f64; 2]>,
     /// Energy that closing gaps took in the step by the constraints themselves, in the order of [`crate::Model::contacts`]; empty in statics and of the initial state.
     pub closing: Vec<f64>,

@@ -34,12 +34,12 @@ impl AxisRotation {
         &self.degrees
     }
 
-    /// As [`Self::degrees`].
+    /// The angle as a function of time, to be changed.
     pub(crate) fn degrees_mut(&mut self) -> &mut Table {
         &mut self.degrees
     }
 
-    /// The same rotation about the origin.
+    /// The rotation by the same angle about the parallel axis through the origin.
     pub(crate) fn about_origin(&self) -> Self {
         Self { about: [0.0; 3], ..self.clone() }
     }

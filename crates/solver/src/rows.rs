@@ -7,7 +7,8 @@ use stoss_term::Local;
 /// that rows have among bodies of like stiffness (1 to 1e-3), and half of the digits of a factorisation.
 pub(crate) const COMPLIANCE: f64 = 1.0e-8;
 
-/// The same while complementarity is smoothed: a slave that is a thousand times stiffer than its master has eigenvalues of 1e-3 of the others, which are not to
+/// Compliance of rows while complementarity is smoothed: a slave that is a thousand times stiffer than its master has eigenvalues of 1e-3 of the others, which
+/// are not to
 /// be slowed down.
 pub(crate) const COMPLIANCE_SMOOTHED: f64 = 1.0e-9;
 
@@ -70,7 +71,7 @@ pub(crate) struct SmoothedPair<'a> {
     pub theta: f64,
     /// Stress per length.
     pub factor: f64,
-    /// Of all slots of the pair.
+    /// Pressures of all slots of the pair.
     pub pressures: &'a [f64],
 }
 

@@ -24,7 +24,7 @@ pub struct StageState {
     /// What terms are told of what acts; follows from the model.
     #[serde(skip)]
     pub(crate) support: Support,
-    /// See [`crate::Simulation::loads_at_once`].
+    /// Loads that act with their whole value in the next step, see [`crate::Simulation::loads_at_once`].
     #[serde(skip)]
     pub(crate) sudden: Vec<usize>,
 }
@@ -34,20 +34,20 @@ pub struct StageState {
 pub struct SlotState {
     /// One a slot.
     pub pressures: Vec<Vec<f64>>,
-    /// See [`crate::Simulation::mean_pressures`]; empty where the law of impact did not act in the last step.
+    /// Mean pressures of the slots, see [`crate::Simulation::mean_pressures`]; empty where the law of impact did not act in the last step.
     pub mean_pressures: Vec<Vec<f64>>,
-    /// Whether it acts.
+    /// Whether each slot acts.
     pub active: Vec<Vec<bool>>,
 }
 
 /// Energies and momenta.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
-    /// Of the last step.
+    /// Momenta and energies of the last step.
     pub balance: Balance,
-    /// Of each coupling: energy that it stores, and the part of it in springs of friction.
+    /// Energy that each coupling stores, and the part of it in springs of friction.
     pub stored: Vec<[f64; 2]>,
-    /// Of the steps of this process.
+    /// Books of the steps of this process.
     #[serde(skip)]
     pub(crate) books: Books,
     /// Stored energies of bodies and parts; empty where they are not known.
@@ -58,9 +58,9 @@ pub struct Ledger {
 /// Forces at nodes in the last step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NodalForces {
-    /// Of supports.
+    /// Forces of supports.
     pub reactions: Vec<f64>,
-    /// See [`crate::Simulation::contact_force`].
+    /// Forces of contact, see [`crate::Simulation::contact_force`].
     pub contact: Vec<f64>,
     /// What [`crate::Simulation::moved_contact_force`] tells.
     #[serde(skip)]

@@ -34,7 +34,7 @@ pub(crate) struct Shares {
     couplings: Vec<OfCoupling>,
     /// Nodes that this rank adds to, ascending.
     touched: Vec<u32>,
-    /// Those of them that another rank owns, by rank, and those that this rank owns and others add to, by rank.
+    /// Nodes among the touched ones that another rank owns, by rank, and those that this rank owns and others add to, by rank.
     lent: Lists,
     borrowed: Lists,
     /// Nodes that any rank adds to, by the rank that owns them.

@@ -94,7 +94,7 @@ pub struct Plan {
     pub elements: usize,
     /// Free displacement components.
     pub free_components: usize,
-    /// Those among them that are of nodes of bodies: the others are of rigid bodies and beams.
+    /// Free components of nodes of bodies: the others are of rigid bodies and beams.
     pub elastic_components: usize,
     /// Prescribed components.
     pub prescribed_components: usize,
@@ -155,7 +155,7 @@ pub struct Simulation {
     forces: NodalForces,
     impacts: impact::Impacts,
     log: Log,
-    /// Of the step that was tried last.
+    /// Failed attempts of the step that was tried last.
     failures: Vec<FailedAttempt>,
 }
 
@@ -174,10 +174,10 @@ impl Simulation {
         Self::staged(model, settings, FirstStage::default())
     }
 
-    /// As [`Self::new`], for a run in stages; the others follow with [`Self::begin_stage`].
+    /// A simulation as of [`Self::new`], for a run in stages; the others follow with [`Self::begin_stage`].
     ///
     /// # Errors
-    /// Those of [`Self::new`]; [`SimulationError::Model`] also if `first.off` names what does not exist.
+    /// The errors of [`Self::new`]; [`SimulationError::Model`] also if `first.off` names what does not exist.
     pub fn staged(mut model: Model, settings: Settings, first: FirstStage) -> Result<Self, SimulationError> {
         let FirstStage { stabilise, off, later_dynamics } = first;
         let acting = model.acting(&off, &[]).map_err(SimulationError::Model)?;
@@ -426,7 +426,8 @@ impl Simulation {
     pub fn pressures(&self) -> &[Vec<f64>] {
         &self.slots.pressures
     }
-    /// Those with which the forces of the last step give its change of momentum: with the impulses of the law of impact, over the step size, where it acted.
+    /// Pressures with which the forces of the last step give its change of momentum: with the impulses of the law of impact, over the step size, where it
+    /// acted.
     pub fn mean_pressures(&self) -> &[Vec<f64>] {
         if self.slots.mean_pressures.is_empty() { &self.slots.pressures } else { &self.slots.mean_pressures }
     }

@@ -42,7 +42,7 @@ const LEAST_FACTOR: f64 = 0.85;
 const OF_SMOOTHING: f64 = 0.3;
 const SOLVED: f64 = 1.0e-2;
 
-/// No component moves by more than this part of an edge in an iterate.
+/// Part of an edge by which a component moves at most in an iterate.
 const REACH: f64 = 0.3;
 
 /// Shift of the tangent in parts of its mean diagonal: the least and the most that is tried, the factor after an increment that is no use, and after a full one.
@@ -103,7 +103,7 @@ struct Merit {
 
 /// By what lengths and pressures are measured.
 struct Scale {
-    /// Of each pair, a stress: by what pressures are measured.
+    /// Stress of each pair by which pressures are measured.
     moduli: Vec<f64>,
     /// Shortest edge of surfaces in contact.
     edge: f64,

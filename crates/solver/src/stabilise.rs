@@ -26,7 +26,7 @@ pub(crate) struct Stabilisation {
 }
 
 impl Stabilisation {
-    /// Of a stage of this length.
+    /// The stabilisation of a stage of this length, a time.
     pub fn new(model: &Model, how: Stabilise, length: f64) -> Self {
         let mass = |body: &crate::Body| {
             let coefficient = match how {

@@ -30,7 +30,7 @@ pub(crate) struct Attempt {
     pub iterate: Iterate,
     pub newton: Vec<NewtonRow>,
     pub repaired: usize,
-    /// See [`crate::StepRecord::unstable`].
+    /// Directions in which the energy falls, see [`crate::StepRecord::unstable`].
     pub unstable: usize,
 }
 

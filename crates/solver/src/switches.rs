@@ -36,7 +36,7 @@ pub(crate) struct Acting {
 }
 
 impl Acting {
-    /// Of so many loads, prescriptions, contact pairs and parts all that neither `off` nor `released` names; the words for what does not exist.
+    /// What acts of so many loads, prescriptions, contact pairs and parts: all that neither `off` nor `released` names; the words for what does not exist.
     pub fn new(
         [loads, prescriptions, contacts, parts]: [usize; 4],
         off: &Switches,

@@ -38,7 +38,7 @@ pub(crate) struct FeSystem<'a> {
 /// Where contributions of forces go: a vector, and the values of a pattern.
 struct Sink<'a> {
     out: &'a mut [f64],
-    /// Of the residual in the vector.
+    /// Sign of the residual in the vector.
     sign: f64,
     map: &'a ScatterMap,
     values: &'a mut [f64],

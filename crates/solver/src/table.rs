@@ -35,10 +35,10 @@ pub enum TableError {
     Order {
         /// Index of the row.
         row: usize,
-        /// Its time.
+        /// Time of the row.
         time: f64,
     },
-    /// NaN or infinite.
+    /// A value that is NaN or infinite.
     #[error("row {row} has a value that is not finite")]
     NotFinite {
         /// Index of the row.

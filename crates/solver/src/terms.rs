@@ -7,9 +7,9 @@ use stoss_term::Term;
 /// The line of the residual that a term adds to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Line {
-    /// That of the forces: a body, a part, a load.
+    /// The line of the forces: a body, a part, a load.
     Force,
-    /// That of the constraints: the coupling of this number.
+    /// The line of the constraints: the coupling of this number.
     Constraint(usize),
 }
 
@@ -33,7 +33,7 @@ impl Model {
         bodies.chain(parts).chain(loads).chain(self.contacts.iter().map(|pair| &*pair.term as &dyn Term))
     }
 
-    /// As [`Self::terms`], each with its line and whether it acts.
+    /// The terms as of [`Self::terms`], each with its line and whether it acts, to be changed.
     pub(crate) fn terms_mut<'a>(
         &'a mut self,
         acting: &'a Acting,

@@ -47,9 +47,9 @@ pub(super) enum Start {
 pub(super) enum Way {
     /// By Newton's method with a set of closed slots.
     Plain,
-    /// The same from where springs have led it.
+    /// By Newton's method from where springs have led it.
     Anchored,
-    /// The same with compliant rows and slips of little weight.
+    /// By Newton's method with compliant rows and slips of little weight.
     Careful,
     /// Along smoothed complementarity.
     Smoothed,

@@ -11,7 +11,7 @@ impl Simulation {
         found.map_or(0.0, |(departure, until)| departure.offset * departure.left(until, time))
     }
 
-    /// Its rate just after a time (a length per time).
+    /// Rate of the offset just after a time (a length per time).
     pub(super) fn rate_of_offset(&self, component: u32, prescription: u32, time: f64) -> f64 {
         let found = self.departure(component, prescription);
         found.map_or(0.0, |(departure, until)| departure.offset * departure.rate(until, time))

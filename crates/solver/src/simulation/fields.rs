@@ -21,10 +21,10 @@ impl Simulation {
         Ok(sums.means())
     }
 
-    /// See [`SolidBody::state_at`].
+    /// State of a body at a point, see [`SolidBody::state_at`].
     ///
     /// # Errors
-    /// Those of that.
+    /// The errors of [`SolidBody::state_at`].
     pub fn state_at(&self, body: usize, point: &MaterialPoint) -> Result<PointState, StepError> {
         let state = self.model.bodies[body].solid.state_at(point, &self.state.q);
         let mut state = self.system.shares.agree(state.map_err(Fault::from))?;
@@ -35,10 +35,10 @@ impl Simulation {
         Ok(state)
     }
 
-    /// See [`SolidBody::state_output_at`].
+    /// Output of a body's state at a point, see [`SolidBody::state_output_at`].
     ///
     /// # Errors
-    /// Those of that.
+    /// The errors of [`SolidBody::state_output_at`].
     pub fn state_output_at(
         &self,
         body: usize,

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use stoss_integrators::{Step, StepRule};
 use stoss_term::{SlotReport, SurfaceForce, Work};
 
-/// Of each contact what its slots report.
+/// What the slots of each contact report.
 type Slaves = Vec<Vec<SlotReport>>;
 
 fn add_force(sums: &mut BTreeMap<u32, SurfaceForce>, of: SurfaceForce) {

@@ -8,14 +8,14 @@ use std::collections::BTreeSet;
 /// prescription (a length each) and, if it rotates, the angle in degrees after them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Steered {
-    /// Of `Model::loads`.
+    /// A load, by its number in `Model::loads`.
     Load(usize),
-    /// Of `Model::prescriptions`.
+    /// A prescription, by its number in `Model::prescriptions`.
     Prescription(usize),
 }
 
 impl Steered {
-    /// Its functions of time; none if the model has no such thing.
+    /// Functions of time of what is steered; none if the model has no such thing.
     fn tables<'a>(&self, model: &'a Model) -> Vec<&'a Table> {
         match *self {
             Self::Load(l) => model.loads.get(l).map(|load| &load.magnitude).into_iter().collect(),

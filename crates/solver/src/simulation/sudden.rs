@@ -11,7 +11,7 @@ impl Simulation {
         if self.how.scheme.is_none() { &self.stage.sudden } else { &[] }
     }
 
-    /// Those of what is to act that begin at the present time with another value than zero; none of what acted `before`.
+    /// Loads that are to act and begin at the present time with another value than zero; none of what acted `before`.
     pub(super) fn sudden_loads(&self, acting: &Acting, before: Option<&Acting>) -> Vec<usize> {
         let begins = |l: usize| acting.loads[l] && before.is_none_or(|before| !before.loads[l]);
         let is_there = |l: usize| {

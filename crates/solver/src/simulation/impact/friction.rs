@@ -11,9 +11,9 @@ const CONVERGED: f64 = 1e-13;
 /// What the normal rates are to be at least, the rates without impulses of the slots, and the coefficients of friction. Slots first, then two directions for each of `sliding`.
 #[derive(Debug)]
 pub(super) struct Cone<'a> {
-    /// Of each slot.
+    /// Least normal rate of each slot.
     pub least: &'a [f64],
-    /// Of each row.
+    /// Rate of each row without impulses.
     pub free: &'a [f64],
     /// Slots with friction and their coefficients, in the order of their rows.
     pub sliding: &'a [(usize, f64)],

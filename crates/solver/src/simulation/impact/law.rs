@@ -26,9 +26,9 @@ pub(super) struct Rates<'a> {
 /// Impulses of the slots.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Impulses {
-    /// Without restitution.
+    /// Impulses without restitution.
     pub plastic: Vec<f64>,
-    /// With it; the same if there is none.
+    /// Impulses with restitution; those without if there is none.
     pub all: Vec<f64>,
     /// The restitution, if it is the same for all slots.
     pub uniform: Option<f64>,

@@ -26,13 +26,13 @@ use stoss_term::{GradientRule, SlotKind, StepConfiguration, Work};
 /// Closed slots of deformable bodies whose rate is below this part of the largest one of a closing so far are at rest: facets that turn change it in the second order.
 const AT_REST: f64 = 1e-3;
 
-/// The same of rigid bodies, beside the largest velocity.
+/// Part of the largest velocity below which closed slots of rigid bodies are at rest.
 const RIGID_AT_REST: f64 = 1e-12;
 
 /// Up to so many slots `W` is computed by its columns, each of which takes a solution; the iteration for more of them takes about as many.
 const DENSE_SLOTS: usize = 96;
 
-/// The same for models with so few equations that a solution costs less than the rest.
+/// Number of equations up to which a solution costs less than the rest, and the number of slots up to which `W` is then computed by its columns.
 const FEW_EQUATIONS: usize = 2000;
 const DENSE_SLOTS_OF_FEW: usize = 600;
 
@@ -52,13 +52,13 @@ pub(super) struct Impacts {
 pub(super) struct Impact {
     /// Kinetic energy that is lost.
     pub loss: f64,
-    /// The same by constraint of the model: shares by impulse times rate of approach.
+    /// Kinetic energy that is lost by constraint of the model: shares by impulse times rate of approach.
     pub losses: Vec<f64>,
     /// The part of `loss` at slots of deformable bodies.
     pub deformable: f64,
     /// Energy that contact took from the bodies in the step itself, and which `loss` contains.
     pub closing: f64,
-    /// The same by constraint.
+    /// Energy that contact took from the bodies in the step itself, by constraint.
     pub closings: Vec<f64>,
     /// Work of supports and drives.
     pub external: f64,
@@ -79,9 +79,9 @@ pub(super) struct Impact {
 pub(super) struct Mean {
     /// Pressures of all slots, those of the step included: with them the forces of the step give the change of momentum.
     pub pressures: Vec<Vec<f64>>,
-    /// Of each constraint at the nodes that it knows: components in ascending order, and the forces.
+    /// Forces of each constraint at the nodes that it knows: components in ascending order, and the forces.
     pub forces: Vec<Vec<(u32, f64)>>,
-    /// At prescribed components.
+    /// Forces at prescribed components.
     pub reactions: Vec<(u32, f64)>,
 }
 

@@ -7,7 +7,7 @@ use crate::Embedding;
 pub(super) struct Row {
     /// Component (`3 * node + i`) and entry.
     pub entries: Vec<(u32, f64)>,
-    /// The same of the nodes that the constraint knows, if some of them are carried by others; else empty.
+    /// Component and entry of the nodes that the constraint knows, if some of them are carried by others; else empty.
     of_nodes: Vec<(u32, f64)>,
 }
 
@@ -38,7 +38,7 @@ impl Row {
         Self { entries, of_nodes }
     }
 
-    /// Its product with a vector of the model.
+    /// Product of the row with a vector of the model.
     pub fn dot(&self, x: &[f64]) -> f64 {
         self.entries.iter().map(|&(c, g)| g * x[c as usize]).sum()
     }
@@ -60,7 +60,7 @@ impl Row {
         entries.iter().map(|entry| entry.0)
     }
 
-    /// Its Euclidean norm.
+    /// Euclidean norm of the row.
     pub fn norm(&self) -> f64 {
         self.entries.iter().map(|(_, g)| g * g).sum::<f64>().sqrt()
     }

@@ -11,7 +11,7 @@ use stoss_term::StepConfiguration;
 /// Friction of a closed slot.
 #[derive(Clone, Debug)]
 pub(super) struct Sliding {
-    /// Its place among the closed slots.
+    /// Place of the slot among the closed slots.
     pub slot: usize,
     /// Rates of sliding along two directions, with the weight of the row of its gap.
     pub rows: [Row; 2],
