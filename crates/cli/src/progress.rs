@@ -36,7 +36,7 @@ fn words(kind: DecisionKind) -> &'static str {
 }
 
 impl Progress {
-    /// Nothing is shown if `quiet`.
+    /// The progress of a run; it shows nothing if `quiet`.
     pub fn new(quiet: bool) -> Self {
         Self { quiet, terminal: std::io::stderr().is_terminal(), bar: None }
     }

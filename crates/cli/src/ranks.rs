@@ -15,7 +15,7 @@ pub struct Launched {
 }
 
 impl Launched {
-    /// Of this process; one of one without a launcher.
+    /// Rank and number of ranks of this process; one of one without a launcher.
     pub fn here() -> Self {
         Self::told(|name| std::env::var(name).ok())
     }

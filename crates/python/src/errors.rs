@@ -85,7 +85,7 @@ impl Refused {
         self.make(py, None).unwrap_or_else(|error| error)
     }
 
-    /// As [`Self::raise`], with what the diagnosis of a run says.
+    /// The exception, with what the diagnosis of a run says.
     pub fn raise_with(self, py: Python<'_>, diagnosis: Option<&str>) -> PyErr {
         self.make(py, diagnosis).unwrap_or_else(|error| error)
     }

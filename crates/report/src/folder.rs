@@ -19,11 +19,11 @@ pub(crate) const DIAGNOSIS_PAGE: &str = "diagnosis.html";
 /// A stored frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// Its time.
+    /// Time of the frame.
     pub time: f64,
-    /// Its file.
+    /// File of the frame.
     pub path: PathBuf,
-    /// Its place in a file that has all frames.
+    /// Place of the frame in a file that has all frames.
     pub place: Option<usize>,
 }
 

@@ -33,7 +33,7 @@ pub enum Which {
     Last,
     /// By its number, counted from zero.
     Number(usize),
-    /// The one nearest to a time.
+    /// The frame nearest to a time.
     Nearest(f64),
 }
 
@@ -148,10 +148,10 @@ pub fn picture(path: &Path, options: &Options) -> Outcome<String> {
     Ok(draw_svg(&[shot], camera, &style, &layout))
 }
 
-/// As [`picture`]; returns the bytes of a PNG file.
+/// The picture as of [`picture`], as the bytes of a PNG file.
 ///
 /// # Errors
-/// As [`picture`].
+/// The errors of [`picture`].
 pub fn png(path: &Path, options: &Options) -> Outcome<Vec<u8>> {
     let (shot, camera, title, label) = composed(path, options)?;
     let (style, layout) = around(options, &title, &label);

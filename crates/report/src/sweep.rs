@@ -26,11 +26,11 @@ pub struct Sweep {
 /// A row of the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Case {
-    /// Its number, from 1.
+    /// Number of the case, from 1.
     pub number: usize,
     /// Values of the parameters.
     pub parameters: Vec<Option<f64>>,
-    /// How it ended, what the watch says, and why.
+    /// How the case ended, what the watch says, and why.
     pub outcome: String,
     /// `sound`, `doubtful`, `wrong`, or nothing.
     pub verdict: String,
@@ -38,9 +38,9 @@ pub struct Case {
     pub reason: String,
     /// Values of the columns of results.
     pub results: Vec<Option<f64>>,
-    /// Its place among the runs of a page.
+    /// Place of the case among the runs of a page.
     pub run: Option<usize>,
-    /// Its folder.
+    /// Folder of the case.
     #[serde(skip)]
     pub folder: PathBuf,
 }

@@ -109,7 +109,7 @@ pub fn times(path: &Path) -> Outcome<Vec<f64>> {
     Ok(stoss_mesh_io::VtkhdfFile::open(path)?.frames().iter().map(|&(_, time)| time).collect())
 }
 
-/// As with the feature `vtkhdf`, without which the file cannot be read.
+/// The grid of a frame as with the feature `vtkhdf`, without which the file cannot be read.
 ///
 /// # Errors
 /// Always.
@@ -118,7 +118,7 @@ pub fn load_part(path: &Path, _: usize) -> Outcome<Grid> {
     Err(absent(path))
 }
 
-/// As with the feature `vtkhdf`, without which the file cannot be read.
+/// Times of the frames as with the feature `vtkhdf`, without which the file cannot be read.
 ///
 /// # Errors
 /// Always.

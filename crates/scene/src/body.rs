@@ -39,12 +39,12 @@ impl Cell {
         CellKind::ALL.into_iter().map(CellKind::name).chain([Self::ALL_QUADRATIC])
     }
 
-    /// The one of that name.
+    /// The cell kind of that name, if there is one.
     pub fn from_name(name: &str) -> Option<Self> {
         if name == Self::ALL_QUADRATIC { Some(Self::Quadratic) } else { CellKind::from_name(name).map(Self::Kind) }
     }
 
-    /// Its name in a scene.
+    /// Name of the cell kind in a scene.
     pub fn name(self) -> &'static str {
         match self {
             Self::Kind(kind) => kind.name(),

@@ -156,7 +156,7 @@ impl Enforcement {
     /// Names of the variants.
     pub const NAMES: &'static [&'static str] = &["multiplier", "penalty", "augmented"];
 
-    /// Its name.
+    /// Name of the enforcement.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Multiplier => Self::NAMES[0],

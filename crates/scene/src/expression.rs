@@ -57,7 +57,7 @@ pub(crate) enum Name {
     Value(f64),
     /// A variable by its number; in expressions over sets 0, 1 and 2 are the coordinates.
     Variable(usize),
-    /// It is known, but its value is wrong, which is reported elsewhere.
+    /// A known name whose value is wrong, which is reported elsewhere.
     Wrong,
     Unknown,
 }
@@ -104,12 +104,12 @@ impl Formula {
         })
     }
 
-    /// Its value for values of the variables; it may be infinite or no number, as in `1/x` at zero, and is NaN if one of its variables has no value.
+    /// Value of the formula for values of the variables; it may be infinite or no number, as in `1/x` at zero, and is NaN if one of its variables has no value.
     pub fn value(&self, variables: &[f64]) -> f64 {
         self.0.value(variables)
     }
 
-    /// Its value if no variable appears in it.
+    /// Value of the formula if no variable appears in it.
     pub fn constant(&self) -> Option<f64> {
         match self.0 {
             Term::Number(value) => Some(value),
@@ -212,7 +212,7 @@ impl Parser<'_> {
         Ok(Term::Unary(function, Box::new(argument)))
     }
 
-    /// As [`Self::unary`], of two terms.
+    /// A function of two terms, as of [`Self::unary`].
     fn binary(&mut self, function: fn(f64, f64) -> f64, first: Term, second: Term) -> Value {
         if let (Term::Number(a), Term::Number(b)) = (&first, &second) {
             return Ok(Term::Number(function(*a, *b)));

@@ -131,7 +131,7 @@ impl Friction {
     }
 }
 
-/// As [`Friction`], before it is known that the parameters fit a law of the catalogue.
+/// A law of friction before it is known that the parameters fit a law of the catalogue.
 #[derive(Deserialize)]
 struct AnyFriction {
     law: String,

@@ -118,7 +118,7 @@ impl Plasticity {
         }
     }
 
-    /// As the catalogue of laws has it.
+    /// The plasticity as the catalogue of laws has it.
     pub(crate) fn yielding(&self) -> Yielding {
         let hardening = if self.hardening.is_empty() {
             let s0 = self.yield_stress.unwrap_or(f64::NAN);
@@ -180,7 +180,7 @@ pub struct Fibres {
 }
 
 impl Fibres {
-    /// As the catalogue of laws has it. Directions that differ from element to element are any.
+    /// The families of fibres as the catalogue of laws has them. Directions that differ from element to element are any.
     pub(crate) fn families(&self) -> FibreFamilies {
         let any = [1.0, 0.0, 0.0];
         let directions = match (self.direction, self.axis) {

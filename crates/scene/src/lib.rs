@@ -248,7 +248,7 @@ impl Scene {
         self.source.locate(key)
     }
 
-    /// As [`Self::locate`], or else the place of the nearest table around the key, or else the start of the file.
+    /// Place of the value of a key as of [`Self::locate`], or else of the nearest table around the key, or else the start of the file.
     pub fn locate_nearest(&self, key: &str) -> Location {
         self.source.locate_nearest(key)
     }
@@ -295,21 +295,21 @@ pub struct OwnNames<'a> {
     pub friction: Vec<&'a str>,
 }
 
-/// As [`parse`] for a program with laws of its own: `material = { law = "mine", ... }` with a name from `own_laws` is read as
+/// The scene as of [`parse`] for a program with laws of its own: `material = { law = "mine", ... }` with a name from `own_laws` is read as
 /// a [`Material`] of that name, with any keys whose values are numbers or lists of numbers; so is `friction = { law = "mine", ... }` as
 /// a [`Friction`] of that name. A name of the catalogue keeps its meaning.
 ///
 /// # Errors
-/// As [`parse`].
+/// The errors of [`parse`].
 pub fn parse_with(text: &str, file: &str, own_laws: &OwnNames<'_>) -> Result<Scene, SceneErrors> {
     read::scene(text, file, own_laws, &[])
 }
 
-/// As [`parse_with`], with other values for some parameters: names and expressions in the parameters, as in
+/// The scene as of [`parse_with`], with other values for some parameters: names and expressions in the parameters, as in
 /// `--set radius=2*width`. If a name occurs twice the last value is used.
 ///
 /// # Errors
-/// As [`parse`]; a name that is no parameter of the scene is a problem of its table `[parameters]`.
+/// The errors of [`parse`]; a name that is no parameter of the scene is a problem of its table `[parameters]`.
 pub fn parse_set(
     text: &str,
     file: &str,

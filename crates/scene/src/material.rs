@@ -53,7 +53,7 @@ pub struct Inelasticity {
 }
 
 impl Inelasticity {
-    /// As the catalogue of laws has it.
+    /// The inelasticity as the catalogue of laws has it.
     pub fn history(&self) -> History {
         History {
             plasticity: self.plasticity.as_ref().map(Plasticity::yielding),
@@ -77,7 +77,7 @@ impl Material {
     }
 }
 
-/// As [`Material`], before it is known that the parameters fit a law of the catalogue.
+/// A material before it is known that the parameters fit a law of the catalogue.
 #[derive(Deserialize)]
 struct AnyMaterial {
     law: String,

@@ -23,7 +23,7 @@ macro_rules! named {
                 }
             }
 
-            /// Its name in a scene.
+            /// Name of the variant in a scene.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)+

@@ -24,7 +24,7 @@ pub use crate::expression::Formula;
 pub struct SetExpression {
     /// The part to which all of its sets belong.
     pub part: String,
-    /// Its name as a set of the part: what follows the first dot of [`Self::reference`].
+    /// Name of the expression as a set of the part: what follows the first dot of [`Self::reference`].
     pub name: String,
     /// Key at which it was found first.
     pub key: String,
@@ -42,7 +42,7 @@ impl SetExpression {
 /// A part of an expression with its text.
 #[derive(Clone, Debug)]
 pub struct SetRegion {
-    /// As it was written.
+    /// Text of the part as it was written.
     pub text: String,
     /// What it is.
     pub kind: RegionKind,

@@ -93,7 +93,7 @@ named! {
 }
 
 impl Dimension {
-    /// Its exponents of length, mass and time.
+    /// Exponents of length, mass and time.
     pub fn exponents(self) -> [i32; 3] {
         match self {
             Self::Angle | Self::Number => [0, 0, 0],

@@ -53,7 +53,7 @@ pub enum RunError {
         source: Box<SimulationError>,
         /// Last completed step.
         last_step: u64,
-        /// Its time.
+        /// Time of the last completed step.
         last_time: f64,
         /// What the watch found up to there.
         verdict: Box<Verdict>,

@@ -34,7 +34,7 @@ pub enum EventRecord {
         /// Whether it continues from a checkpoint.
         resumed: bool,
     },
-    /// No error, but it needs attention.
+    /// A warning: no error, but it needs attention.
     Warning {
         /// In words.
         message: String,
@@ -61,7 +61,7 @@ pub struct StepEvent {
     pub stage: u32,
     /// Time at its end.
     pub time: f64,
-    /// Its size.
+    /// Size of the step.
     pub dt: f64,
     /// Time at which the run ends.
     pub end: f64,
@@ -81,7 +81,7 @@ pub struct StepEvent {
     pub drift_of: Option<String>,
     /// Deepest penetration of bodies so far, a length.
     pub depth: f64,
-    /// The same in edges of the facets there.
+    /// Deepest penetration in edges of the facets there.
     pub relative_depth: f64,
     /// What the step control decided on the way to this step.
     pub decisions: Vec<DecisionEvent>,
@@ -165,7 +165,7 @@ pub struct ErrorEvent {
     pub problems: Vec<ProblemEvent>,
     /// Last completed step, if the simulation stopped early.
     pub last_step: Option<u64>,
-    /// Its time.
+    /// Time of the last completed step.
     pub last_time: Option<f64>,
     /// Verdict of the watch up to there: `sound`, `doubtful` or `wrong`.
     pub verdict: Option<String>,
@@ -196,7 +196,7 @@ pub struct ProblemEvent {
 }
 
 impl EventRecord {
-    /// Of an event of a run; `None` for an event that has no record.
+    /// The record of an event of a run; `None` for an event that has no record.
     pub fn of(event: &Event<'_>) -> Option<Self> {
         match event {
             Event::Start { title, out, end, step, resumed } => Some(Self::Start {
@@ -226,7 +226,7 @@ impl EventRecord {
         }
     }
 
-    /// Of a run that ended, and the exit code that the program gives for it.
+    /// The record of a run that ended, and the exit code that the program gives for it.
     pub fn end(summary: &Summary, out: &std::path::Path, exit_code: u8) -> Self {
         Self::End(EndEvent {
             outcome: summary.outcome.kind().to_owned(),
@@ -240,7 +240,7 @@ impl EventRecord {
         })
     }
 
-    /// Of a run that failed, and the exit code that the program gives for it.
+    /// The record of a run that failed, and the exit code that the program gives for it.
     pub fn error(error: &RunError, exit_code: u8) -> Self {
         let problems = match error {
             RunError::Scene(errors) => errors.problems().iter().map(problem_event).collect(),

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
     nodes: Vec<u32>,
-    /// Of each vector its place among the points, [`NONE`] of a direction; of a vertex of a trace that of the node in whose place it is.
+    /// Place of each vector among the points, [`NONE`] of a direction; of a vertex of a trace that of the node in whose place it is.
     places: Vec<u32>,
 }
 
@@ -15,7 +15,7 @@ pub(crate) struct Points {
 const NONE: u32 = u32::MAX;
 
 impl Points {
-    /// Those of a model.
+    /// The points of a model.
     pub fn of(model: &Model) -> Self {
         let mut places = vec![0; model.node_count()];
         for part in &model.parts {

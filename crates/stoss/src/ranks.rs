@@ -98,10 +98,10 @@ impl Ranks {
         communicator.first_text(text.as_deref()).filter(|_| own.is_none()).map(Elsewhere)
     }
 
-    /// The same, or an error on all ranks if one of them has one: its own, or that of the first other rank. Collective.
+    /// The result, or an error on all ranks if one of them has one: its own, or that of the first other rank. Collective.
     ///
     /// # Errors
-    /// That of the result, or [`Elsewhere`].
+    /// The error of the result, or [`Elsewhere`].
     pub fn agree<T, E: Display + From<Elsewhere>>(&self, result: Result<T, E>) -> Result<T, E> {
         match self.elsewhere(result.as_ref().err().map(|error| error as &dyn Display)) {
             Some(error) => Err(error.into()),

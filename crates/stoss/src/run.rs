@@ -64,7 +64,7 @@ pub enum Event<'a> {
         /// Whether it continues from a checkpoint.
         resumed: bool,
     },
-    /// No error, but it needs attention.
+    /// A warning: no error, but it needs attention.
     Warning(&'a str),
     /// A step was completed.
     Step {
@@ -199,18 +199,18 @@ pub fn check_scene(path: &Path) -> Result<PlanReport, RunError> {
     check_scene_with(path, &OwnLaws::default())
 }
 
-/// As [`check_scene`] for a program with laws of its own.
+/// The plan of a scene as of [`check_scene`] for a program with laws of its own.
 ///
 /// # Errors
-/// As [`check_scene`].
+/// The errors of [`check_scene`].
 pub fn check_scene_with(path: &Path, laws: &OwnLaws) -> Result<PlanReport, RunError> {
     check_scene_for(path, &RunOptions { laws: laws.clone(), ..RunOptions::default() })
 }
 
-/// As [`check_scene`] for a run with these options, of which laws and parameters are used.
+/// The plan of a scene as of [`check_scene`] for a run with these options, of which laws and parameters are used.
 ///
 /// # Errors
-/// As [`check_scene`].
+/// The errors of [`check_scene`].
 pub fn check_scene_for(path: &Path, options: &RunOptions) -> Result<PlanReport, RunError> {
     let (scene, built) = load(path, options)?;
     Ok(PlanReport { lines: report_lines(path, options, &scene, &built)?, plan: built.simulation.plan() })

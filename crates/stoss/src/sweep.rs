@@ -31,7 +31,7 @@ pub struct SweepPlan {
 /// One case of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Its number, from 1.
+    /// Number of the case, from 1.
     pub number: usize,
     /// Values of the parameters that it gives.
     pub values: BTreeMap<String, f64>,
@@ -44,13 +44,13 @@ pub struct Case {
 /// How far a case is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaseState {
-    /// Nothing of it is there, or what is there is of another scene.
+    /// A case of which nothing is there, or what is there is of another scene.
     New,
-    /// It was begun, and can go on from its checkpoint.
+    /// A case that was begun, and can go on from its checkpoint.
     Begun,
-    /// It has run to its end, right or wrong.
+    /// A case that has run to its end, right or wrong.
     Done,
-    /// It stopped with an error, or its scene is wrong.
+    /// A case that stopped with an error, or whose scene is wrong.
     Failed,
 }
 
@@ -312,7 +312,7 @@ fn assignments(values: &BTreeMap<String, f64>) -> impl Iterator<Item = (String, 
     values.iter().map(|(name, value)| (name.clone(), format!("{value:e}")))
 }
 
-/// Of the version and the scene, without the sweep itself: other cases may be added.
+/// Hash of the version and the scene, without the sweep itself: other cases may be added.
 fn hash(scene: &Scene) -> String {
     let mut scene = scene.clone();
     scene.sweep = None;

@@ -48,7 +48,7 @@ pub struct Table {
 
 /// A table and where it is.
 struct Source {
-    /// As it was named.
+    /// Name of the table as it was given.
     label: String,
     path: PathBuf,
     table: TextTable,

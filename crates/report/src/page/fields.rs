@@ -12,9 +12,9 @@ enum Part {
     Size,
     /// A principal value of a symmetric tensor, the largest first.
     Principal(usize),
-    /// Of a stress with the deviator `S` the von Mises stress `sqrt(3/2 S:S)`.
+    /// The von Mises stress `sqrt(3/2 S:S)` of a stress with the deviator `S`.
     VonMises,
-    /// Of a strain with the deviator `e` the equivalent strain `sqrt(2/3 e:e)`.
+    /// The equivalent strain `sqrt(2/3 e:e)` of a strain with the deviator `e`.
     Equivalent,
     /// Minus the mean of the principal values.
     Pressure,
@@ -30,7 +30,7 @@ const PLACES: [&str; 3] = ["largest", "middle", "smallest"];
 /// A scalar field of the page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Field {
-    /// Its name for people.
+    /// Name of the field for people.
     pub label: String,
     /// Array of the frames.
     #[serde(skip)]
@@ -78,7 +78,7 @@ impl Field {
         fields
     }
 
-    /// Its name in a command line: that of the array, or what is taken of it.
+    /// Name of the field in a command line: that of the array, or what is taken of it.
     pub fn name(&self) -> String {
         match self.part {
             Part::Size => self.array.clone(),
@@ -87,7 +87,7 @@ impl Field {
         }
     }
 
-    /// Its value at each of these points, no number where it has none.
+    /// Value of the field at each of these points, no number where it has none.
     pub fn values(&self, grid: &Grid, points: &[usize]) -> Vec<f32> {
         let Some(array) = grid.point_data.get(&self.array) else { return vec![f32::NAN; points.len()] };
         points.iter().map(|&point| self.value(array, point) as f32).collect()

@@ -53,7 +53,7 @@ struct Animation {
     largest: [f64; 3],
     /// Facets (four `u32`), segments (two), points (one), elements (eight), and the points of the frames that the nodes are (one).
     facets: Place,
-    /// Of each facet the sides that are edges of elements, as bits.
+    /// Sides of each facet that are edges of elements, as bits.
     sides: Place,
     segments: Place,
     points: Place,
@@ -70,9 +70,9 @@ struct Animation {
 /// An array over the frames.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct PackedArray {
-    /// Its name in the frames.
+    /// Name of the array in the frames.
     name: String,
-    /// Its name for people.
+    /// Name of the array for people.
     label: String,
     components: Vec<Component>,
 }
@@ -92,7 +92,7 @@ struct PackedField {
     field: Field,
     /// Number of the array among those that are packed.
     array: usize,
-    /// Its unit, if it has one.
+    /// Unit of the field, if it has one.
     unit: Option<String>,
 }
 
@@ -112,7 +112,7 @@ struct Header<'a> {
 /// How a run is packed.
 #[derive(Clone, Debug)]
 pub struct Packing<'a> {
-    /// Its name on the page.
+    /// Name of the run on the page.
     pub name: &'a str,
     /// Values of the parameters by which it differs from the other runs of the page.
     pub values: &'a BTreeMap<String, f64>,
@@ -149,7 +149,7 @@ struct Streams {
     times: Vec<f64>,
     reference: Vec<[f64; 3]>,
     displacement: Vec<[f64; 3]>,
-    /// Of every component of every array.
+    /// Values of every component of every array.
     components: Vec<Vec<f32>>,
 }
 

@@ -9,7 +9,7 @@ use crate::vtu::{Grid, chosen};
 /// A body and where its cells are.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Body {
-    /// Its name.
+    /// Name of the body.
     pub name: String,
     /// First facet and number of facets.
     pub facets: [usize; 2],
@@ -34,7 +34,7 @@ pub struct Shape {
     pub nodes: Vec<usize>,
     /// Corners of facets; of a triangle the last two are the same.
     pub facets: Vec<[u32; 4]>,
-    /// Of each facet the sides that are edges of elements, from the corner `k` to the next: bit `k`.
+    /// Sides of each facet that are edges of elements, from the corner `k` to the next: bit `k`.
     pub sides: Vec<u32>,
     /// Ends of the segments of lines.
     pub segments: Vec<[u32; 2]>,
@@ -83,7 +83,7 @@ fn cells(grid: &Grid) -> [usize; 4] {
 }
 
 impl Shape {
-    /// Of a frame, perhaps with what is inside of bodies; bodies beyond the names are called by their numbers.
+    /// The shape of a frame, perhaps with what is inside of bodies; bodies beyond the names are called by their numbers.
     pub fn new(grid: &Grid, names: &[String], has_inside: bool) -> Self {
         let cells = cells(grid);
         let total = cells.iter().sum::<usize>();

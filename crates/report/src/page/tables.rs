@@ -20,11 +20,11 @@ const STATES: [&str; 2] = [".stored", ".hardening"];
 /// A table of the page.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Columns {
-    /// Its file without `.csv`.
+    /// File of the table without `.csv`.
     pub name: String,
     /// Names of the columns.
     pub names: Vec<String>,
-    /// Their units; empty for pure numbers and in runs without units.
+    /// Units of the columns; empty for pure numbers and in runs without units.
     pub units: Vec<String>,
     /// The columns; numbers that are not finite become `null`.
     pub values: Vec<Vec<f64>>,
@@ -78,7 +78,7 @@ fn since_start(mut table: Columns) -> Columns {
     table
 }
 
-/// Of each step the number of its last iteration and the residual there.
+/// Number of the last iteration of each step and the residual there.
 fn iterations(table: &Table) -> Result<Columns, String> {
     let names = ["step", "time", "iteration", "residual"];
     let [steps, times, iterations, residuals] = names.map(|name| table.column(name));

@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas, Colour};
 use super::letters;
 
-/// Its height with numbers and label, in pixels.
+/// Height of the bar with numbers and label, in pixels.
 pub const HEIGHT: f64 = 46.0;
 
 /// Colour bar with three numbers, centred at the bottom.

@@ -3,7 +3,7 @@
 /// A colour: red, green, blue.
 pub type Colour = [u8; 3];
 
-/// Of texts and of the rims of lines and points.
+/// Colour of texts; then of the rims of lines and points.
 pub const INK: Colour = [0x33, 0x33, 0x33];
 pub const EDGE: Colour = [0x22, 0x22, 0x22];
 /// Part of the edges' colour in what is drawn of them, and their width in pixels.
@@ -18,9 +18,9 @@ pub const RIM: f64 = 0.7;
 /// Where a text stands at its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
-    /// It begins there.
+    /// The text begins there.
     Start,
-    /// Its middle is there.
+    /// The middle of the text is there.
     Middle,
 }
 

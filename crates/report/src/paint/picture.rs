@@ -79,7 +79,7 @@ pub fn draw(shots: &[Shot], camera: Camera, style: &Style) -> String {
     draw_svg(shots, camera, style, &Layout::default())
 }
 
-/// As [`draw`], with a layout.
+/// Draws the snapshots as [`draw`], with a layout.
 pub fn draw_svg(shots: &[Shot], camera: Camera, style: &Style, layout: &Layout) -> String {
     let plan = Plan::new(shots, camera, style, layout);
     let shown = layout.size.map_or(plan.total, |size| size.map(f64::from));
@@ -88,7 +88,7 @@ pub fn draw_svg(shots: &[Shot], camera: Camera, style: &Style, layout: &Layout) 
     svg.finish()
 }
 
-/// As [`draw_svg`], as pixels. Without a size every unit of the composition has `fineness` of them.
+/// Draws the snapshots as [`draw_svg`], as pixels. Without a size every unit of the composition has `fineness` of them.
 pub fn draw_raster(
     shots: &[Shot],
     camera: Camera,
@@ -113,7 +113,7 @@ struct Plan {
     scale: f64,
     /// Width and height of a snapshot.
     shot: [f64; 2],
-    /// Of the whole picture.
+    /// Width and height of the whole picture.
     total: [f64; 2],
 }
 

@@ -25,7 +25,7 @@ pub struct Quad {
 /// A line from point to point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Line {
-    /// Its points.
+    /// Points of the line.
     pub points: Vec<[f64; 3]>,
     /// Value at each point.
     pub values: Vec<f64>,
@@ -123,7 +123,7 @@ pub(crate) fn deformed(grid: &Grid, point: usize) -> [f64; 3] {
 /// A linear piece of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Piece {
-    /// Its corners; the last two of a triangle are the same.
+    /// Corners of the piece; the last two of a triangle are the same.
     pub points: [usize; 4],
     /// Which of its sides, from each corner to the next, lie on edges of the face.
     pub edges: [bool; 4],

@@ -58,7 +58,7 @@ pub(super) struct Visible {
 type Piece = (Colour, [[f64; 2]; 4]);
 
 impl Visible {
-    /// Of a surface; `screen` takes coordinates of the picture plane to pixels, of which a unit of length has `scale`.
+    /// The visible parts of a surface; `screen` takes coordinates of the picture plane to pixels, of which a unit of length has `scale`.
     pub(super) fn new(surface: &Surface, view: &View, screen: impl Fn(f64, f64) -> [f64; 2], scale: f64) -> Self {
         Self { faces: uncovered(faces(surface, view, &screen)), strokes: strokes(surface, view, &screen, scale) }
     }

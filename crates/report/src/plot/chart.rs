@@ -24,9 +24,9 @@ const SLOPES: (f64, f64) = (86.0, 84.0);
 /// Pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
-    /// Of the picture.
+    /// Width of the picture.
     pub width: f64,
-    /// Of the picture; a long legend makes it larger.
+    /// Height of the picture; a long legend makes it larger.
     pub height: f64,
 }
 
@@ -134,7 +134,7 @@ impl Chart<'_> {
         canvas.turned_text((16.0, middle.1), -90.0, Anchor::Middle, SMALL, INK, &label);
     }
 
-    /// As many numbers as fit beside each other.
+    /// Ticks of the horizontal axis: as many numbers as fit beside each other.
     fn horizontal_ticks(&self, frame: &Frame) -> Vec<Tick> {
         let most = (2..=12).rev().find(|most| {
             let labelled: Vec<Tick> = self.x.ticks(*most).into_iter().filter(|tick| !tick.label.is_empty()).collect();
@@ -251,7 +251,7 @@ fn dense(piece: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> + '_ {
     })
 }
 
-/// Of the points that follow each other within one pixel's width only the first, the lowest, the highest and the
+/// The points of a curve that show: of those that follow each other within one pixel's width only the first, the lowest, the highest and the
 /// last: looks the same, and a run of a million steps stays small.
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut out: Vec<(f64, f64)> = Vec::new();

@@ -9,7 +9,7 @@ use stoss_reference_element::{CellKind, Shape};
 const TOLERANCE: f64 = 1e-8;
 /// Boxes of cells are enlarged by this part of their diagonal, for the same reason.
 const MARGIN: f64 = 1e-7;
-/// Those of quadratic elements by this part.
+/// Boxes of quadratic elements are enlarged by this part.
 const BULGE: f64 = 0.25;
 /// Newton's method converges in five or six iterations where it converges.
 const ITERATIONS: usize = 30;
@@ -36,7 +36,7 @@ pub struct Locator<'a> {
 }
 
 impl<'a> Locator<'a> {
-    /// Of elements and the places of all points; elements without finite places hold nothing.
+    /// A locator of these elements, from the places of all points; elements without finite places hold nothing.
     pub fn new(elements: &'a Elements, places: &'a [[f64; 3]]) -> Self {
         let of_element = |nodes: &[u32]| {
             let corners: Vec<_> = nodes.iter().map(|&node| Vector3::from(places[node as usize])).collect();

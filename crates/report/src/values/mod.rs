@@ -59,7 +59,7 @@ pub enum Place {
     Plane {
         /// A point of the plane and of the grid.
         point: [f64; 3],
-        /// Its normal, of any length.
+        /// Normal of the plane, of any length.
         normal: [f64; 3],
         /// Distance of the points; without it a fiftieth of the longer side of what the plane cuts.
         spacing: Option<f64>,
@@ -69,10 +69,10 @@ pub enum Place {
 /// In which configuration points are meant and positions told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Configuration {
-    /// The deformed one.
+    /// The deformed configuration.
     #[default]
     Current,
-    /// That of the frames' points.
+    /// The configuration of the frames' points.
     Reference,
 }
 
@@ -85,7 +85,7 @@ pub struct Options {
     pub place: Place,
     /// Arrays of the frame; all if there is none.
     pub fields: Vec<String>,
-    /// Of points and positions.
+    /// Configuration of points and positions.
     pub configuration: Configuration,
 }
 

@@ -55,7 +55,7 @@ struct Reader<'a> {
     map: &'a DeTable<'a>,
     overrides: &'a [(String, String)],
     done: RefCell<Parameters>,
-    /// Those that are being evaluated.
+    /// Names of the parameters that are being evaluated.
     open: RefCell<BTreeSet<String>>,
 }
 

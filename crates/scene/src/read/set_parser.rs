@@ -25,7 +25,7 @@ pub(super) struct Known<'a> {
 pub(super) enum SetError {
     /// Message, remedy, and byte at which it is.
     Wrong(String, String, usize),
-    /// It is reported elsewhere.
+    /// An error that is reported elsewhere.
     Reported,
 }
 

@@ -62,11 +62,11 @@ impl Setting {
 pub(super) struct KnownPart {
     pub(super) name: String,
     pub(super) kind: PartKind,
-    /// Of rigid bodies: true if there is a shape, mesh or surface.
+    /// Whether a rigid body has a shape, mesh or surface.
     pub(super) has_surface: bool,
-    /// Of rigid bodies: true if it does not move.
+    /// Whether a rigid body does not move.
     pub(super) fixed: bool,
-    /// Of strings: both ends; of point masses: twice their place. `None` if they could not be read.
+    /// Both ends of a string; twice the place of a point mass. `None` if they could not be read.
     pub(super) ends: Option<[[f64; 3]; 2]>,
 }
 

@@ -16,9 +16,9 @@ use stoss_term::Support;
 /// One side of a contact.
 #[derive(Clone, Default, PartialEq)]
 pub(super) struct Side {
-    /// Its part.
+    /// Part that the side belongs to.
     pub part: usize,
-    /// Outward, of the trace where faces are quadratic; none of a beam or string.
+    /// Facets, outward, of the trace where faces are quadratic; none of a beam or string.
     pub facets: Vec<FacetNodes>,
     /// The pieces of the faces.
     pub pieces: Vec<FacePiece>,

@@ -32,7 +32,7 @@ pub struct DrawnLine {
 pub struct DrawnPoint {
     /// Name of the part.
     pub name: String,
-    /// Its node.
+    /// Node of the point.
     pub node: u32,
 }
 
@@ -66,7 +66,7 @@ pub struct Joined {
 
 #[cfg(feature = "output")]
 impl Drawing {
-    /// The same with places among the points for nodes.
+    /// The drawing with places among the points for nodes.
     #[cfg(feature = "output")]
     pub(crate) fn of_points(&self, points: &Points) -> Self {
         let place = |node: u32| points.place(node);

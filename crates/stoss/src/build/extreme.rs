@@ -9,7 +9,7 @@ use crate::solver::{Model, Simulation};
 pub struct Extreme {
     /// Global nodes.
     nodes: Vec<u32>,
-    /// Their numbers in the frames.
+    /// Numbers of the nodes in the frames.
     numbers: Vec<u32>,
     /// The body of a stress or strain.
     body: Option<usize>,
@@ -25,7 +25,7 @@ impl Extreme {
         &self.nodes
     }
 
-    /// Of `quantity`, or its component, at these nodes; stresses and strains belong to a body.
+    /// The extremum of `quantity`, or its component, at these nodes; stresses and strains belong to a body.
     pub(super) fn new(
         model: &Model,
         nodes: Vec<u32>,
@@ -86,7 +86,7 @@ impl Extreme {
         self.nodes.iter().map(|&node| at(node).map_or(f64::NAN, value)).collect()
     }
 
-    /// Of a stress or strain at each node.
+    /// Values of a stress or strain at each node.
     fn tensors(&self, simulation: &Simulation) -> Vec<f64> {
         let Some(number) = self.body else { return Vec::new() };
         let body = &simulation.model().bodies[number];

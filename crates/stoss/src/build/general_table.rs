@@ -16,9 +16,9 @@ pub(super) const NAME: &str = "general";
 #[derive(Default)]
 pub(super) struct Frictions {
     plain: Option<Rubbing>,
-    /// Of contacts that leave their edges to general contact, by their two parts, the one with the smaller number first.
+    /// Friction of contacts that leave their edges to general contact, by their two parts, the one with the smaller number first.
     contacts: BTreeMap<[usize; 2], Rubbing>,
-    /// By the number of the pair in the table; nothing of pairs that say nothing.
+    /// Friction by the number of the pair in the table; nothing of pairs that say nothing.
     pairs: BTreeMap<usize, Option<Rubbing>>,
 }
 

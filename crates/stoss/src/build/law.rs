@@ -14,7 +14,7 @@ use stoss_registry::Refusal;
 /// reported at its key.
 pub type LawResult = Result<Arc<dyn HyperelasticLaw>, Box<dyn Error + Send + Sync>>;
 
-/// As [`LawResult`] for a law of friction.
+/// What a constructor of a law of friction gives, as [`LawResult`].
 pub type FrictionLawResult = Result<Arc<dyn FrictionLaw>, Box<dyn Error + Send + Sync>>;
 
 /// What makes a law from the parameters of a scene.
@@ -45,7 +45,7 @@ pub struct LawNameError {
 }
 
 impl OwnLaws {
-    /// With one law more. A scene asks for it by `material = { law = "name", ... }`.
+    /// The laws with one more. A scene asks for it by `material = { law = "name", ... }`.
     ///
     /// # Errors
     /// [`LawNameError`] for the name of a law of the catalogue, a name that was given before, or one that is not made of letters,
@@ -59,11 +59,11 @@ impl OwnLaws {
         Ok(self)
     }
 
-    /// With one law of friction more. A scene asks for it by `friction = { law = "name", ... }`; the keys `penalty`, `stick`, `midpoint` and
+    /// The laws with one law of friction more. A scene asks for it by `friction = { law = "name", ... }`; the keys `penalty`, `stick`, `midpoint` and
     /// `slip` belong to the contact and are no parameters of the law.
     ///
     /// # Errors
-    /// As [`Self::with`]. A material may have the same name.
+    /// The errors of [`Self::with`]. A material may have the same name.
     pub fn with_friction(
         mut self,
         name: &str,

@@ -12,7 +12,7 @@ type Build = fn(&PairInput<'_>, &mut Model, &mut Problems<'_>, &mut Vec<String>)
 struct Builder {
     name: &'static str,
     feature: &'static str,
-    /// Nothing where the feature is not built in.
+    /// Function that builds the contact; none where the feature is not built in.
     build: Option<Build>,
 }
 

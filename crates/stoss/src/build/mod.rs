@@ -128,11 +128,11 @@ pub struct Built {
 /// A joint of a scene in its model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointPlace {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// Its place in the model's contacts.
+    /// Place of the joint in the model's contacts.
     pub place: usize,
-    /// Number of its coordinates.
+    /// Number of coordinates of the joint.
     pub coordinates: usize,
 }
 
@@ -157,18 +157,18 @@ pub fn build(scene: &Scene, folder: &Path) -> Result<Built, SceneErrors> {
     build_with(scene, folder, &OwnLaws::default())
 }
 
-/// As [`build`] with laws beside the catalogue, whose names the scene was parsed with ([`crate::scene::parse_with`]).
+/// The model of a scene as of [`build`] with laws beside the catalogue, whose names the scene was parsed with ([`crate::scene::parse_with`]).
 ///
 /// # Errors
-/// As [`build`].
+/// The errors of [`build`].
 pub fn build_with(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Result<Built, SceneErrors> {
     build_on(scene, folder, laws, &Ranks::default())
 }
 
-/// As [`build_with`] for a run on these ranks, all of which build the same scene.
+/// The model of a scene as of [`build_with`] for a run on these ranks, all of which build the same scene.
 ///
 /// # Errors
-/// As [`build`], on all ranks if on one.
+/// The errors of [`build`], on all ranks if on one.
 pub fn build_on(scene: &Scene, folder: &Path, laws: &OwnLaws, ranks: &Ranks) -> Result<Built, SceneErrors> {
     if let Some(errors) = SceneErrors::new(unsupported::unsupported(scene).into_iter().collect(), scene.text()) {
         return Err(errors);
@@ -316,7 +316,7 @@ pub(crate) fn placed_parts(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Vec<
     placed
 }
 
-/// As [`placed_parts`], with the sets that the scene defines by expressions.
+/// The parts as of [`placed_parts`], with the sets that the scene defines by expressions.
 #[cfg(feature = "output")]
 pub(crate) fn named_parts(scene: &Scene, folder: &Path, laws: &OwnLaws) -> Vec<Placed> {
     let mut placed = placed_parts(scene, folder, laws);

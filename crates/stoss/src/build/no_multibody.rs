@@ -8,7 +8,7 @@ use super::{Drawing, Problems};
 use crate::scene::{Coupling, Prescribe, Scene};
 use crate::solver::Model;
 
-/// Nothing.
+/// The parts of a program without multibody systems: none.
 #[derive(Default)]
 pub(super) struct Parts {
     pub placed: Vec<Placed>,

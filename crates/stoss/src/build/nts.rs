@@ -20,7 +20,7 @@ pub(super) fn contact(
     Some(add(pair, model, made(pair, model, problems, warnings)?, |method| Box::new(method)))
 }
 
-/// As [`contact`], by coordinate augmentation.
+/// Adds a contact as [`contact`], by coordinate augmentation.
 pub(super) fn augmented(
     pair: &PairInput<'_>,
     model: &mut Model,

@@ -23,9 +23,9 @@ pub(super) struct PairInput<'a> {
     /// Slave and master.
     pub bodies: [usize; 2],
     pub facets: [&'a [FacetNodes]; 2],
-    /// The same as pieces of their faces.
+    /// Pieces of the faces that the facets are of, slave and master.
     pub pieces: [&'a [FacePiece]; 2],
-    /// Of a slave that is a beam or string its nodes and their lengths; it has no facets then.
+    /// Nodes of a slave that is a beam or string and their lengths; it has no facets then.
     pub line: &'a [(u32, f64)],
     /// The slave and why, where the scene leaves it open.
     pub chosen: Option<String>,

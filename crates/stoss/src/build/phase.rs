@@ -71,7 +71,7 @@ pub(super) struct Phases {
 }
 
 impl Phases {
-    /// Of a scene whose prescriptions have these places in the model.
+    /// The phases of a scene whose prescriptions have these places in the model.
     pub fn new(scene: &Scene, places: &[Option<usize>]) -> Self {
         let own = scene.time.integrator.clone().filter(|_| scene.is_dynamic());
         let idle = |off: &BTreeSet<String>| -> BTreeSet<usize> {
@@ -113,7 +113,7 @@ impl Phases {
         model.support(|p| !ends(p))
     }
 
-    /// Those in which what has this name acts; none if it is off from the beginning to the end.
+    /// The phases in which what has this name acts; none if it is off from the beginning to the end.
     pub fn with<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Phase> + Clone {
         self.list.iter().filter(move |phase| !phase.off.contains(name))
     }

@@ -28,7 +28,7 @@ pub(crate) enum Shape {
         /// Distance of the numbers of two that follow each other.
         stride: u32,
         sets: BTreeMap<String, Vec<u32>>,
-        /// Of beams and strings the length that belongs to each node; empty of points.
+        /// Length that belongs to each node of beams and strings; empty of points.
         #[allow(dead_code, reason = "contact reads it, and is an option")]
         lengths: Vec<f64>,
     },

@@ -27,10 +27,10 @@ pub struct ContactPlan {
     pub unknowns_per_slot: u64,
     /// Friction, if there is any.
     pub friction: Option<FrictionPlan>,
-    /// Restitution of the law of impact between rigid bodies, and whether it was assumed because the scene gives none.
+    /// Restitution of the law of impact between rigid bodies.
     #[cfg_attr(feature = "output", serde(default, skip_serializing_if = "Option::is_none"))]
     pub restitution: Option<f64>,
-    /// See there.
+    /// Whether the restitution was assumed because the scene gives none.
     #[cfg_attr(feature = "output", serde(default, skip_serializing_if = "std::ops::Not::not"))]
     pub is_assumed: bool,
 }
@@ -41,7 +41,7 @@ pub struct ContactPlan {
 pub struct FrictionPlan {
     /// Name of the law.
     pub law: String,
-    /// Its parameters.
+    /// Parameters of the law.
     pub parameters: BTreeMap<String, Parameter>,
     /// Tangential stiffness (traction per length); `None` for a law without stick and for multipliers.
     pub stiffness: Option<f64>,

@@ -187,7 +187,7 @@ impl Probe {
         }
     }
 
-    /// Of springs and dashpots at the positions and velocities of the end of the step.
+    /// Force of springs and dashpots at the positions and velocities of the end of the step.
     fn support_force(&self, simulation: &Simulation) -> [f64; 3] {
         let ProbeTarget::Supports(nodes, supports) = &self.target else { return [f64::NAN; 3] };
         let state = simulation.state();
@@ -220,7 +220,7 @@ impl Probe {
         simulation.model().contacts[place].joint(&simulation.state().q, &simulation.mean_pressures()[place])
     }
 
-    /// Of a rigid body.
+    /// Angular velocity of a rigid body.
     fn angular_velocity(&self, simulation: &Simulation) -> [f64; 3] {
         let ProbeTarget::Part(part, _) = self.target else { return [f64::NAN; 3] };
         let part = &simulation.model().parts[part];

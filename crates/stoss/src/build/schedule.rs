@@ -66,7 +66,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Of a scene whose names are resolved.
+    /// The schedule of a scene whose names are resolved.
     pub(super) fn new(
         scene: &Scene,
         names: &BTreeMap<String, Named>,

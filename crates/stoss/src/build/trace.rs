@@ -13,27 +13,27 @@ use stoss_reference_element::{FacePiece, FacetKind, FacetNodes, Nodal};
 /// What a vertex that is no node is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Vertex {
-    /// Of the trace, in the place of a node of the mesh.
+    /// A vertex of the trace, in the place of a node of the mesh.
     Node(u32),
-    /// Of the trace, in the middle of a face that has no node there: element and number in it.
+    /// A vertex of the trace, in the middle of a face that has no node there: element and number in it.
     Middle(u32, u8),
-    /// On the face itself, there.
+    /// A vertex on the face itself, at its middle.
     Centre(u32, u8),
-    /// Of a finer facet of a round surface.
+    /// A vertex of a finer facet of a round surface.
     Round(Place),
 }
 
 /// Which vertices a scene needs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Needs {
-    /// Those of traces: something looks at surfaces that does not know of faces.
+    /// Whether vertices of traces are needed: something looks at surfaces that does not know of faces.
     pub trace: bool,
-    /// Those on faces: mortar contact or a tie.
+    /// Whether vertices on faces are needed: mortar contact or a tie.
     pub faces: bool,
 }
 
 impl Needs {
-    /// Those of a scene.
+    /// The needs of a scene.
     pub fn of(scene: &Scene) -> Self {
         let integrates = |contact: &crate::scene::Contact| contact.method.integrates;
         Self {

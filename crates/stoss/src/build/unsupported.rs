@@ -2,7 +2,7 @@
 
 use crate::scene::{FrameFormat, LinearSolver, Problem, Scene};
 
-/// Of a program without the feature `mpi`.
+/// Message of a program without the feature `mpi`.
 #[cfg_attr(feature = "mpi", allow(dead_code, reason = "of a program that has it"))]
 pub(super) const NO_PETSC: &str = "this build of Stoss has no PETSc";
 

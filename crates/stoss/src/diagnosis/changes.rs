@@ -47,13 +47,13 @@ pub(super) fn changes(case: &Case<'_>) -> Vec<String> {
 /// What a contact does in the step that failed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Closing {
-    /// It was open, and points of it closed in the last attempt.
+    /// Whether it was open, and points of it closed in the last attempt.
     pub closes: bool,
-    /// It has no pressure yet, and points of it are closed or close.
+    /// Whether it has no pressure yet, and points of it are closed or close.
     pub begins: bool,
     /// How deep closed points are inside the master before the first step.
     pub overlap: Option<f64>,
-    /// Points of it are closed, or closed in the last attempt.
+    /// Whether points of it are closed, or closed in the last attempt.
     pub acts: bool,
 }
 

@@ -86,7 +86,8 @@ impl Data {
     }
 }
 
-/// Without units only what no system of units explains is reported, and never for certain; with units the numbers are judged in SI.
+/// The finding on a density by its digits. Without units only what no system of units explains is reported, and never for certain; with units the numbers are
+/// judged in SI.
 fn by_digits(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Finding> {
     let (young, density, transit) = moduli(case, b, body)?;
     let gravity = case.scene.gravity.as_ref().map(|g| g.acceleration.iter().map(|a| a * a).sum::<f64>().sqrt());

@@ -13,7 +13,7 @@ pub(super) struct Member {
     vectors: std::ops::Range<u32>,
     pub(super) centre: [f64; 3],
     length: f64,
-    /// Its vectors that are directions.
+    /// Directors among the vectors of the member.
     directions: BTreeSet<u32>,
     /// Whether it has an extent, so that it can turn.
     turns: bool,
@@ -220,7 +220,7 @@ pub(super) fn free(members: &[Member], rows: &[Row], group: &[usize]) -> Vec<Mot
     group.iter().enumerate().map(of).collect()
 }
 
-/// The same as vectors of six numbers a member.
+/// Motions that nothing resists, as vectors of six numbers a member.
 pub(super) fn null_vectors(members: &[Member], rows: &[Row], group: &[usize]) -> Vec<Vec<f64>> {
     let n = 6 * group.len();
     let mut gram = vec![vec![0.0; n]; n];

@@ -101,7 +101,7 @@ pub enum Cause {
     ZeroEnergyModes,
     /// A contact or support that is redundant.
     RedundantConstraints,
-    /// No state of stick and slip is found with exact stick.
+    /// Exact stick for which no state of stick and slip is found.
     ExactStick,
     /// Nodes of a slave come and go at the rim of their master.
     OpenRim,
@@ -111,7 +111,7 @@ pub enum Cause {
     ToleranceNotReached,
     /// The residual falls slowly, and iterations end first.
     SlowConvergence,
-    /// None that is known.
+    /// No cause that is known.
     Unknown,
 }
 
@@ -191,7 +191,7 @@ pub enum Change {
     },
     /// Something is added at the end of the scene.
     Add {
-        /// As TOML.
+        /// Text of the addition as TOML.
         toml: String,
     },
 }
@@ -201,7 +201,7 @@ pub enum Change {
 pub struct Remedy {
     /// In words.
     pub text: String,
-    /// As changes of the scene; empty if it is none.
+    /// Changes of the scene; empty if the remedy is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
 }
@@ -259,7 +259,7 @@ pub struct Diagnosis {
     pub what: String,
     /// Last completed step.
     pub step: u64,
-    /// Its time.
+    /// Time of the last completed step.
     pub time: f64,
     /// Where it happened.
     pub place: Where,
@@ -273,7 +273,7 @@ pub struct Diagnosis {
 }
 
 impl Diagnosis {
-    /// Of a case. Without an error and with a sound verdict there may be no finding at all.
+    /// The diagnosis of a case. Without an error and with a sound verdict there may be no finding at all.
     pub fn of(case: &Case<'_>) -> Self {
         let mut findings: Vec<Finding> = FINDINGS.iter().flat_map(|look| look(case)).collect();
         findings.iter_mut().for_each(|finding| followed::keep(case, &mut finding.remedies));

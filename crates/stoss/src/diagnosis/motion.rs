@@ -189,7 +189,7 @@ impl std::fmt::Display for Motions {
     }
 }
 
-/// Without the sign of zero.
+/// The number without the sign of zero; zero for what is round-off.
 fn clean(x: f64) -> f64 {
     if x.abs() < 5e-5 { 0.0 } else { x }
 }

@@ -130,7 +130,7 @@ pub(super) fn measured(facet: &FacetNodes, q: &[f64]) -> ([f64; 3], [f64; 3], f6
     (n.map(|n| n / length.max(f64::MIN_POSITIVE)), middle, (0.5 * length).sqrt())
 }
 
-/// The same of some facets of a surface.
+/// Measures of some facets of a surface.
 fn facets(facets: &[FacetNodes], q: &[f64]) -> Vec<([f64; 3], [f64; 3], f64)> {
     let every = facets.len().div_ceil(MOST_FACETS).max(1);
     facets.iter().step_by(every).map(|facet| measured(facet, q)).collect()
@@ -149,7 +149,7 @@ fn facing(a: &[FacetNodes], b: &[FacetNodes], q: &[f64]) -> bool {
     })
 }
 
-/// Of two bodies the sets of facets that look at each other and are nearest to a point and to each other.
+/// The sets of facets of two bodies that look at each other and are nearest to a point and to each other.
 fn facing_sets(case: &Case<'_>, names: &[String; 2], x: Option<[f64; 3]>) -> Option<[String; 2]> {
     let q = &case.model().reference;
     let sets = |name: &String| -> Option<Vec<(String, Vec<FacetNodes>)>> {

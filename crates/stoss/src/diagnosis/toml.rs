@@ -31,7 +31,7 @@ pub(super) fn plain(value: f64) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// Without the last digits, which are round-off.
+/// The number without the last digits, which are round-off.
 pub(super) fn short(value: f64) -> f64 {
     // cannot fail: what was written as a number is read as one.
     format!("{value:.6e}").parse().unwrap_or(value)

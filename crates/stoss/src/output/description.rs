@@ -39,7 +39,7 @@ pub struct UnitLabels {
 }
 
 impl UnitLabels {
-    /// Of a scene and its probes; nothing if the scene names no units.
+    /// Labels of a scene and its probes; nothing if the scene names no units.
     pub fn new(scene: &Scene, probes: &[Probe]) -> Option<Self> {
         let units = scene.header.units?;
         let dimensions = Dimension::NAMES.iter().filter_map(|name| Dimension::from_name(name));
@@ -55,7 +55,7 @@ impl UnitLabels {
 }
 
 impl Description {
-    /// Of a model and what is drawn beside its solids.
+    /// The description of a model and what is drawn beside its solids.
     pub fn new(model: &Model, drawing: &Drawing) -> Self {
         let solids = model.bodies.iter().map(|body| body.solid.name().to_owned());
         let surfaces = drawing.surfaces.iter().map(|surface| surface.name.clone());

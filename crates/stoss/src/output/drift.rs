@@ -44,7 +44,7 @@ where
 pub struct Drift {
     /// Largest deviation from the initial value; `None` for a quantity that loads or supports change.
     pub absolute: Option<f64>,
-    /// The same over the scale that the scene gives in `[expect]`, or else over the largest magnitude in the run, of
+    /// Absolute drift over the scale that the scene gives in `[expect]`, or else over the largest magnitude in the run, of
     /// energy that of kinetic and strain energy if it is larger (0 if that is 0). Without a scale it
     /// says nothing of a quantity whose total is zero.
     pub relative: Option<f64>,

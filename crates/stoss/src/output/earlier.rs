@@ -32,10 +32,10 @@ const BEGINNING: u64 = 1 << 16;
 /// Which files that are in the way of a new run it replaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Overwrite {
-    /// Those of an earlier run; a file of the same name that this program did not write is an error.
+    /// Files of an earlier run; a file of the same name that this program did not write is an error.
     #[default]
     Own,
-    /// All that have the name of one of ours. Other files stay.
+    /// All files that have the name of one of ours. Other files stay.
     Any,
 }
 

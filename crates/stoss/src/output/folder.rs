@@ -57,7 +57,7 @@ pub struct ResultFolder {
     watched: CsvTable,
     started: Instant,
     cpu: cpu_time::ProcessTime,
-    /// None once another run may have the folder, and on ranks that do not write.
+    /// Lock of the folder; none once another run may have the folder, and on ranks that do not write.
     lock: Option<FolderLock>,
     /// What could not be written, until the other ranks know of it.
     unwritten: Option<OutputError>,

@@ -34,7 +34,7 @@ struct ContactFields {
     pressure: Vec<f64>,
     /// The pressures of the equations, of which `pressure` may be a mean.
     multiplier: Vec<f64>,
-    /// Not a number at nodes without a partner.
+    /// Gap at the nodes, not a number at nodes without a partner.
     gap: Vec<f64>,
     status: Vec<f64>,
     friction: Vec<f64>,

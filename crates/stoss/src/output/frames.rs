@@ -24,7 +24,7 @@ pub(super) struct Log {
 }
 
 impl Log {
-    /// Of a run that has no frames yet.
+    /// The log of a run that has no frames yet.
     pub fn new(format: FrameFormat) -> Self {
         Self { format, written: Vec::new(), met: None }
     }
@@ -152,10 +152,10 @@ fn files(folder: &Path) -> Result<Vec<(u64, PathBuf)>, OutputError> {
 
 /// A stored frame.
 pub(super) struct Stored {
-    /// Its step.
+    /// Step of the frame.
     pub step: u64,
     file: PathBuf,
-    /// Its place in the one file of all frames.
+    /// Place of the frame in the one file of all frames.
     place: Option<usize>,
 }
 

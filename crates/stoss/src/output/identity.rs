@@ -22,7 +22,7 @@ pub struct SceneIdentity {
 }
 
 impl SceneIdentity {
-    /// Of a scene and the contents of its mesh files.
+    /// The identity of a scene and the contents of its mesh files.
     ///
     /// # Errors
     /// If the scene cannot be written as JSON.

@@ -58,7 +58,7 @@ pub const PROBES: &str = "probes.csv";
 /// A contact pair with columns of its own.
 #[derive(Clone, Copy, Debug)]
 struct PairPlace {
-    /// Its number among the contacts of the model.
+    /// Number of the pair among the contacts of the model.
     place: usize,
     has_friction: bool,
     /// Whether it is general contact.

@@ -39,7 +39,7 @@ pub struct FolderSettings {
     pub probes: Vec<Probe>,
     /// What drifts of linear momentum, angular momentum and energy are relative to; `None`: the largest magnitude in the run.
     pub scales: [Option<f64>; 3],
-    /// Of linear momentum, angular momentum and energy what changes them, if anything does: then there is no drift to report.
+    /// What changes linear momentum, angular momentum and energy, if anything does: then there is no drift to report.
     pub changed_by: [Option<String>; 3],
     /// Contacts, for the summary.
     pub contacts: Vec<ContactPlan>,

@@ -60,7 +60,7 @@ pub struct RankSummary {
     pub operations: u64,
     /// Messages of other ranks.
     pub messages: u64,
-    /// Their bytes.
+    /// Bytes of these messages.
     pub received_bytes: u64,
 }
 
@@ -122,7 +122,7 @@ pub struct Summary {
     pub cpu_seconds: f64,
     /// Memory; of a run on several ranks that of the first.
     pub memory: Memory,
-    /// Of a run on several ranks what each has needed (in this session, if resumed); empty of others.
+    /// What each rank of a run on several has needed (in this session, if resumed); empty of other runs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ranks: Vec<RankSummary>,
     /// Largest drifts: `linear_momentum`, `angular_momentum`, `energy`; those that loads or supports change have a reason in place of a number.
@@ -137,7 +137,7 @@ pub struct Summary {
 }
 
 impl Outcome {
-    /// Its name in `summary.json`.
+    /// Name of the outcome in `summary.json`.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Completed => "completed",

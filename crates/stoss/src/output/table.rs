@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub(crate) struct CsvTable {
     path: PathBuf,
-    /// None of a rank that does not write.
+    /// File of the table; none of a rank that does not write.
     file: Option<File>,
     length: u64,
     /// Rows that are not in the file yet.
@@ -48,7 +48,7 @@ impl CsvTable {
         Ok(Self { path: path.to_path_buf(), file: Some(file), length, ..Self::nowhere() })
     }
 
-    /// As [`Self::resume`], and gives the table other columns if its own differ from `header`: those of the same name keep their
+    /// Resumes as [`Self::resume`], and gives the table other columns if its own differ from `header`: those of the same name keep their
     /// values, new ones are empty in the rows so far.
     pub fn resume_as(path: &Path, length: u64, header: &str) -> Result<Self, OutputError> {
         let table = Self::resume(path, length)?;

@@ -46,7 +46,7 @@ pub struct Session {
     systems: Option<SystemWriter>,
     cuts_of_stick: CutsOfStick,
     end: f64,
-    /// Of the change of stages after the last step: whether the run goes on. An error of it is told by the next step.
+    /// Outcome of the change of stages after the last step: whether the run goes on. An error of it is told by the next step.
     change: Result<bool, SimulationError>,
     state: Progress,
 }
@@ -58,7 +58,7 @@ enum Progress {
     Running,
     /// The flag [`RunOptions::stop`] was found raised.
     Interrupted,
-    /// No step follows: the end, or the watch has stopped it.
+    /// A session in which no step follows: the end, or the watch has stopped it.
     Done,
     /// The summary is written.
     Told,

@@ -37,7 +37,7 @@ pub enum Kind {
 pub struct Arrow {
     /// Where it begins, or ends if it `pushes`: reference position, a length each.
     pub at: [f32; 3],
-    /// Its direction, a unit vector.
+    /// Direction of the arrow, a unit vector.
     pub along: [f32; 3],
     /// Whether it ends at its place.
     pub pushes: bool,
@@ -57,7 +57,7 @@ impl Arrow {
 pub struct Layer {
     /// What it is.
     pub kind: Kind,
-    /// Its name in the scene, or what it acts on if it has none.
+    /// Name of the thing in the scene, or what it acts on if it has none.
     pub name: String,
     /// What else is to be said of it; may be empty.
     pub about: String,

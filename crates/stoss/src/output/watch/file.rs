@@ -55,7 +55,7 @@ struct Tied {
 }
 
 impl WatchFile {
-    /// Of what is watched.
+    /// The file of what is watched.
     pub fn new(
         model: &WatchModel,
         limits: Limits,

@@ -68,7 +68,7 @@ pub struct Watched {
     pub drift: Option<(&'static str, f64)>,
     /// Deepest penetration, a length.
     pub depth: f64,
-    /// The same in edges of the facets there.
+    /// Deepest penetration in edges of the facets there.
     pub relative_depth: f64,
 }
 
