@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 struct Folder(tempfile::TempDir);
 
 impl Folder {
-    /// With a deck of the tests of the crate that imports.
+    /// A folder with a deck of the tests of the crate that imports.
     fn new(deck: &str) -> Folder {
         let folder = Folder(tempfile::tempdir().unwrap());
         let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../deck-import/tests/data").join(deck);
@@ -281,7 +281,7 @@ fn bar(name: &str, length: usize, first: usize, z: f64, young: f64) -> String {
 }
 
 impl Folder {
-    /// With a deck of this text.
+    /// A folder with a deck of this text.
     fn with(deck: &str) -> Folder {
         let folder = Folder(tempfile::tempdir().unwrap());
         std::fs::write(folder.path("deck.inp"), deck).unwrap();

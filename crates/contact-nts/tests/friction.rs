@@ -103,7 +103,7 @@ impl Path {
         self.residual(m)[..n].iter().zip(&without).map(|(a, b)| b - a).collect()
     }
 
-    /// The same with given multipliers, at any end.
+    /// Nodal forces of the friction with given multipliers, at any end.
     fn friction_with(&self, m: &NodeToSurface, q: &[f64], pressure: f64, auxiliaries: &[f64]) -> Vec<f64> {
         let x: Vec<f64> = q.iter().chain(&[pressure]).chain(&auxiliaries[..2]).copied().collect();
         let with = assembled_with(m, &self.q[1], self.rule, &x, auxiliaries, false).0;

@@ -86,7 +86,7 @@ fn gap_to(facet: &FacetNodes, q: &[f64]) -> f64 {
     Gap::from_centre(&at(q, SLAVE), &Patch::new(facet.map(|n| at(q, n)))).unwrap().gap
 }
 
-/// Its gradient by differences.
+/// Gradient of that gap by differences.
 fn gradient_of_gap(facet: &FacetNodes, q: &[f64]) -> Vec<f64> {
     central_difference_jacobian(|q, out| out[0] = gap_to(facet, q), q, 1e-3, 1)
 }

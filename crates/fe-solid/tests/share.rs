@@ -11,7 +11,7 @@ use stoss_term::{At, Term, bisect};
 
 const DT: f64 = 0.01;
 
-/// Of sums of some thousand numbers in two orders: the root of their number.
+/// Round-off of sums of some thousand numbers in two orders: the root of their number.
 const ROUND_OFF: f64 = 64.0 * f64::EPSILON;
 
 /// Cells, integration, whether with averages inside of elements.

@@ -47,7 +47,7 @@ fn a_wrong_announcement_costs_time_only() {
     assert_eq!(solver.statistics().pivoting_fallbacks, 1);
 }
 
-/// The same pattern without groups.
+/// The matrix with the same pattern without groups.
 fn ungrouped(a: &SparseMatrix) -> SparseMatrix {
     let pairs: Vec<[u32; 2]> =
         (0..a.n()).flat_map(|j| a.pattern.column(j).iter().map(move |&i| [i, j as u32]).collect::<Vec<_>>()).collect();

@@ -17,7 +17,8 @@ fn curves_of(law: &dyn HyperelasticLaw, up_to: f64) -> Curves {
     Curves { all: Mode::ALL.map(curve).to_vec() }
 }
 
-/// Of the incompressible neo-Hookean material and that of Mooney and Rivlin: `P = 2 (c1 + c2 lambda_b^2) (lambda - lambda_c^2 / lambda)` with the stretches b of the free direction in the plane, c across.
+/// Nominal stresses of the incompressible neo-Hookean material and that of Mooney and Rivlin: `P = 2 (c1 + c2 lambda_b^2) (lambda - lambda_c^2 / lambda)` with
+/// the stretches b of the free direction in the plane, c across
 #[test]
 fn nominal_stresses_of_closed_forms() {
     let (c1, c2) = (0.4, 0.13);

@@ -68,7 +68,7 @@ fn write(path: &Path, frames: std::ops::Range<usize>) {
     }
 }
 
-/// The same frame by way of a VTU file.
+/// The frame by way of a VTU file.
 fn vtu(k: usize) -> VtuData {
     let mut text = Vec::new();
     Values::new(k).write(k as f64 / 8.0, |frame| write_vtu_to(&mut text, frame)).unwrap();

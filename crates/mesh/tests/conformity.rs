@@ -11,7 +11,7 @@ fn block(low: f64, high: f64, divisions: [usize; 3], kind: CellKind) -> Mesh {
     mesh.with_cells(kind).unwrap()
 }
 
-/// Both in one mesh; of nodes at the same place one remains, where `merges` says so.
+/// Both meshes in one; of nodes at the same place one remains, where `merges` says so.
 fn join(a: &Mesh, b: &Mesh, merges: impl Fn([f64; 3]) -> bool) -> Mesh {
     let mut nodes = a.nodes.clone();
     let same = |x: [f64; 3], y: [f64; 3]| (0..3).all(|i| (x[i] - y[i]).abs() < 1e-12);

@@ -105,7 +105,7 @@ fn free_flight_of_strings() {
     }
 }
 
-/// The same model once more.
+/// A copy of the model.
 fn clone_of(model: &Model, string: &ElasticString) -> Model {
     Model {
         reference: model.reference.clone(),

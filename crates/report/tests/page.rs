@@ -381,7 +381,7 @@ fn passes(browser: &str, folders: &[&Path], tried: &[&str]) {
     passes_file(browser, &folders[0].join(NAME), tried);
 }
 
-/// As [`passes`] for a page that is there.
+/// Tries a page that is there, as [`passes`].
 fn passes_file(browser: &str, file: &Path, tried: &[&str]) {
     with_test(file);
     let (document, console) = load(browser, file, "#test");

@@ -20,7 +20,7 @@ fn segments(s: impl Into<Facet>, m: impl Into<Facet>) -> (SlaveFrame, Vec<Segmen
     segments_within(s, m, [s.map(|_| 0), m.map(|_| 0)])
 }
 
-/// With the planes of symmetry that the corners of both lie in.
+/// Segments of two facets, with the planes of symmetry that the corners of both lie in.
 fn segments_within(s: Facet, m: Facet, [slave, master]: [Nodal<u8>; 2]) -> (SlaveFrame, Vec<Segment>) {
     let frame = SlaveFrame::new(s).unwrap().with_planes(&slave);
     let mut out = Vec::new();
@@ -51,7 +51,7 @@ fn quad(warp: f64, lattice: bool) -> impl Strategy<Value = Quad> {
         })
 }
 
-/// The same of any kind: a triangle has the first three corners.
+/// Random facets of any kind: a triangle has the first three corners.
 fn facet(warp: f64, lattice: bool) -> impl Strategy<Value = Facet> {
     (quad(warp, lattice), prop::sample::select(&FacetKind::ALL[..]))
         .prop_map(|(quad, kind)| Nodal::from_fn(kind, |k| quad[k]))

@@ -11,7 +11,7 @@ struct Block {
 }
 
 impl Block {
-    /// Of the box from `min` to `max`.
+    /// A block of the box from `min` to `max`.
     fn new(min: [f64; 3], max: [f64; 3], divisions: [usize; 3]) -> Self {
         Self::mapped(divisions, |u| Vector3::from_fn(|i, _| min[i] + u[i] * (max[i] - min[i])))
     }

@@ -139,7 +139,7 @@ fn judged(states: &[Vec<Thing>]) -> Verdict {
     judge.verdict()
 }
 
-/// The same verdict in all frames of reference, and with the bodies in the other order.
+/// The verdict, which is the same in all frames of reference, and with the bodies in the other order.
 fn verdict(states: &[Vec<Thing>]) -> Verdict {
     let first = judged(states);
     let map = |change: &dyn Fn(&Thing) -> Thing| {

@@ -49,7 +49,7 @@ pub(crate) fn diagnosed(name: &str) -> (Finding, Diagnosis) {
     diagnosis_of(name, &run(&text_of(name)))
 }
 
-/// The same of a run that is over.
+/// The first finding of a run that is over.
 fn diagnosis_of(name: &str, Left { result, diagnosis }: &Left) -> (Finding, Diagnosis) {
     let bad = match result {
         Err(RunError::Simulation { .. }) => true,
@@ -495,7 +495,7 @@ fn an_incompressible_body() {
     assert!(diagnose_scene(&scene, &RunOptions::default()).unwrap().findings.is_empty());
 }
 
-/// It stops, and runs with averages of the change of volume as well as with a smaller bulk modulus.
+/// A nearly incompressible body stops, and runs with averages of the change of volume as well as with a smaller bulk modulus.
 #[test]
 fn a_nearly_incompressible_body() {
     let (finding, _) = diagnosed("nearly-incompressible");

@@ -15,7 +15,7 @@ fn block(time: &str, tangent: f64, speed: f64, friction: &str) -> Simulation {
     loaded_block(time, &format!("[{}, 0, {}]", weight * tangent, -weight), speed, &contact)
 }
 
-/// The same under any body force; `contact` are the keys of the contact but for its surfaces.
+/// The block under any body force; `contact` are the keys of the contact but for its surfaces.
 fn loaded_block(time: &str, body_force: &str, speed: f64, contact: &str) -> Simulation {
     simulation(&format!(
         r#"
@@ -291,7 +291,7 @@ fn impact(scheme: &str, step: f64, end: f64, friction: &str) -> Simulation {
     impact_with(scheme, step, end, &format!("friction = {friction}"))
 }
 
-/// The same with any further keys of the contact.
+/// These elements with any further keys of the contact.
 fn impact_with(scheme: &str, step: f64, end: f64, contact: &str) -> Simulation {
     simulation(&two_blocks(scheme, step, end, [0.0; 3], &format!("method = \"nts\"\n{contact}")))
 }

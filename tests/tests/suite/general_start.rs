@@ -148,7 +148,7 @@ fn blocks_of_rounded_coordinates_may_touch() {
     }
 }
 
-/// The same far from the origin, where coordinates have fewer digits behind the point.
+/// Blocks that touch far from the origin, where coordinates have fewer digits behind the point.
 #[test]
 fn blocks_that_touch_may_lie_anywhere() {
     for at in [10.0, 1e3, 1e5] {

@@ -89,7 +89,7 @@ fn a_block_slides_many_facets_in_a_step() {
     }
 }
 
-/// The same with a plate that is free, on which the block falls: momenta stay whatever the slide of a step.
+/// A block that falls on a plate that is free: momenta stay whatever the slide of a step.
 #[test]
 fn momenta_stay_in_large_slides() {
     for scheme in ["energy-momentum", "midpoint"] {

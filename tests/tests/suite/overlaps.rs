@@ -17,7 +17,7 @@ fn blocks(overlap: f64, steps: u32, contact: &str) -> Simulation {
     layered(overlap, 2, steps, contact)
 }
 
-/// The same with so many layers of elements in each.
+/// Two such blocks with so many layers of elements in each.
 fn layered(overlap: f64, layers: u32, steps: u32, contact: &str) -> Simulation {
     let step = 1.0 / f64::from(steps);
     simulation(&format!(

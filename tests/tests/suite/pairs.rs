@@ -2,7 +2,7 @@
 
 use crate::support::{simulation, two_blocks};
 
-/// Both surfaces of a contact as the slave of the other: told where neither may be penetrated, and nothing where springs hold one of them.
+/// Two contacts in which each surface is the slave of the other: told where neither may be penetrated, and nothing where springs hold one of them.
 #[test]
 fn two_contacts_with_exchanged_surfaces_are_told() {
     let warnings = |contacts: &str| {

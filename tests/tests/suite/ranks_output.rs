@@ -106,7 +106,7 @@ fn columns(file: &Path) -> Vec<Vec<f64>> {
     (0..rows[0].len()).map(|k| rows.iter().map(|row| row[k]).collect()).collect()
 }
 
-/// The same numbers but for round-off, measured against the largest of all of a list.
+/// Checks that numbers are the same but for round-off, measured against the largest of all of a list.
 fn assert_close(what: &str, a: &[f64], b: &[f64], scale: f64) {
     assert_eq!(a.len(), b.len(), "{what}");
     let off = a.iter().zip(b).filter(|(a, b)| !(a.is_nan() && b.is_nan())).map(|(a, b)| (a - b).abs());

@@ -60,7 +60,7 @@ fn tubes(around: [usize; 2], overlap: f64, cells: [&str; 2], between: &str) -> S
     simulation_in(&text, folder.path())
 }
 
-/// Their scene, with the mesh in a folder.
+/// The scene of the tubes, with the mesh in a folder.
 fn tubes_scene(around: [usize; 2], overlap: f64, cells: [&str; 2], between: &str) -> (String, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     let (mut mesh, mut first) = (String::new(), [0, 0]);

@@ -44,7 +44,7 @@ const OFF: &str = r#"off = ["hold", "slide", "push", "blow", "side"]"#;
 struct Case {
     method: usize,
     scheme: usize,
-    /// None, exact stick, springs.
+    /// Friction: none, exact stick, springs.
     friction: usize,
     divisions: [usize; 2],
     at: [f64; 2],

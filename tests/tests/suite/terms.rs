@@ -54,7 +54,7 @@ struct Count {
     /// Terms under a rule that do something, and those whose history changes when the step is accepted.
     acting: usize,
     changed: usize,
-    /// Those of which more than one rank of three evaluates contributions.
+    /// Terms of which more than one rank of three evaluates contributions.
     shared: usize,
 }
 

@@ -437,7 +437,7 @@ fn check(scene: &str, expected: &[(&str, Dimension)]) {
     }
 }
 
-/// Those of every scene.
+/// Columns of every scene.
 const ENERGY: (&str, Dimension) = ("balance.strain", Dimension::Energy);
 const STEP: (&str, Dimension) = ("balance.dt", Dimension::Time);
 const PRESSURE: (&str, Dimension) = ("contact.max_pressure", Dimension::Stress);

@@ -34,7 +34,7 @@ impl Run {
         self.summary.verdict.reasons.iter().any(|reason| reason.kind == kind)
     }
 
-    /// It has the value, or a finding of this kind says that something is the matter.
+    /// The run has the value, or a finding of this kind says that something is the matter.
     fn right_or_told(&self, is_right: bool, kind: FindingKind) {
         assert!(is_right || self.has(kind), "neither right nor told: {:?} {}", self.probes, self.summary.verdict);
     }
@@ -413,7 +413,8 @@ set = "low.bottom"
     run.sound();
 }
 
-/// The same beside a straight bar that is pressed to twice the strain of Euler's load, `pi^2 (h/l)^2 / 3` between clamped ends: it bends, or its straight state is told.
+/// A straight bar under general contact that is pressed to twice the strain of Euler's load, `pi^2 (h/l)^2 / 3` between clamped ends: it bends, or its straight
+/// state is told.
 #[test]
 fn a_bar_that_buckles_beside_general_contact_is_told() {
     let run = Run::of(

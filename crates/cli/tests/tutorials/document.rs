@@ -13,7 +13,7 @@ pub enum Role {
 
 /// A fenced block.
 pub struct Block {
-    /// Of the opening fence, counted from 1.
+    /// Line of the opening fence, counted from 1.
     pub line: usize,
     pub role: Role,
     pub lines: Vec<String>,

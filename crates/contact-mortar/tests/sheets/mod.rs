@@ -101,7 +101,7 @@ pub fn options(dual: bool) -> MortarOptions {
     }
 }
 
-/// No factors, those of smooth surfaces, those of surfaces with sharp edges.
+/// Factors of the gap: none, those of smooth surfaces, those of surfaces with sharp edges.
 pub fn factors(kind: usize) -> Factors {
     match kind {
         0 => Factors::NONE,

@@ -78,7 +78,7 @@ pub fn voxel_distance(cubes: &[[i32; 3]], x: &Vector3<f64>) -> f64 {
     if inside { -distance } else { distance }
 }
 
-/// No limits of reach and depth: the pure geometry.
+/// Options without limits of reach and depth: the pure geometry.
 pub fn unlimited() -> SearchOptions {
     SearchOptions { depth_limit: f64::INFINITY, ..SearchOptions::default() }
 }

@@ -206,7 +206,7 @@ pub fn body_with(mesh: &Mesh, law: &Arc<dyn HyperelasticLaw>, integration: Integ
     SolidBody::with_options("body", mesh, 0, law.clone(), options).unwrap()
 }
 
-/// With averages of the change of volume.
+/// A body with averages of the change of volume.
 pub fn mixed_body(mesh: &Mesh, law: &Arc<dyn HyperelasticLaw>, integration: Integration) -> SolidBody {
     let options = SolidOptions { integration, volumetric: Volumetric::Mixed };
     SolidBody::with_options("body", mesh, 0, law.clone(), options).unwrap()

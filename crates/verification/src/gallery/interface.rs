@@ -42,7 +42,7 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// Of a frame with the sides in their places.
+    /// The interface of a frame with the sides in their places.
     pub fn new(frame: &Grid, sides: Sides) -> Outcome<Self> {
         match sides {
             Sides::Stacked => Self::stacked(frame),
@@ -55,7 +55,7 @@ impl Interface {
         }
     }
 
-    /// Of a frame with two blocks one above the other: the bottom of the upper one is the slave, the top of the lower one the master.
+    /// The interface of a frame with two blocks one above the other: the bottom of the upper one is the slave, the top of the lower one the master.
     fn stacked(frame: &Grid) -> Outcome<Self> {
         let bodies = bodies(frame)?;
         let bounds = |body: f64| {
@@ -83,7 +83,8 @@ impl Interface {
         Self::between(frame, &free(upper, BOTTOM, TOP), &free(1.0 - upper, TOP, BOTTOM))
     }
 
-    /// Of a frame with a ball in a shell: the upper part of the second body's facets near the sphere about the origin is the slave, all of the first
+    /// The interface of a frame with a ball in a shell: the upper part of the second body's facets near the sphere about the origin is the slave, all of the
+    /// first
     /// body's the master.
     fn on_sphere(frame: &Grid, radius: f64) -> Outcome<Self> {
         /// Part of the radius that nodes may be off the sphere; part of it above which the slave's facets are.
@@ -136,7 +137,8 @@ fn hull(frame: &Grid, body: f64) -> Outcome<Vec<[usize; 4]>> {
     Ok(boundary(&elements).iter().map(|piece| piece.points).collect())
 }
 
-/// Both surfaces from the side of the slave and the triangles of the segments between them, on the slave: from above, or, of whole surfaces, along the mean
+/// A picture of both surfaces from the side of the slave and the triangles of the segments between them, on the slave: from above, or, of whole surfaces, along
+/// the mean
 /// normal of the slave facets that are opposite the master, and of both only such facets. Nothing if no facet is.
 pub fn segments(title: &str, interface: &Interface) -> Outcome<Option<String>> {
     let Interface { slave, master, q, range } = interface;
@@ -183,7 +185,7 @@ fn bounds<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> [[f64; 2]; 2] {
     })
 }
 
-/// Those that lie in the surroundings of `centre` in part.
+/// The polygons that lie in the surroundings of `centre` in part.
 fn near(polygons: Vec<Vec<[f64; 2]>>, centre: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
     let [low, high] = bounds(centre.iter().flatten());
     let meets = |polygon: &Vec<[f64; 2]>| {

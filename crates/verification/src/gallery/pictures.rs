@@ -55,7 +55,7 @@ const fn tori(scene: &'static str, title: &'static str) -> Picture {
     Picture { camera, thesis: "6.15 to 6.19", ..report(scene, title, &[0.0, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0]) }
 }
 
-/// With the segments where the tori are nearer than half a facet (their facets are 3.8 long around the tube).
+/// A picture of tori with the segments where they are nearer than half a facet (their facets are 3.8 long around the tube).
 const fn mortar_tori(scene: &'static str, title: &'static str) -> Picture {
     Picture { segments: &[2.6, 3.0, 5.0], sides: Sides::Hulls(2.0), thesis: "6.35 to 6.38", ..tori(scene, title) }
 }
@@ -66,7 +66,7 @@ const fn ironing(scene: &'static str, title: &'static str, thesis: &'static str)
     Picture { reaction, segments: &[1.0, 10.0], thesis, ..report(scene, title, &[0.0, 1.0, 10.0, 15.0, 20.0]) }
 }
 
-/// They meet at 0.05.
+/// A picture of blocks that meet at 0.05.
 const fn blocks(scene: &'static str, title: &'static str, thesis: &'static str) -> Picture {
     Picture { segments: &[0.06], thesis, ..report(scene, title, &[0.0, 0.06, 0.13, 0.2]) }
 }

@@ -5,11 +5,11 @@ use serde::Serialize;
 /// What a measured value must satisfy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// Not larger.
+    /// A value that is not larger.
     AtMost(f64),
-    /// Not smaller.
+    /// A value that is not smaller.
     AtLeast(f64),
-    /// Not farther from `value` than `tolerance`.
+    /// A value that is not farther from `value` than `tolerance`.
     Near {
         /// Expected value.
         value: f64,
@@ -49,7 +49,7 @@ impl Bound {
         Some(ratio)
     }
 
-    /// As it is printed.
+    /// Text of the bound as it is printed.
     pub fn text(self) -> String {
         match self {
             Self::AtMost(bound) => format!("<= {}", number(bound)),

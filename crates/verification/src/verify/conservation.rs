@@ -60,11 +60,11 @@ impl Suite for Conservation {
 /// What a scheme says of the energy.
 #[derive(Clone, Copy, PartialEq)]
 enum Promise {
-    /// Conserved but in steps in which a node closes.
+    /// The energy is conserved but in steps in which a node closes.
     BetweenClosings,
-    /// Conserved always.
+    /// The energy is always conserved.
     Throughout,
-    /// Not conserved.
+    /// The energy is not conserved.
     None,
 }
 

@@ -43,7 +43,7 @@ impl Worst {
         });
     }
 
-    /// As a row; one without any state falls short.
+    /// The row of the worst entry; one without any state falls short.
     pub fn check(&self, scene: &str, quantity: &str, bound: f64) -> Check {
         let measured = if self.count == 0 { f64::NAN } else { self.error };
         let note = format!("{} states; {}", self.count, self.note);

@@ -31,7 +31,7 @@ pub fn launch(bench: &Bench, home: &str, name: &str, scene: &str, files: &[(Stri
     launch_within(bench, home, name, scene, files, LIMIT)
 }
 
-/// The same with another time limit.
+/// Writes and runs a scene as [`launch`], with another time limit.
 pub fn launch_within(
     bench: &Bench,
     home: &str,

@@ -32,7 +32,7 @@ pub enum Energy {
 
 /// A law that is measured.
 pub struct Sample {
-    /// Its energy.
+    /// Energy of the law.
     pub energy: Energy,
     /// Young's modulus and Poisson's ratio of these parameters in the literature (theory/kinematics#moduli), with the
     /// digits there.

@@ -1,6 +1,6 @@
 //! Sizes of numbers and vectors. NaN wins every comparison: a measurement with a NaN must not pass.
 
-/// Like `f64::max`, but NaN wins.
+/// The larger number as by `f64::max`, but NaN wins.
 pub fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }

@@ -1,4 +1,4 @@
-//! Of what source, when and on what machine a report was made. What cannot be found out is left open, not guessed.
+//! Origin of a report: of what source, when and on what machine it was made. What cannot be found out is left open, not guessed.
 
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};

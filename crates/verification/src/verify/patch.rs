@@ -12,9 +12,9 @@ pub struct Patch;
 
 /// Largest deviation of a stress at an integration point, over the stress.
 const UNEVEN: f64 = 1e-10;
-/// The same on the meshes that other programs were measured with, where Newton's method is led to round-off.
+/// Largest such deviation on the meshes that other programs were measured with, where Newton's method is led to round-off.
 const ROUND_OFF: f64 = 1e-12;
-/// Iterations of a step there.
+/// Iterations of a step on these meshes.
 const ITERATIONS: f64 = 5.0;
 
 const MULTIPLIERS: [&str; 2] = ["standard", "dual"];

@@ -19,7 +19,7 @@ const FEW: usize = 5;
 const NEAR: f64 = 1e-4;
 /// `log2(log(round-off) / log(NEAR))`.
 const CORRECTIONS: f64 = 2.0;
-/// The same where convergence is linear.
+/// Corrections from [`NEAR`] to round-off where convergence is linear.
 const LINEAR_CORRECTIONS: f64 = 4.0;
 /// Residuals that a note shows.
 const SHOWN: usize = 6;
@@ -68,13 +68,13 @@ pub fn rows(run: &Run, findings: &mut Findings) -> Outcome<()> {
 /// How fast Newton is to converge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rate {
-    /// With an exact tangent.
+    /// Quadratic convergence, with an exact tangent.
     Quadratic,
-    /// Mortar contact in dynamics leaves the second derivatives of the weights out of the tangent.
+    /// Linear convergence: mortar contact in dynamics leaves the second derivatives of the weights out of the tangent.
     Linear,
 }
 
-/// The same at a rate.
+/// Rows of a run as [`rows`], for a run that is to converge at this rate.
 pub fn rows_at(run: &Run, findings: &mut Findings, rate: Rate) -> Outcome<()> {
     let steps = run.newton()?;
     let touching: Vec<&Step> = steps.iter().filter(|step| step.active > 0.0).collect();

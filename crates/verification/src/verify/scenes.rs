@@ -148,7 +148,7 @@ fn items<'a>(key: &'a str, value: &'a Value) -> Vec<Item<'a>> {
 }
 
 impl Item<'_> {
-    /// As the table names it.
+    /// Name of the quantity in the table.
     fn quantity(&self) -> String {
         let entry = |key: &str| self.value.get(key).map(|value| value.to_string().replace('"', "")).unwrap_or_default();
         match self.key {

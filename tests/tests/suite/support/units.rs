@@ -14,7 +14,7 @@ pub struct Units {
 }
 
 impl Units {
-    /// Those that scenes are written in.
+    /// The units that scenes are written in.
     pub const SAME: Self = Self { length: 1.0, mass: 1.0, time: 1.0 };
 
     /// Factor on a number.
@@ -37,9 +37,9 @@ pub fn in_units(text: &str, units: Units) -> String {
 /// What decides between two dimensions of a number.
 #[derive(Clone, Copy, Default)]
 struct Place {
-    /// Of a joint that turns.
+    /// Whether it is of a joint that turns.
     turns: bool,
-    /// Of a support per node, not per area.
+    /// Whether it is of a support per node, not per area.
     per_node: bool,
 }
 

@@ -96,7 +96,7 @@ impl Equilibrium {
         self.internal_force_after(None, q, tangent)
     }
 
-    /// The same for an iterate that followed `before`.
+    /// Forces of the body as [`Self::internal_force`], for an iterate that followed `before`.
     fn internal_force_after(
         &self,
         before: Option<&[f64]>,

@@ -21,7 +21,7 @@ pub struct Elements;
 
 /// Largest deviation of a stress at an integration point, over the stress.
 const UNEVEN: f64 = 1e-10;
-/// The same of ties, whose gaps at the start are closed to this part of an element.
+/// Largest such deviation of ties, whose gaps at the start are closed to this part of an element.
 const UNEVEN_TIE: f64 = 1e-7;
 /// Relative drift of momenta and of the energy with what closing took.
 const DRIFT: f64 = 1e-11;

@@ -63,7 +63,7 @@ impl Path {
         Ok(self.run(standard(FACETS).with_friction(friction)?))
     }
 
-    /// With stick by multipliers.
+    /// The contact with stick by multipliers.
     fn exact(&self, mu: f64) -> Outcome<NodeToSurface> {
         let friction = Rough::new(Arc::new(Coulomb::new(mu)?), PENALTY, Stick::Multiplier, self.stepping)?;
         Ok(self.run(standard(FACETS).with_friction(friction)?))
@@ -363,7 +363,7 @@ fn work_of(path: &Path, m: &NodeToSurface) -> f64 {
     -path.friction(m).iter().zip(motion).map(|(f, u)| f * u).sum::<f64>()
 }
 
-/// The same with a second step that only turns and shifts.
+/// The path with a second step that only turns and shifts.
 fn turned(mut path: Path, random: &mut Random) -> Path {
     let angle = Vector3::from_fn(|_, _| random.between(-0.6, 0.6));
     let rotation = stoss_tensor::nalgebra::Rotation3::new(angle).into_inner();

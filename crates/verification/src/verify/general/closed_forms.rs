@@ -14,7 +14,7 @@ const IMPULSE: f64 = 0.035;
 /// Relative errors of Hertz's contact.
 const HERTZ: f64 = 0.02;
 
-/// Both.
+/// Measures the impulse and Hertz's contact.
 pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     impulse(bench, findings)?;
     cylinder(bench, findings)

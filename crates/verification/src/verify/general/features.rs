@@ -37,7 +37,7 @@ pub fn edge_on_edge(step: f64, contact: &str) -> Scene {
     apart_edges(step, contact, 0.03)
 }
 
-/// The same, so far apart.
+/// Two cubes whose edges cross at right angles, `gap` apart.
 pub fn apart_edges(step: f64, contact: &str, gap: f64) -> Scene {
     let upper = Body::cube("upper").turned([0.0, 1.0, 0.0], 45.0).at([0.013, 0.02, SQRT_2 + gap]);
     let lower = Body::cube("lower").turned([1.0, 0.0, 0.0], 45.0).velocity([0.0, 0.0, 0.1]);

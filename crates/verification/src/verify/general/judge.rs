@@ -102,7 +102,7 @@ pub fn judge(bench: &Bench, findings: &mut Findings, name: &str, scene: &Scene) 
     judge_closely(bench, findings, name, scene, LEDGER)
 }
 
-/// The same with another bound of the energy.
+/// Runs a scene and adds its rows as [`judge`], with another bound of the energy.
 pub fn judge_closely(
     bench: &Bench,
     findings: &mut Findings,

@@ -15,7 +15,7 @@ pub struct Hexahedra {
 }
 
 impl Hexahedra {
-    /// So many elements along three directions; `place` takes the node whose numbers along them are given. A closed grid has its last element along
+    /// A grid of so many elements along three directions; `place` takes the node whose numbers along them are given. A closed grid has its last element along
     /// the first direction end where the first one begins.
     pub fn grid(n: [usize; 3], closed: bool, place: impl Fn([usize; 3]) -> Point) -> Self {
         let along = if closed { n[0] } else { n[0] + 1 };
@@ -39,7 +39,7 @@ impl Hexahedra {
         mesh
     }
 
-    /// Both, without common nodes.
+    /// Both meshes in one, without common nodes.
     pub fn and(mut self, other: &Self) -> Self {
         let first = self.nodes.len();
         self.nodes.extend(&other.nodes);

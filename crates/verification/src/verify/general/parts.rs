@@ -163,7 +163,7 @@ fn pressed_wedge(bench: &Bench, findings: &mut Findings, friction: f64) -> Outco
     Ok(())
 }
 
-/// So many cubes of one element and the edge 0.5 fall, turned anyhow, into a box of rigid walls.
+/// A number of cubes of one element and the edge 0.5 that fall, turned anyhow, into a box of rigid walls.
 fn in_a_box(count: usize) -> Scene {
     const WIDTH: f64 = 3.0;
     let mut random = fastrand::Rng::with_seed(1);
@@ -239,7 +239,7 @@ pub fn knot(along: usize, radius: f64) -> Scene {
     Scene::dynamic(0.1, 5.0).watched(1).body(body).general("friction = 0.2")
 }
 
-/// So many linked tori, pulled apart from the middle.
+/// A chain of linked tori, pulled apart from the middle.
 pub fn chain(links: usize) -> Scene {
     const RING: f64 = 0.7;
     const TUBE: f64 = 0.17;

@@ -24,7 +24,7 @@ const GUARDS: f64 = 0.6;
 /// Deviation of the stress in the elements below the surface, of blocks that are pressed together.
 const SPREAD: f64 = 0.15;
 
-/// Both parts.
+/// Measures a given gap, and blocks that are pressed together.
 pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     given_gap(findings)?;
     pressed(bench, findings)
@@ -103,7 +103,7 @@ fn with_guards(faces: &mut Faces) -> Outcome<Vec<f64>> {
     Ok(force)
 }
 
-/// The same of points of integration alone, as the sum over all of them, each against the nearest triangle.
+/// Forces of points of integration alone, as the sum over all of them, each against the nearest triangle.
 fn without_guards(faces: &Faces) -> Vec<f64> {
     let (skin, q) = (faces.contact.skin(), &faces.q);
     let layer = Layer::new(1.0, THICKNESS);

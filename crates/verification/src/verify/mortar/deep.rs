@@ -20,7 +20,7 @@ const STEADY: f64 = 14.0;
 const ITERATIONS: f64 = 5.0;
 /// Change of the ratio from the last mesh but one to the last, relative.
 const CONVERGED: f64 = 0.005;
-/// The same where the slab is the slave and lies against the block's sides.
+/// Change of that ratio where the slab is the slave and lies against the block's sides.
 const CONVERGED_SLAB: f64 = 0.02;
 /// Stiffness there of the springs of stick.
 const SPRINGS: f64 = 1.0;

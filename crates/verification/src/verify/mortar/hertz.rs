@@ -21,7 +21,7 @@ use crate::workspace::Outcome;
 
 /// Largest relative error of radius and pressure on the shipped mesh, which has at most 20 elements across the contact.
 const CLOSE: f64 = 0.02;
-/// With half the element length the errors, at least of first order, and what finite strains and sizes add, are this part of what they were.
+/// Part of the errors, at least of first order, and of what finite strains and sizes add, that is left with half the element length.
 const FALL: f64 = 0.7;
 const MODULUS: f64 = 1000.0;
 const POISSON: f64 = 0.3;

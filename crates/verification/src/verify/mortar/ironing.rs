@@ -20,12 +20,13 @@ const LENGTH: f64 = 9.0;
 const FACET: f64 = 0.45;
 /// The pressing ends at 1; then the force needs some way until it is that of steady sliding.
 const STEADY: f64 = 3.0;
-/// With friction all points slip only after a longer way.
+/// Time from which on all points slip with friction.
 const SLIDING: f64 = 8.0;
 /// Largest oscillation in steady sliding, on all meshes with the shipped stiffness of the contact, and with ten times that where four facets of the slab and more lie below the
 /// indenter.
 const SMOOTH: f64 = 0.02;
-/// With a stiff contact, too, the oscillation is an error of the mesh: its ratio on two meshes is at most this part of that of their facets' lengths.
+/// Part of the ratio of facets' lengths on two meshes that the ratio of their oscillations is at most: with a stiff contact, too, the oscillation is an error
+/// of the mesh.
 const FALL: f64 = 0.9;
 /// Difference of the force at the end of a straight way down and after sliding there, relative: nothing depends on the way.
 const SAME: f64 = 1e-8;

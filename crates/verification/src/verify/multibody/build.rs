@@ -145,7 +145,7 @@ pub fn quasi_static_searching(model: Model, step: f64, end: f64) -> Outcome<Simu
     with_options(model, step, end, 0, None, LineSearch::backtracking())
 }
 
-/// As [`dynamic`], with so many halvings of a step.
+/// A run as of [`dynamic`], with so many halvings of a step.
 pub fn dynamic_cutting(model: Model, step: f64, end: f64, cuts: u32) -> Outcome<Simulation> {
     with_options(model, step, end, cuts, Some(Box::new(EnergyMomentum)), LineSearch::Off)
 }
@@ -179,9 +179,9 @@ fn with_options(
 pub struct Kept {
     /// Largest distance of each component from the start.
     pub linear: [f64; 3],
-    /// The same of angular momentum about the origin.
+    /// Largest distance of angular momentum about the origin from the start.
     pub angular: [f64; 3],
-    /// The same of the energy with what closing gaps and limits of joints have cost.
+    /// Largest distance of the energy from the start, with what closing gaps and limits of joints have cost.
     pub energy: f64,
     /// Largest change in a step: linear and angular momentum (any component), energy.
     pub in_step: [f64; 3],

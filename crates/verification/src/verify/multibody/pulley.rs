@@ -109,7 +109,7 @@ fn laid(friction: f64, facets: usize, pull: f64) -> Outcome<Table> {
     .parse()?)
 }
 
-/// Without friction both ends pull alike, the pulley takes `2 T sin(theta / 2)`, and a length of the string presses with `T / R`.
+/// Measures a string without friction: both ends pull alike, the pulley takes `2 T sin(theta / 2)`, and a length of the string presses with `T / R`.
 fn frictionless(facets: usize, findings: &mut Findings) -> Outcome<()> {
     let case = "string round a pulley, no friction";
     let (mut ratio, mut resultant, mut pressure) = (0.0, 0.0, 0.0);

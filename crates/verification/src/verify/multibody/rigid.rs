@@ -192,7 +192,7 @@ pub fn double() -> DoublePendulum {
     DoublePendulum { mass: [1.5, 0.8], inertia: [0.12, 0.08], centre: [0.5, 0.4], length: 1.0, gravity: GRAVITY }
 }
 
-/// Its model: `y` is down, angles are about z from there.
+/// The model of a double pendulum: `y` is down, angles are about z from there.
 pub fn double_model(data: &DoublePendulum, start: [f64; 4]) -> Outcome<(Model, [RigidBody; 2])> {
     let direction = |angle: f64| [angle.sin(), -angle.cos(), 0.0];
     let mut model = Model::default();
@@ -229,13 +229,13 @@ pub fn double_error(q: &[f64], data: &DoublePendulum, angles: &[f64; 4]) -> f64 
 pub const SPHERICAL: [f64; 6] = [0.6, 0.0, -0.8, 0.0, 2.0, 0.0];
 const BOB: [f64; 3] = [1.3, 0.7, 0.02];
 
-/// `m g l / I` of it.
+/// `m g l / I` of the spherical pendulum.
 pub fn spherical_square() -> f64 {
     let [m, l, e] = BOB;
     m * GRAVITY * l / (2.0 * e + m * l * l)
 }
 
-/// Its model.
+/// The model of the spherical pendulum.
 pub fn spherical_model() -> Outcome<Model> {
     let [m, l, e] = BOB;
     let n = [SPHERICAL[0], SPHERICAL[1], SPHERICAL[2]];

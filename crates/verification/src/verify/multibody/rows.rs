@@ -10,7 +10,7 @@ use crate::verify::check::Bound;
 use crate::workspace::Outcome;
 use std::fmt::Write as _;
 
-/// Both cradles and the dominoes.
+/// Measures both cradles and the dominoes.
 pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     rigid_cradle(findings)?;
     elastic_cradle(if quick { 10 } else { 20 }, findings)?;

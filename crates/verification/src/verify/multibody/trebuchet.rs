@@ -131,7 +131,7 @@ fn thrown(rows: &[Instant], findings: &mut Findings) -> Outcome<()> {
     Ok(())
 }
 
-/// With a lighter friction of the pivot, after 40 steps of the throw.
+/// Measures the trebuchet with a lighter friction of the pivot, after 40 steps of the throw.
 fn light_friction(shipped: &Table, findings: &mut Findings) -> Outcome<()> {
     let mut scene = shipped.clone();
     named(&mut scene, "joint", "pivot")?.insert("friction".into(), value("{ viscous = 0.1 }")?);

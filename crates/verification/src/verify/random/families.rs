@@ -470,7 +470,7 @@ pub fn loads(rng: &mut Rng, quadratic: bool) -> Draft {
     draft
 }
 
-/// Nothing moves: bodies that touch, or are apart, without loads and velocities, with every scheme.
+/// Bodies at rest that touch, or are apart, without loads and velocities, with every scheme.
 pub fn rest(rng: &mut Rng, quadratic: bool) -> Draft {
     let method = one_of(rng, &["nts", "mortar", "cat", "general", "tie", "tie"]);
     let scheme = match method {

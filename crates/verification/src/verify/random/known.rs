@@ -12,7 +12,7 @@ pub struct Known {
     pub flat: bool,
     /// Body and motion are their own mirror images in the planes x = 0 and y = 0.
     pub mirrored: bool,
-    /// Nothing moves.
+    /// Whether nothing moves.
     pub rest: bool,
     /// Speeds with which a rigid body comes, and with which it goes back by its restitution.
     pub rebound: Option<[f64; 2]>,

@@ -63,9 +63,9 @@ enum Fault {
 /// What became of a run.
 #[derive(Clone, Debug)]
 enum Shot {
-    /// It ended, or stopped with a named error, with this verdict of the watch, in the words of its first reason.
+    /// A run that ended, or stopped with a named error, with this verdict of the watch, in the words of its first reason.
     Judged { is_stopped: bool, verdict: String, words: String, judgement: Judgement },
-    /// It failed.
+    /// A run that failed.
     Failed(String),
 }
 

@@ -62,7 +62,7 @@ struct Fate {
     exactness: Exactness,
 }
 
-/// Of the last state.
+/// Exactness of the last state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Exactness {
     /// Largest distance of a closed point from its surface, in edges.

@@ -59,7 +59,7 @@ impl Scene {
         self
     }
 
-    /// The same with another law for all bodies so far.
+    /// The scene with another law for all bodies so far.
     pub fn law(mut self, law: &str) -> Self {
         self.text = self.text.replace("neo-hooke", law);
         self

@@ -21,14 +21,14 @@ const ITERATIONS: usize = 20;
 /// A kind of cell.
 #[derive(Debug)]
 pub struct Cell {
-    /// Its kind.
+    /// Kind of the cell.
     pub kind: CellKind,
     monomials: Vec<[i32; 3]>,
     /// Row the monomial, column the node.
     coefficients: Vec<Vec<f64>>,
     /// Shape functions and their gradients at the points of the rule, and the weights.
     rule: Vec<(Vec<f64>, Vec<[f64; 3]>, f64)>,
-    /// The same at the corners.
+    /// Gradients of the shape functions at the corners.
     corners: Vec<Vec<[f64; 3]>>,
 }
 
@@ -64,7 +64,7 @@ impl Cell {
         }
     }
 
-    /// The same over a face: calls `f` with the shape functions of the cell and the area that belongs to each point.
+    /// Integrates over a face: calls `f` with the shape functions of the cell and the area that belongs to each point.
     pub fn integrate_face(&self, face: usize, places: &[[f64; 3]], mut f: impl FnMut(&[f64], f64)) {
         let table = self.kind.table();
         let corners: Vec<[f64; 3]> = table.faces[face].nodes[..table.faces[face].kind.corner_count()]

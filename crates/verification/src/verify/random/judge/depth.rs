@@ -18,7 +18,7 @@ pub struct Extent {
 pub struct Deepest {
     /// Distance to the surface that it passed.
     pub depth: f64,
-    /// The same over the mean edge of the facet there.
+    /// Depth over the mean edge of the facet there.
     pub relative: f64,
     /// What is in what, and when.
     pub place: String,

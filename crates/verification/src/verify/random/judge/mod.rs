@@ -80,7 +80,7 @@ impl Criterion {
         Self { place: place.into(), ..self }
     }
 
-    /// Of what the scheme promises.
+    /// Marks the criterion as one that the scheme promises.
     fn promised(self) -> Self {
         Self { is_promise: true, ..self }
     }

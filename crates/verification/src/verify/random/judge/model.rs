@@ -26,7 +26,7 @@ pub enum Kind {
 /// A part of the scene.
 #[derive(Clone, Debug)]
 pub struct Part {
-    /// Its name.
+    /// Name of the part.
     pub name: String,
     /// What it is made of.
     pub kind: Kind,
@@ -34,7 +34,7 @@ pub struct Part {
     pub density: Option<f64>,
     /// Whether all of its motion is given.
     pub driven: bool,
-    /// Its elements, as places in [`Model::cells`] with nodes. A rigid box is one hexahedron.
+    /// Elements of the part, as places in [`Model::cells`] with nodes. A rigid box is one hexahedron.
     pub elements: Vec<(usize, Vec<usize>)>,
     /// Facets of its surface of three or four corners, turning outwards.
     pub facets: Vec<Vec<usize>>,
