@@ -10,7 +10,7 @@ use std::time::Duration;
 /// How often the flag is checked in order to say that it was raised.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// From now on the first SIGINT or SIGTERM raises `stop`, and calls `raised` once from another thread; a second one ends the process
+/// Watches for signals: from now on the first SIGINT or SIGTERM raises `stop`, and calls `raised` once from another thread; a second one ends the process
 /// with the code 128 plus the number of the signal, as if it had not been caught. SIGHUP is left alone, so that `nohup` works.
 ///
 /// # Errors

@@ -52,7 +52,7 @@ pub(crate) fn sum(w: &[f64], x: &[Vector3<f64>]) -> Vector3<f64> {
 }
 
 impl Pattern {
-    /// Between both ends.
+    /// The pattern between both ends.
     pub fn between(ends: &Ends<'_>) -> Self {
         let Ends { c_n, c, x_n, x, distances } = *ends;
         let shifted =

@@ -44,10 +44,10 @@ pub enum SeparationFault {
     TooDeep {
         /// The bodies.
         bodies: [u32; 2],
-        /// How far each may be moved, lengths.
+        /// Largest motion that each may make, lengths.
         most: [f64; 2],
     },
-    /// There is no room for two bodies between what may not be moved.
+    /// Two bodies between what may not be moved, without room for them.
     NoRoom {
         /// The bodies.
         bodies: [u32; 2],
@@ -56,7 +56,7 @@ pub enum SeparationFault {
     TooFar {
         /// The body.
         body: u32,
-        /// By this length.
+        /// Motion that it would need, a length.
         by: f64,
         /// The most that is allowed, a length.
         most: f64,

@@ -98,7 +98,7 @@ struct Secant {
 /// Friction of a pair in a step; theory/barrier#friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionForce {
-    /// To be added to a residual; the force on point `i` is `-gradient[i]`.
+    /// Gradient that is to be added to a residual; the force on point `i` is `-gradient[i]`.
     pub gradient: [Vector3<f64>; 4],
     /// Work that friction takes out of the points in the step, `sum gradient_i . dx_i`. If it creeps all of it is lost, and it is not negative.
     pub work: f64,

@@ -22,7 +22,7 @@ pub struct PairDerivatives {
 }
 
 impl PairDerivatives {
-    /// All zero.
+    /// Derivatives that are all zero.
     pub const ZERO: Self = Self {
         shape: [[0.0; LOCAL]; MAX_NODES],
         mass: [[[0.0; LOCAL]; MAX_NODES]; MAX_NODES],

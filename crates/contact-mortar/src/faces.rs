@@ -10,7 +10,7 @@ use stoss_reference_element::{FacePiece, FacetNodes, MAX_FACE_NODES, MAX_NODES};
 pub struct Faces(Vec<FacePiece>);
 
 impl Faces {
-    /// From the pieces, in the order of the facets of the surface.
+    /// The faces from their pieces, in the order of the facets of the surface.
     pub fn new(pieces: &[FacePiece]) -> Self {
         let is_quadratic = pieces.iter().any(|piece| piece.face().kind().is_quadratic());
         Self(if is_quadratic { pieces.to_vec() } else { Vec::new() })

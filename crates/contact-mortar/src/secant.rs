@@ -81,7 +81,7 @@ fn norm(a: &[f64]) -> f64 {
 }
 
 impl Secant {
-    /// At the start of a step: what was learnt stays, the last iterate does not.
+    /// Begins a step: what was learnt stays, the last iterate does not.
     pub fn begin(&mut self) {
         self.at.clear();
         self.gradient.clear();
@@ -177,7 +177,7 @@ impl Secant {
         out.extend(upper.flat_map(|value| value.to_le_bytes()));
     }
 
-    /// From the bytes of [`Secant::save`] at the front of `bytes`, which are taken away; `None` if there are too few.
+    /// The secant from the bytes of [`Secant::save`] at the front of `bytes`, which are taken away; `None` if there are too few.
     pub fn load(bytes: &mut &[u8]) -> Option<Self> {
         let mut word = || -> Option<u32> {
             let (word, rest) = bytes.split_first_chunk()?;

@@ -98,7 +98,7 @@ pub(crate) enum Want {
 struct Map {
     nodes: Vec<usize>,
     corners: Vec<usize>,
-    /// How many nodes are those of the slave.
+    /// Number of nodes that are of the slave.
     slave_nodes: usize,
 }
 

@@ -111,9 +111,9 @@ pub(crate) fn carry(components: [f64; 2], from: (&Patch, [f64; 2]), to: (&Patch,
 
 /// How the slip of the step is measured.
 pub(crate) enum Slip<'a> {
-    /// Between material points: kinematics at `q_np1` and local node numbers of the end facet.
+    /// Slip between material points: kinematics at `q_np1` and local node numbers of the end facet.
     Feet(&'a Gap, &'a Nodal<usize>),
-    /// Conjugate to the force: `q_np1 - q_n` of the element.
+    /// Slip conjugate to the force: `q_np1 - q_n` of the element.
     Work(&'a [f64]),
 }
 

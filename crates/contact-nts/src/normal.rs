@@ -67,7 +67,7 @@ impl NormalEnforcement {
         out.extend(self.committed.iter().flat_map(|value| value.to_le_bytes()));
     }
 
-    /// From as many bytes as [`Self::save`] writes.
+    /// Reads multipliers from as many bytes as [`Self::save`] writes.
     pub fn load(&mut self, bytes: &[u8]) {
         for (value, chunk) in self.committed.iter_mut().zip(bytes.chunks_exact(8)) {
             *value = f64::from_le_bytes(std::array::from_fn(|k| chunk[k]));

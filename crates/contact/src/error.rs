@@ -12,7 +12,7 @@ pub enum ContactError {
     Augmentation {
         /// Friction or gap.
         what: &'static str,
-        /// How many are far from convergence.
+        /// Number of points that are far from convergence.
         unsettled: usize,
         /// Number of augmentations.
         rounds: u32,
@@ -115,10 +115,10 @@ pub enum ContactError {
     /// The modified constraint keeps gaps, and a penalty lets them change.
     #[error("normal contact by a penalty is not available with the modified constraint")]
     PenaltyUnavailable,
-    /// There is no friction under a rule or constraint.
+    /// Friction under a rule or constraint that has none.
     #[error("contact with friction is not available with {what}")]
     FrictionUnavailable {
-        /// Which rule or form of the constraint.
+        /// Name of the rule or form of the constraint.
         what: String,
     },
     /// A method cannot follow a rule of the scheme.

@@ -14,7 +14,8 @@ pub struct ContactLine {
 }
 
 impl ContactLine {
-    /// From global nodes in their order along the line, ascending, their tributary lengths (`int N_a ds` over the reference line, positive), and the reference
+    /// The line from global nodes in their order along it, ascending, their tributary lengths (`int N_a ds` over the reference line, positive), and the
+    /// reference
     /// coordinates of all nodes (`3 * nodes`).
     ///
     /// # Errors

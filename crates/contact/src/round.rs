@@ -24,9 +24,9 @@ pub const BEYOND: f64 = 1.0;
 /// A point between the corners of a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
-    /// On the side between two nodes, the smaller number first, so many pieces from the first.
+    /// A point on the side between two nodes, the smaller number first, so many pieces from the first.
     Side([u32; 2], u8),
-    /// Inside of a facet: element, number in it, and number there.
+    /// A point inside of a facet: element, number in it, and number there.
     Inside(u32, u8, u8),
 }
 

@@ -45,7 +45,7 @@ pub struct Sinking {
 }
 
 impl Sinking {
-    /// If a side is the slave of the other. `reference`: positions, `3 * nodes` lengths.
+    /// The sinking if a side is the slave of the other. `reference`: positions, `3 * nodes` lengths.
     pub fn of(slave: &[FacePiece], master: &[FacePiece], reference: &[f64]) -> Self {
         let [slave, master] = [slave, master].map(facets);
         let Curvature { round, along, .. } = curvature(&master, &slave, reference);

@@ -31,7 +31,7 @@ pub struct ContactSurface {
     facets: Vec<FacetNodes>,
     nodes: Vec<u32>,
     local_facets: Vec<FacetNodes>,
-    /// Over each edge; [`NONE`] at a rim.
+    /// Neighbour over each edge; [`NONE`] at a rim.
     neighbours: Vec<FacetNodes>,
     around_start: Vec<u32>,
     around: Vec<u32>,

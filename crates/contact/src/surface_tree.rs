@@ -17,7 +17,7 @@ pub struct SurfaceTree {
 }
 
 impl SurfaceTree {
-    /// At positions `q`.
+    /// The tree at positions `q`.
     ///
     /// # Errors
     /// [`ContactError::MissingNode`] if `q` is too short.

@@ -178,7 +178,7 @@ pub fn energy_momentum_stresses<S: Simd>(
     Ok(())
 }
 
-/// From stress and elasticity at the mean strain to those of the step.
+/// Completes stress and elasticity at the mean strain to those of the step.
 #[inline]
 fn complete(
     law: &(impl HyperelasticLaw + ?Sized),

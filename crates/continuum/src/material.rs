@@ -41,7 +41,7 @@ pub enum Want {
     Energy,
     /// `w` and the stress.
     Stress,
-    /// All.
+    /// `w`, the stress and the moduli.
     Moduli,
 }
 
@@ -59,16 +59,16 @@ pub struct Response {
 /// What a step has lost at a point, per reference volume; none is negative but for round-off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loss {
-    /// By plastic flow.
+    /// Energy lost by plastic flow.
     pub plastic: f64,
-    /// By viscous flow.
+    /// Energy lost by viscous flow.
     pub viscous: f64,
-    /// By softening.
+    /// Energy lost by softening.
     pub softening: f64,
 }
 
 impl Loss {
-    /// All of it.
+    /// All of the loss.
     pub fn total(&self) -> f64 {
         self.plastic + self.viscous + self.softening
     }
@@ -93,7 +93,7 @@ pub struct Mechanisms {
 }
 
 impl Mechanisms {
-    /// All of them.
+    /// All mechanisms.
     pub const ALL: Self = Self { plastic: true, viscous: true, softening: true };
 
     /// The mechanisms that either material has.
@@ -111,7 +111,7 @@ impl Mechanisms {
 pub struct StateEntry {
     /// Name in output.
     pub name: String,
-    /// How many numbers: 1, 3 of a vector, or 6 of a symmetric tensor in the order 11, 22, 33, 12, 23, 13.
+    /// Number of components: 1, 3 of a vector, or 6 of a symmetric tensor in the order 11, 22, 33, 12, 23, 13.
     pub len: usize,
     /// What it measures, in one sentence.
     pub about: &'static str,
@@ -139,7 +139,7 @@ pub struct StateOutput {
 pub trait Material: HyperelasticLaw {
     /// The numbers of a point's state, in their order.
     fn state(&self) -> &[StateEntry];
-    /// How many numbers the state of a point has.
+    /// Length of the state of a point, in numbers.
     fn state_len(&self) -> usize {
         self.state().iter().map(|entry| entry.len).sum()
     }

@@ -10,12 +10,12 @@ pub struct SmallStrainModuli {
 }
 
 impl SmallStrainModuli {
-    /// From Young's modulus and Poisson's ratio (`-1 < poisson < 1/2`).
+    /// The moduli from Young's modulus and Poisson's ratio (`-1 < poisson < 1/2`).
     pub fn from_young_poisson(young: f64, poisson: f64) -> Self {
         Self { shear: young / (2.0 * (1.0 + poisson)), bulk: young / (3.0 * (1.0 - 2.0 * poisson)) }
     }
 
-    /// From Lamé's constants.
+    /// The moduli from Lamé's constants.
     pub fn from_lame(lambda: f64, shear: f64) -> Self {
         Self { shear, bulk: lambda + 2.0 * shear / 3.0 }
     }

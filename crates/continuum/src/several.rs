@@ -24,7 +24,7 @@ pub struct Wanted<'a> {
 }
 
 impl Strains<'_> {
-    /// By the law's methods for one strain.
+    /// Evaluates by the law's methods for one strain.
     ///
     /// # Errors
     /// The number of the first strain that is inadmissible, and why it is.

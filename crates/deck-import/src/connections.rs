@@ -68,7 +68,7 @@ impl Context<'_> {
         Some(())
     }
 
-    /// Between a degree of freedom of a node and the ground.
+    /// Adds a support between a degree of freedom of a node and the ground.
     fn ground(&mut self, end: End, section: &ConnectionSection, key: &str) -> Option<()> {
         let (End::Solid(_, node), &[freedom @ 0..3]) = (end, &section.freedoms[..]) else { return None };
         if self.axes.has(node) {

@@ -29,7 +29,7 @@ pub(crate) struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// How many of the nodes that a line of the deck names belong to no body; `found` are those that belong to an element.
+    /// Number of the nodes that a line of the deck names which belong to no body; `found` are those that belong to an element.
     pub fn nodes_outside(&self, found: &Selection<u32>, target: &Target) -> usize {
         let all = if let Target::Set(name) = target { self.lookup.node_set_size(name) } else { found.members.len() };
         let own = found.members.iter().filter(|node| self.bodies.owner(**node).is_some()).count();

@@ -20,7 +20,7 @@ pub(crate) struct Value {
 /// A function of time, linear between its rows and constant outside of them, and the stages in which it acts.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct History {
-    /// For each stage.
+    /// Whether it acts, for each stage.
     pub active: Vec<bool>,
     /// Times, which do not fall, and values. Two rows of one time are a jump, at the beginning of a stage.
     pub rows: Vec<[f64; 2]>,

@@ -579,7 +579,7 @@ mod tests {
         assert!(meaning("*UNHEARD OF", false).consequence.contains("does not know it"));
     }
 
-    /// By severity, in the words of the reader of decks.
+    /// Severities, in the words of the reader of decks.
     #[test]
     fn severities() {
         use Severity::{Changed, Missing, Note};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::timeline::Timeline;
 
-/// For each stage the records that act in it, by their numbers.
+/// Records that act in each stage, by their numbers.
 pub(crate) type StageRecords = Vec<Vec<u32>>;
 
 /// A line of the deck with what it acts on.

@@ -18,7 +18,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// What a line of the deck says of the degrees of freedom of reference nodes.
 #[derive(Default)]
 struct Lines {
-    /// By degree of freedom: of the reference node that the members name.
+    /// Lines by degree of freedom: of the reference node that the members name.
     of: [Vec<DeckLine<u32>>; 6],
     values: Vec<Value>,
     places: Vec<DeckPlace>,

@@ -48,7 +48,7 @@ pub(crate) enum End {
 /// All reference nodes.
 pub(crate) struct References {
     pub all: Vec<Reference>,
-    /// By numbers of the deck; those of solids are not among them.
+    /// Reference nodes by numbers of the deck; those of solids are not among them.
     index: BTreeMap<u64, usize>,
     /// Nodes that no solid has: place and sets, in upper case.
     free: BTreeMap<u64, ([f64; 3], BTreeSet<String>)>,

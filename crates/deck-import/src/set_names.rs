@@ -27,7 +27,7 @@ pub(crate) struct SetNames<'a> {
     taken: BTreeSet<String>,
     /// True if the deck itself cannot be the mesh of the scene.
     needs_mesh: bool,
-    /// For each body the group of the deck that is its mesh, and that mesh as the scene would read it; none if there is no such group.
+    /// Group of the deck that is the mesh of each body, and that mesh as the scene would read it; none if there is no such group.
     direct: Vec<Option<(Option<String>, Mesh)>>,
     /// New sets by their content.
     new_nodes: BTreeMap<Vec<u32>, String>,

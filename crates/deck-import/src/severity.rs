@@ -12,7 +12,7 @@ pub enum Severity {
 }
 
 impl Severity {
-    /// All of them, the worst first.
+    /// All severities, the worst first.
     pub const ALL: [Self; 3] = [Self::Missing, Self::Changed, Self::Note];
 
     /// Name of the severity in a scene.

@@ -7,7 +7,7 @@ use stoss_continuum::ConstitutiveError;
 pub enum TimeLevel {
     /// The end of the step, `q_np1` (or the single configuration of a query).
     End,
-    /// Between start and end, `q_{n+theta}` with `0 < theta < 1`.
+    /// A configuration between start and end, `q_{n+theta}` with `0 < theta < 1`.
     Intermediate,
     /// The beginning of the step, `q_n`.
     Start,
@@ -124,7 +124,7 @@ pub enum SolidError {
     Length {
         /// Name of the body or load.
         name: String,
-        /// Which array.
+        /// Name of the array.
         what: &'static str,
         /// Length of the array.
         found: usize,

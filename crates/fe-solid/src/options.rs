@@ -21,7 +21,7 @@ impl SolidOptions {
 /// How elements treat the change of volume.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Volumetric {
-    /// At each Gauss point, as the law says. Such elements lock near incompressibility, above a Poisson's ratio of about 0.45.
+    /// The change of volume at each Gauss point, as the law says. Such elements lock near incompressibility, above a Poisson's ratio of about 0.45.
     #[default]
     Displacement,
     /// The part of the law that depends on the volume sees an average of `det F` (theory/elements#eq-dilatation): a constant of each element, for hex27 a function

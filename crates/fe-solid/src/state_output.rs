@@ -7,9 +7,9 @@ use stoss_continuum::StateOutput;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutputPlace {
     pub(crate) first: usize,
-    /// How many numbers it has.
+    /// Number of components of the output.
     pub len: usize,
-    /// How many there are of all outputs.
+    /// Number of components of all outputs.
     pub(crate) all: usize,
     pub(crate) jumps: bool,
 }

@@ -8,11 +8,11 @@ use nalgebra::Vector3;
 /// Where on a closed patch a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PatchFeature {
-    /// In the open facet.
+    /// The open facet.
     Interior,
-    /// In the open edge from corner `k` to the next one.
+    /// The open edge from corner `k` to the next one.
     Edge(usize),
-    /// In corner `k`.
+    /// Corner `k`.
     Vertex(usize),
 }
 

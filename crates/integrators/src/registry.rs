@@ -1,4 +1,4 @@
-//! All schemes by name.
+//! The table of all schemes by name.
 
 use crate::{
     BackwardEuler, EnergyMomentum, EnergyMomentumAugmented, ForwardEuler, GeneralisedAlpha, Midpoint, Scheme,
@@ -23,7 +23,7 @@ pub struct Parameter {
 pub struct SchemeEntry {
     /// Name used in scenes.
     pub name: &'static str,
-    /// One sentence.
+    /// The scheme in one sentence.
     pub about: &'static str,
     /// Parameters of the scheme.
     pub parameters: &'static [Parameter],

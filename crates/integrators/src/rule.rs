@@ -20,11 +20,11 @@ pub enum ForceRule {
 }
 
 impl ForceRule {
-    /// At `q_n`.
+    /// Forces at `q_n`.
     pub const START: Self = Self::Configuration { theta: 0.0 };
-    /// At the midpoint.
+    /// Forces at the midpoint.
     pub const MIDPOINT: Self = Self::Configuration { theta: 0.5 };
-    /// At `q_np1`.
+    /// Forces at `q_np1`.
     pub const END_POINT: Self = Self::Configuration { theta: 1.0 };
 
     /// Whether the force depends on `q_n`.
@@ -65,7 +65,7 @@ pub enum GradientRule {
 }
 
 impl GradientRule {
-    /// All rules.
+    /// All rules of gradients.
     pub const ALL: [Self; 5] =
         [Self::StartPoint, Self::EndPoint, Self::EndPointMean, Self::Midpoint, Self::DiscreteGradient];
 }

@@ -93,12 +93,12 @@ pub struct Buffers {
 }
 
 impl Buffers {
-    /// For a system with that many coordinates.
+    /// Buffers for a system with that many coordinates.
     pub fn new(dimension: usize, inertia: bool, constraints: bool) -> Self {
         Self::with_own(dimension, std::iter::once(0..dimension).collect(), inertia, constraints)
     }
 
-    /// For a system of which only the coordinates `own` have equations. The others are not changed, in the states neither: the caller updates
+    /// Buffers for a system of which only the coordinates `own` have equations. The others are not changed, in the states neither: the caller updates
     /// them. They have no mass and no force, and constraint forces on them (`constraint`) are not in the residual.
     pub fn with_own(dimension: usize, own: Vec<Range<usize>>, inertia: bool, constraints: bool) -> Self {
         let vector = |wanted| vec![0.0; if wanted { dimension } else { 0 }];

@@ -229,7 +229,7 @@ pub fn unused_options(prefix: &str) -> Result<Vec<String>, String> {
 pub enum Failure {
     /// A pivot that is zero.
     Singular,
-    /// No memory.
+    /// A lack of memory.
     Memory,
     /// Something else.
     Other,
@@ -373,7 +373,7 @@ impl System {
         })
     }
 
-    /// How many pivots of the factors are zero, and how many are negative, if they are symmetric.
+    /// Number of pivots of the factors that are zero, and of those that are negative, if they are symmetric.
     pub fn pivots(&self, engine: usize) -> Result<(usize, Option<usize>), String> {
         let (mut zero, mut negative) = (0, -1);
         self.assert_has(engine);

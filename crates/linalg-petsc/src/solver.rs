@@ -52,7 +52,7 @@ pub struct PetscSolver {
 }
 
 impl PetscSolver {
-    /// On all ranks of MPI.
+    /// A solver on all ranks of MPI.
     pub fn new(mpi: Arc<Mpi>, method: Method) -> Self {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         Self {
@@ -400,7 +400,8 @@ impl LinearSolver for PetscSolver {
         Ok(true)
     }
 
-    /// From a solution for a right-hand side with parts of all directions: `None` without an iteration, or if it ends for another reason.
+    /// Whether the matrix is definite, from a solution for a right-hand side with parts of all directions: `None` without an iteration, or if it ends for
+    /// another reason.
     fn is_definite(&mut self, values: &[f64]) -> Option<bool> {
         let n = self.rows.of_equation.len();
         // Weyl's sequence: entries in [-1, 1) without a period.

@@ -3,11 +3,11 @@
 /// Where a value that is not finite was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// In the matrix; the index is the position in the list of values.
+    /// An entry of the matrix; the index is the position in the list of values.
     Matrix,
-    /// In the right-hand side; the index is the equation.
+    /// An entry of the right-hand side; the index is the equation.
     RightHandSide,
-    /// In the solution; the index is the equation.
+    /// An entry of the solution; the index is the equation.
     Solution,
 }
 
@@ -58,7 +58,7 @@ pub enum LinalgError {
     /// A slice has the wrong length.
     #[error("{what} has {found} entries instead of {expected}")]
     Length {
-        /// Which slice.
+        /// Name of the slice.
         what: &'static str,
         /// The length asked for.
         expected: usize,
@@ -83,7 +83,7 @@ pub enum LinalgError {
     /// NaN or infinity.
     #[error("the {place} is not finite at index {index}")]
     NonFinite {
-        /// Which array.
+        /// Array that it is in.
         place: Place,
         /// Index in that array.
         index: usize,

@@ -153,7 +153,7 @@ struct Lines {
     path: PathBuf,
     reader: BufReader<File>,
     number: usize,
-    /// From a comment that was read.
+    /// First multiplier, from a comment that was read.
     first_multiplier: Option<usize>,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::LinalgError;
 
-/// In a stencil: this local unknown has no equation (a prescribed component). In a [`crate::ScatterMap`]: this local
+/// The mark of what is not there. In a stencil: this local unknown has no equation (a prescribed component). In a [`crate::ScatterMap`]: this local
 /// entry is dropped.
 pub const NONE: u32 = u32::MAX;
 

@@ -14,7 +14,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// All of them.
+    /// All kinds of tests.
     pub const ALL: [Self; 3] = [Self::Uniaxial, Self::Equibiaxial, Self::Planar];
 
     /// Name in tables.
@@ -55,12 +55,13 @@ impl Curve {
 /// Curves of a material, at most one of each kind of test.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
-    /// In the order in which the table begins them.
+    /// Curves in the order in which the table begins them.
     pub all: Vec<Curve>,
 }
 
 impl Curves {
-    /// From a table with a line of names, `test`, `stretch` or `strain` (nominal), and `stress` (nominal), and a line for each point; values are separated by commas or semicolons, and `#` begins a
+    /// The curves from a table with a line of names, `test`, `stretch` or `strain` (nominal), and `stress` (nominal), and a line for each point; values are
+    /// separated by commas or semicolons, and `#` begins a
     /// comment. Points without strain are left out.
     ///
     /// # Errors

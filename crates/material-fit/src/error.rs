@@ -6,11 +6,11 @@ pub enum FitError {
     /// A line of a table.
     #[error("line {line}: {message}; {remedy}")]
     Line {
-        /// From one.
+        /// Number of the line, from one.
         line: usize,
         /// What is wrong.
         message: String,
-        /// What to do.
+        /// Remedy: what to do.
         remedy: String,
     },
     /// Fewer points than parameters.
@@ -20,7 +20,7 @@ pub enum FitError {
     TooFew {
         /// Name of the law.
         law: &'static str,
-        /// How many are sought.
+        /// Number of parameters that are sought.
         parameters: usize,
         /// Points beside those without strain.
         points: usize,

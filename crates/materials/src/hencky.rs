@@ -21,7 +21,7 @@ pub struct Hencky {
 }
 
 impl Hencky {
-    /// From Lamé's constants (stresses).
+    /// The law from Lamé's constants (stresses).
     ///
     /// # Errors
     /// Values that are not finite; shear or bulk modulus not positive.
@@ -32,7 +32,7 @@ impl Hencky {
         Ok(Self { bulk: moduli.bulk, mu })
     }
 
-    /// From Young's modulus (a stress) and Poisson's ratio.
+    /// The law from Young's modulus (a stress) and Poisson's ratio.
     ///
     /// # Errors
     /// `young <= 0`, or `poisson` not in (-1, 1/2).

@@ -26,7 +26,7 @@ pub struct MooneyRivlin {
 }
 
 impl MooneyRivlin {
-    /// From the three constants (stresses).
+    /// The law from its three constants (stresses).
     ///
     /// # Errors
     /// Values that are not finite; shear modulus `2 (c1 + c2)` or bulk modulus `2 c + 4 c2 + 4/3 (c1 + c2)` not positive.

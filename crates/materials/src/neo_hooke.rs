@@ -23,7 +23,7 @@ pub struct NeoHooke {
 }
 
 impl NeoHooke {
-    /// From Lamé's constants (stresses).
+    /// The law from Lamé's constants (stresses).
     ///
     /// # Errors
     /// Values that are not finite; shear or bulk modulus not positive.
@@ -33,7 +33,7 @@ impl NeoHooke {
         Ok(Self { lambda, mu })
     }
 
-    /// From Young's modulus (a stress) and Poisson's ratio.
+    /// The law from Young's modulus (a stress) and Poisson's ratio.
     ///
     /// # Errors
     /// `young <= 0`, or `poisson` not in (-1, 1/2).

@@ -60,7 +60,7 @@ impl State {
 }
 
 impl Ogden {
-    /// From the terms `mu_P` (a stress), `alpha_P`, the bulk modulus `kappa` (a stress) and `beta` (not zero).
+    /// The law from the terms `mu_P` (a stress), `alpha_P`, the bulk modulus `kappa` (a stress) and `beta` (not zero).
     ///
     /// # Errors
     /// Lists of different lengths or empty, values that are not finite, `beta = 0`, an `alpha_P = 0`, bulk modulus `kappa` or shear modulus

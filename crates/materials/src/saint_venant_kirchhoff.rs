@@ -24,7 +24,7 @@ pub struct SaintVenantKirchhoff {
 }
 
 impl SaintVenantKirchhoff {
-    /// From Lamé's constants (stresses).
+    /// The law from Lamé's constants (stresses).
     ///
     /// # Errors
     /// Values that are not finite; shear or bulk modulus not positive.
@@ -34,7 +34,7 @@ impl SaintVenantKirchhoff {
         Ok(Self { lambda, mu })
     }
 
-    /// From Young's modulus (a stress) and Poisson's ratio.
+    /// The law from Young's modulus (a stress) and Poisson's ratio.
     ///
     /// # Errors
     /// `young <= 0`, or `poisson` not in (-1, 1/2).

@@ -18,9 +18,9 @@ enum Rule {
 }
 
 struct Run {
-    /// At the start.
+    /// Energy at the start.
     energy: f64,
-    /// Relative.
+    /// Drift of the energy, relative.
     energy_drift: f64,
     momentum_drift: f64,
     most_iterations: usize,

@@ -1,4 +1,4 @@
-//! From a file's own numbers, which may be arbitrary, to [`Contents`].
+//! The way from a file's own numbers, which may be arbitrary, to [`Contents`].
 
 use std::collections::HashMap;
 

@@ -26,7 +26,7 @@ pub(crate) struct Other {
     pub first: Place,
     /// The groups of elements that it belongs to; `None` if it concerns the whole file.
     pub groups: Option<BTreeSet<String>>,
-    /// What to do instead.
+    /// Remedy: what to do instead.
     pub remedy: String,
 }
 

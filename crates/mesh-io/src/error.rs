@@ -84,9 +84,9 @@ pub enum MeshIoError {
         path: PathBuf,
         /// The place of the first occurrence.
         at: FilePosition,
-        /// What it is.
+        /// Name of the thing.
         value: String,
-        /// What to do instead.
+        /// Remedy: what to do instead.
         remedy: String,
     },
     /// A number refers to something that the file does not define.
@@ -101,7 +101,7 @@ pub enum MeshIoError {
         /// Number or name that is not defined.
         number: String,
     },
-    /// There are no hexahedra, tetrahedra or wedges in the file.
+    /// A file without hexahedra, tetrahedra or wedges.
     #[error("{}: there are no hexahedra, tetrahedra or wedges in this file: mesh the volumes, and save their elements", path.display())]
     NoElements {
         /// The file.
@@ -123,11 +123,11 @@ pub enum MeshIoError {
         kind: CellKind,
         /// Numbers of the element's nodes, in the order of the kind.
         nodes: Box<[u64]>,
-        /// Where.
+        /// Place where the element is inverted.
         point: Box<ElementPoint>,
         /// `det J` (a volume per reference volume).
         jacobian: f64,
-        /// What to do.
+        /// Remedy: what to do.
         remedy: &'static str,
     },
     /// Two elements on the same side of a facet.
@@ -171,7 +171,7 @@ pub enum MeshIoError {
         kinds: String,
         /// Mean of the corners of the facet.
         centre: [f64; 3],
-        /// How many facets there are that others lie on.
+        /// Number of facets that others lie on.
         count: usize,
     },
     /// The file has no such group of elements.

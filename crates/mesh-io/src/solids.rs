@@ -24,13 +24,13 @@ pub struct Solids {
 pub struct OtherElements {
     /// Name of the type, as "elements S4R".
     pub what: String,
-    /// How many.
+    /// Number of such elements.
     pub count: usize,
     /// The file of the first.
     pub path: PathBuf,
     /// Line of the first.
     pub line: usize,
-    /// What to do instead.
+    /// Remedy: what to do instead.
     pub remedy: String,
 }
 

@@ -12,7 +12,7 @@ use crate::Contents;
 pub struct CellCount {
     /// What it is called in the format.
     pub name: String,
-    /// How many there are.
+    /// Number of such cells.
     pub count: usize,
     /// Place of the first, as "line 7".
     pub first: String,

@@ -67,7 +67,7 @@ pub enum MeshError {
         /// The largest number of elements.
         limit: usize,
     },
-    /// There is no set of this name.
+    /// A set of a name that does not exist.
     #[error("no set named \"{name}\"; the mesh has: {}", available.join(", "))]
     UnknownSet {
         /// The name asked for.
@@ -127,7 +127,7 @@ pub enum MeshError {
         kind: SetKind,
         /// The bad number.
         index: u32,
-        /// How many there are.
+        /// Number of things of that kind in the mesh.
         count: usize,
     },
     /// A coordinate is infinite or not a number.
@@ -160,7 +160,7 @@ pub enum MeshError {
         element: u32,
         /// Nodes of the element.
         nodes: Vec<u32>,
-        /// Where.
+        /// Place where the element is inverted.
         point: ElementPoint,
         /// `det J` there (a volume per reference volume).
         jacobian: f64,
@@ -183,11 +183,11 @@ pub enum MeshError {
     /// Nodes that belong to no element.
     #[error("{count} nodes belong to no element, the first is node {first} at {coordinates:?}: remove them")]
     UnusedNodes {
-        /// How many.
+        /// Number of such nodes.
         count: usize,
         /// The first of them.
         first: u32,
-        /// Where it is.
+        /// Position of the first.
         coordinates: [f64; 3],
     },
     /// Two nodes at the same place.
@@ -195,11 +195,11 @@ pub enum MeshError {
         "nodes {first} and {second} are both at {coordinates:?} (distance {distance:e}): merge coincident nodes, or make two bodies"
     )]
     DuplicateNodes {
-        /// The one node.
+        /// The first node.
         first: u32,
-        /// The other node.
+        /// The second node.
         second: u32,
-        /// Where the first is.
+        /// Position of the first node.
         coordinates: [f64; 3],
         /// Distance of both nodes, a length.
         distance: f64,
@@ -272,7 +272,7 @@ pub enum MeshError {
         kinds: String,
         /// Mean of the corners of the facet.
         centre: [f64; 3],
-        /// How many facets there are that others lie on.
+        /// Number of facets that others lie on.
         count: usize,
     },
     /// Elements that overlap: a facet shared by more than two, or by two on the same side of it.

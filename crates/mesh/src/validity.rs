@@ -141,7 +141,7 @@ struct Factor {
     dimension: usize,
     /// Barycentric coordinates of the equidistant points, as many as there are polynomials.
     points: Vec<[f64; 4]>,
-    /// From values at the points to coefficients, row-major.
+    /// Matrix from values at the points to coefficients, row-major.
     inverse: Vec<f64>,
 }
 

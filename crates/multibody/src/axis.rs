@@ -20,7 +20,7 @@ pub struct BeamAxis {
 }
 
 impl BeamAxis {
-    /// From `order * elements + 1` nodes in a row (lengths) and their directors.
+    /// The axis from `order * elements + 1` nodes in a row (lengths) and their directors.
     ///
     /// # Errors
     /// [`PartDataError`].

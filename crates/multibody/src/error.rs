@@ -7,7 +7,7 @@ pub enum PartDataError {
     /// A number has the wrong sign, or is not finite.
     #[error("{what} = {value:e} must be {must}")]
     Number {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
         /// The number.
         value: f64,
@@ -47,7 +47,7 @@ pub enum PartDataError {
     /// Lists that belong together differ in length.
     #[error("{what}: {found} entries, expected {expected}")]
     Count {
-        /// Which list.
+        /// Name of the list.
         what: &'static str,
         /// Entries found.
         found: usize,

@@ -7,7 +7,7 @@ use stoss_term::{ForceRule, Local};
 /// Where the gradient of a function between two configurations is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GradientAt {
-    /// At `(1 - theta) q_n + theta q_np1`.
+    /// The configuration `(1 - theta) q_n + theta q_np1`.
     Configuration(f64),
     /// Discrete gradient.
     Discrete,

@@ -78,7 +78,8 @@ pub struct LinearEquations {
 }
 
 impl LinearEquations {
-    /// For these points with their factors, an equation each; `reference` has the positions of all vectors in the reference configuration (three entries each), and violations
+    /// The equations for these points with their factors, an equation each; `reference` has the positions of all vectors in the reference configuration (three
+    /// entries each), and violations
     /// are judged against `length`.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ pub enum RigidError {
     /// A mass, a principal value or a length is not positive and finite.
     #[error("{what} = {value:e} must be positive and finite")]
     NotPositive {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
         /// The number.
         value: f64,
@@ -22,7 +22,7 @@ pub enum RigidError {
     /// A coordinate is NaN or infinite.
     #[error("{what} is not finite")]
     NotFinite {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
     },
 }
@@ -41,7 +41,7 @@ pub struct RigidMass {
 }
 
 impl RigidMass {
-    /// From principal values about given axes.
+    /// The mass from principal values about given axes.
     ///
     /// # Errors
     /// [`RigidError`]. Of the principal values one may be zero, for a plate; with two zeros a spin about the third axis has no inertia.
@@ -61,10 +61,10 @@ impl RigidMass {
         Ok(Self { mass, centre, euler, axes })
     }
 
-    /// From an Euler tensor about the centre of mass, whose principal axes are found.
+    /// The mass from an Euler tensor about the centre of mass, whose principal axes are found.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn of_tensor(mass: f64, centre: [f64; 3], euler: [[f64; 3]; 3]) -> Result<Self, RigidError> {
         if !euler.iter().flatten().all(|x| x.is_finite()) {
             return Err(RigidError::NotFinite { what: "the Euler tensor" });

@@ -72,7 +72,7 @@ fn rectangle_torsion(sides: [f64; 2]) -> f64 {
 }
 
 impl Section {
-    /// From an area, with a factor `k` of the shear area (1: none) and, in place of [`Area::torsion`], a torsion constant `J` if it is given.
+    /// The section of an area, with a factor `k` of the shear area (1: none) and, in place of [`Area::torsion`], a torsion constant `J` if it is given.
     ///
     /// # Errors
     /// [`PartDataError::Number`].

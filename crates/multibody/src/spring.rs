@@ -36,7 +36,7 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// Between two points.
+    /// A spring between two points.
     ///
     /// # Errors
     /// [`PartDataError::Number`].

@@ -17,7 +17,7 @@ pub enum LineSearch {
         small: f64,
         /// Factor between two trials, in (0, 1).
         reduction: f64,
-        /// At most so many reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
+        /// Largest number of reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
         max_reductions: u32,
     },
     /// Backtracking as [`Self::Backtracking`], and where no constraint is violated a full step that goes too far is shortened by the slope `g(s) = R(u + s du)
@@ -40,7 +40,7 @@ pub enum LineSearch {
     Best {
         /// Factor between two trials, in (0, 1).
         reduction: f64,
-        /// At most so many reductions.
+        /// Largest number of reductions.
         max_reductions: u32,
     },
 }

@@ -22,7 +22,7 @@ pub enum DerivativeError {
     },
     /// A vector or a matrix of the wrong length.
     Length {
-        /// Which one.
+        /// Name of the vector or matrix.
         what: &'static str,
         /// The length that was needed.
         expected: usize,

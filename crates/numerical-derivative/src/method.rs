@@ -17,7 +17,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them.
+    /// All methods.
     pub const ALL: [Self; 4] = [Self::Forward, Self::Backward, Self::Central, Self::ComplexStep];
 
     /// Name for tables and legends.

@@ -100,7 +100,7 @@ impl Scalar for Complex64 {
         self.re
     }
 
-    /// By the addition theorem: no cancellation near the poles.
+    /// Tangent by the addition theorem: no cancellation near the poles.
     #[inline]
     fn tan(self) -> Self {
         let (t, u) = (self.re.tan(), self.im.tanh());

@@ -23,7 +23,7 @@ pub struct RandomQuad {
     pub shift: Vector3<f64>,
     /// Square of the factor of the size.
     pub scale: f64,
-    /// On a lattice of 1/2, where corners and edges of several facets coincide.
+    /// Whether the facet is on a lattice of 1/2, where corners and edges of several facets coincide.
     pub snap: bool,
 }
 

@@ -4,7 +4,7 @@ use crate::cells::{HEX8, HEX20, HEX27, TET4, TET10, WEDGE6, WEDGE15};
 use crate::table::{CellKind, CellTable, Face, Family, Integration, Rule};
 
 impl CellKind {
-    /// All kinds.
+    /// All kinds of cells.
     pub const ALL: [Self; 7] =
         [Self::Hex8, Self::Hex20, Self::Hex27, Self::Tet4, Self::Tet10, Self::Wedge6, Self::Wedge15];
 

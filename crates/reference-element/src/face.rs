@@ -43,9 +43,9 @@ pub struct Trace {
 
 const CORNERS: [&[(u8, f64)]; 4] = [&[(0, 1.0)], &[(1, 1.0)], &[(2, 1.0)], &[(3, 1.0)]];
 
-/// In the middle of an edge.
+/// Weight of the middle node in the vertex at the middle of an edge.
 const M: f64 = 4.0 / 3.0;
-/// At its ends.
+/// Weight of each end node in the vertex at the middle of an edge.
 const E: f64 = -1.0 / 6.0;
 
 /// What tells one kind from another. One constant a kind.
@@ -173,7 +173,7 @@ static QUAD9: Data = Data {
 };
 
 impl FaceKind {
-    /// All kinds.
+    /// All kinds of faces.
     pub const ALL: [Self; 5] = [Self::Tri3, Self::Quad4, Self::Tri6, Self::Quad8, Self::Quad9];
 
     fn data(self) -> &'static Data {
@@ -376,7 +376,7 @@ pub struct FaceNodes {
 }
 
 impl FaceNodes {
-    /// From the number at each node.
+    /// Nodes from the number of each.
     pub fn from_fn(kind: FaceKind, mut node: impl FnMut(usize) -> u32) -> Self {
         let mut nodes = [node(0); MAX_FACE_NODES];
         for (k, n) in nodes[..kind.node_count()].iter_mut().enumerate().skip(1) {

@@ -76,7 +76,7 @@ static TRI3: Data = Data {
 };
 
 impl FacetKind {
-    /// All kinds.
+    /// All kinds of facets.
     pub const ALL: [Self; 2] = [Self::Quad4, Self::Tri3];
 
     fn data(self) -> &'static Data {
@@ -288,7 +288,7 @@ pub struct Nodal<T> {
 pub type FacetNodes = Nodal<u32>;
 
 impl<T: Copy> Nodal<T> {
-    /// From the values at the nodes.
+    /// Values from a function of the node.
     #[inline]
     pub fn from_fn(kind: FacetKind, mut value: impl FnMut(usize) -> T) -> Self {
         let mut values = [value(0); MAX_NODES];
@@ -304,7 +304,7 @@ impl<T: Copy> Nodal<T> {
         self.kind
     }
 
-    /// All places: the first value stands where there is no node. In sums with weights that are zero there it does no harm.
+    /// Values at all places: the first value stands where there is no node. In sums with weights that are zero there it does no harm.
     #[inline]
     pub fn padded(&self) -> &[T; MAX_NODES] {
         &self.values

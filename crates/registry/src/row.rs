@@ -10,12 +10,12 @@ pub struct Refusal {
     pub parameter: &'static str,
     /// What is wrong with it.
     pub message: String,
-    /// What to do.
+    /// Remedy: what to do.
     pub remedy: String,
 }
 
 impl Refusal {
-    /// From its parts.
+    /// A refusal from its parts.
     pub fn new(parameter: &'static str, message: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { parameter, message: message.into(), remedy: remedy.into() }
     }

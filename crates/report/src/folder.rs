@@ -75,7 +75,7 @@ impl Folder {
         Ok(Self { path: path.to_path_buf(), frames, summary, run, setup, bodies, notes })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -28,10 +28,10 @@ const VON_MISES: &str = "von_mises";
 /// Which frame is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Which {
-    /// The last one.
+    /// The last frame.
     #[default]
     Last,
-    /// By its number, counted from zero.
+    /// The frame of this number, counted from zero.
     Number(usize),
     /// The frame nearest to a time.
     Nearest(f64),

@@ -13,7 +13,7 @@ use crate::Outcome;
 pub struct Array {
     /// Numbers in a row.
     pub components: usize,
-    /// All rows.
+    /// Values of all rows.
     pub values: Vec<f64>,
 }
 

@@ -34,7 +34,7 @@ pub enum Cell {
 impl Cell {
     const ALL_QUADRATIC: &str = "quadratic";
 
-    /// All names.
+    /// Names of all kinds of cells.
     pub fn names() -> impl Iterator<Item = &'static str> {
         CellKind::ALL.into_iter().map(CellKind::name).chain([Self::ALL_QUADRATIC])
     }

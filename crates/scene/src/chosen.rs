@@ -11,7 +11,7 @@ use std::ops::Deref;
 
 /// A table of which scenes choose rows.
 pub trait Rows: Sized + 'static {
-    /// All rows.
+    /// All rows of the table.
     const ROWS: &'static [Self];
     /// Name and title of the table in the schema.
     const TITLE: [&'static str; 2];
@@ -25,7 +25,7 @@ pub trait Rows: Sized + 'static {
 pub struct Chosen<T: Rows>(&'static T);
 
 impl<T: Rows> Chosen<T> {
-    /// All names.
+    /// Names of all rows.
     pub fn names() -> Vec<&'static str> {
         T::ROWS.iter().map(T::name).collect()
     }

@@ -12,7 +12,7 @@ macro_rules! named {
         }
 
         impl $type {
-            /// All names, in the order of the variants.
+            /// Names of the variants, in their order.
             pub const NAMES: &'static [&'static str] = &[$($name),+];
 
             /// The variant of that name.

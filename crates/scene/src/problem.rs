@@ -22,7 +22,7 @@ pub struct Problem {
     pub value: String,
     /// What is wrong.
     pub message: String,
-    /// What to do.
+    /// Remedy: what to do.
     pub remedy: String,
 }
 

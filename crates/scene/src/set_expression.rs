@@ -44,7 +44,7 @@ impl SetExpression {
 pub struct SetRegion {
     /// Text of the part as it was written.
     pub text: String,
-    /// What it is.
+    /// Kind of the part.
     pub kind: RegionKind,
 }
 

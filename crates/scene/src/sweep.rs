@@ -86,7 +86,7 @@ impl Sweep {
         names
     }
 
-    /// How many cases there are.
+    /// Number of cases.
     pub fn count(&self) -> usize {
         if self.grid.is_empty() {
             self.cases.len()

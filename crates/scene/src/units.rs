@@ -208,7 +208,7 @@ impl Units {
         powers.map(|(unit, exponent)| unit.powi(exponent)).product()
     }
 
-    /// All systems.
+    /// All systems of units.
     pub fn all() -> impl Iterator<Item = Self> {
         Self::NAMES.iter().filter_map(|name| Self::from_name(name))
     }

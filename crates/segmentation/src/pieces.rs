@@ -50,9 +50,9 @@ impl Piece {
 /// Order in which the corners of a facet are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Orientation {
-    /// In the order of their numbers.
+    /// The order of their numbers.
     Forward,
-    /// Against it: for a facet that looks the other way.
+    /// The order against that of their numbers: for a facet that looks the other way.
     Backward,
 }
 

@@ -3,7 +3,7 @@
 /// Springs of one stiffness from every free component to where it was when the springs began.
 #[derive(Debug)]
 pub(crate) struct Anchor {
-    /// In parts of the mean diagonal.
+    /// Part of the mean diagonal that the stiffness is.
     pub part: f64,
     /// Force over length; zero before the first tangent.
     pub stiffness: f64,

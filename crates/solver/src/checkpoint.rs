@@ -37,7 +37,7 @@ pub enum CheckpointError {
     /// A checkpoint of another scene or model.
     #[error("checkpoint does not fit: {reason}")]
     Mismatch {
-        /// What differs.
+        /// Difference between the checkpoint and the run.
         reason: String,
     },
 }

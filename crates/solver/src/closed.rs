@@ -75,7 +75,8 @@ impl Matrix {
 }
 
 impl System {
-    /// After a matrix that is singular: gives rows of closed slots a compliance from now on, and in the present matrix. False if they have one, or if there are none.
+    /// Gives rows of closed slots a compliance from now on, and in the present matrix, after a matrix that is singular. False if they have one, or if there are
+    /// none.
     pub fn soften_singular(&mut self) -> bool {
         if self.rows.compliance > 0.0 || !self.matrix.slots.has_closed {
             return false;

@@ -48,7 +48,7 @@ pub(crate) struct Contributions {
 }
 
 impl Contributions {
-    /// In the order in which the methods visit them.
+    /// Contributions of the couplings that act, in the order in which the methods visit them.
     pub fn active(model: &Model, active: &[Vec<bool>]) -> Self {
         let mut list = Self::default();
         for (c, pair) in model.couplings() {

@@ -69,12 +69,12 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// At time zero. `control` must have a positive finite `step` and `end`; `max_cuts` is limited to 30.
+    /// The clock at time zero. `control` must have a positive finite `step` and `end`; `max_cuts` is limited to 30.
     pub fn new(control: StepControl) -> Self {
         Self::starting_at(0.0, control)
     }
 
-    /// At the time `start`, before the `end` of `control`.
+    /// The clock at the time `start`, before the `end` of `control`.
     pub fn starting_at(start: f64, control: StepControl) -> Self {
         let automatic = control.automatic;
         let max_cuts = automatic.map_or(control.max_cuts, |automatic| automatic.last).min(30);

@@ -30,7 +30,7 @@ impl Seen {
 }
 
 impl Dealt {
-    /// For vectors of so many components and equations.
+    /// Room for vectors of so many components and equations.
     pub fn new(components: usize, equations: usize) -> Self {
         let (out, rhs) = (vec![0.0; components], vec![0.0; equations]);
         Self { out, rhs, shift: Vec::new(), seen: Seen::default() }

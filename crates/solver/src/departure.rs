@@ -12,9 +12,9 @@ pub struct Departure {
     pub component: u32,
     /// Prescription, by its number in `Model::prescriptions`.
     pub prescription: u32,
-    /// When.
+    /// Time at which it was switched on.
     pub time: f64,
-    /// How far it was beyond the place that the table has for it at that time (a length).
+    /// Position of the component less the place that the table has for it at that time (a length).
     pub offset: f64,
 }
 

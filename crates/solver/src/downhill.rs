@@ -11,7 +11,7 @@ use stoss_newton::NewtonProblem as _;
 pub(crate) const SMALLEST_SHIFT: f64 = 1.0e-6;
 const SHIFT_FACTOR: f64 = 4.0;
 
-/// At most so many shifts of a tangent: the last one is ten orders of magnitude above the diagonal.
+/// Largest number of shifts of a tangent: the last one is ten orders of magnitude above the diagonal.
 const MAX_SHIFTS: u32 = 27;
 
 /// Increments of a shifted tangent are lengthened by this at most.

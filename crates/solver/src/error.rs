@@ -206,7 +206,7 @@ pub enum SimulationError {
         what: String,
         /// Where it is farthest away.
         place: String,
-        /// How far.
+        /// Distance there.
         distance: f64,
         /// The length that is allowed.
         length: f64,

@@ -54,11 +54,11 @@ pub struct FailedAttempt {
     pub time: f64,
     /// Size of the step.
     pub dt: f64,
-    /// How.
+    /// Kind of the failure.
     pub kind: FailureKind,
     /// The cause as a message.
     pub reason: String,
-    /// Where.
+    /// Place of the failure.
     pub place: Place,
     /// The matrix of the state at the start of a static step is singular, which no step size changes.
     pub at_any_size: bool,

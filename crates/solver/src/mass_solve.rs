@@ -24,7 +24,7 @@ fn sum_of_products(free: &[u32], a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl MassSolver {
-    /// For the given free components of vectors with `components` entries.
+    /// A solver for the given free components of vectors with `components` entries.
     pub fn new(masses: &Masses, free: &[u32], components: usize) -> Self {
         let diagonal = masses.diagonal(components);
         // What has no mass has no equation here.

@@ -86,9 +86,9 @@ impl PartMass {
 pub(crate) struct Masses {
     /// Shares of the ranks: masses of bodies are those of this rank's elements.
     pub shares: Arc<Shares>,
-    /// One a body.
+    /// Mass matrix of each body.
     pub bodies: Vec<MassMatrix>,
-    /// One a part.
+    /// Mass of each part.
     pub parts: Vec<PartMass>,
 }
 

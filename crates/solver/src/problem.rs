@@ -47,7 +47,7 @@ pub(crate) enum Known {
     Nothing,
     /// All but what the couplings have, in the buffers and in the fixed part of the matrix.
     WithoutCouplings,
-    /// All, with these norms.
+    /// All of residual and tangent, with these norms.
     All(ResidualNorms),
 }
 
@@ -62,7 +62,7 @@ const MAX_PREDICTIONS: u32 = 20;
 const OF_FREE_WAY: f64 = 0.5;
 
 impl<'a> StepProblem<'a> {
-    /// At an iterate of which nothing is known.
+    /// The problem at an iterate of which nothing is known.
     pub fn new(
         model: &'a mut Model,
         system: &'a mut System,

@@ -32,7 +32,7 @@ pub struct StageState {
 /// Multipliers and flags of the slots of each coupling in the last step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SlotState {
-    /// One a slot.
+    /// Pressure of each slot.
     pub pressures: Vec<Vec<f64>>,
     /// Mean pressures of the slots, see [`crate::Simulation::mean_pressures`]; empty where the law of impact did not act in the last step.
     pub mean_pressures: Vec<Vec<f64>>,
@@ -75,7 +75,7 @@ pub struct NodalForces {
 pub struct Log {
     /// Seconds.
     pub timings: Timings,
-    /// All so far.
+    /// Decisions so far.
     pub decisions: Vec<Decision>,
     /// Linear solves, failed attempts included.
     pub solves: u64,

@@ -66,7 +66,7 @@ struct Lists {
 }
 
 impl Lists {
-    /// From pairs of a rank and a node.
+    /// The lists from pairs of a rank and a node.
     fn new(mut pairs: Vec<(u32, u32)>, ranks: usize) -> Self {
         pairs.sort_unstable();
         pairs.dedup();
@@ -392,7 +392,7 @@ impl Shares {
     }
 }
 
-/// Between the parts of a written fault.
+/// The mark between the parts of a written fault.
 const BREAK: char = '\u{1f}';
 
 /// Kind, body, element and message.

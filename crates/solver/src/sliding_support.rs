@@ -27,7 +27,8 @@ pub struct SlidingSupport {
 }
 
 impl SlidingSupport {
-    /// For nodes with these numbers and `reference` positions (`3 * nodes` of the model), along a `direction` of any length, with the one column of `displacement` (a length) as a function of time;
+    /// A support of nodes with these numbers and `reference` positions (`3 * nodes` of the model), along a `direction` of any length, with the one column of
+    /// `displacement` (a length) as a function of time;
     /// violations are measured relative to `length`. `None` if the direction is zero or not finite.
     pub fn new(
         name: &str,

@@ -17,7 +17,7 @@ pub struct Table {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// There is no row.
+    /// A table without rows.
     #[error("the table has no row")]
     Empty,
     /// A row has the wrong number of values.
@@ -52,7 +52,7 @@ impl Table {
         Self { times: vec![0.0], values: values.to_vec(), columns: values.len(), steered: false }
     }
 
-    /// From rows `[time, value, value, ...]` with increasing times.
+    /// A table from rows `[time, value, value, ...]` with increasing times.
     ///
     /// # Errors
     /// No row, a wrong number of values, times that do not increase, values that are not finite.
@@ -92,7 +92,7 @@ impl Table {
         self.steered
     }
 
-    /// From now on: linear from the value at `from` to `values`, one a column, at the later time `to`, and constant after it.
+    /// Leads the values from now on: linear from the value at `from` to `values`, one a column, at the later time `to`, and constant after it.
     pub(crate) fn lead(&mut self, from: f64, to: f64, values: &[f64]) {
         let present: Vec<f64> = (0..self.columns).map(|column| self.value(from, column)).collect();
         self.times = vec![from, to];

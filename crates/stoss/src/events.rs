@@ -36,7 +36,7 @@ pub enum EventRecord {
     },
     /// A warning: no error, but it needs attention.
     Warning {
-        /// In words.
+        /// The warning in words.
         message: String,
     },
     /// A step was completed; its results are in the folder.
@@ -93,9 +93,9 @@ pub struct StepEvent {
 pub struct DiagnosisEvent {
     /// Name of the cause, for instance `no-support`.
     pub cause: String,
-    /// How certain: `high`, `medium` or `low`.
+    /// Certainty of the cause: `high`, `medium` or `low`.
     pub confidence: String,
-    /// Where, in words.
+    /// Place in words.
     pub place: String,
     /// The cause in words of the scene.
     pub sentence: String,
@@ -157,7 +157,7 @@ pub struct EndEvent {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ErrorEvent {
-    /// In words.
+    /// The error in words.
     pub message: String,
     /// `failed` if the simulation stopped early; null if the run did not begin, or its results could not be written.
     pub outcome: Option<String>,
@@ -189,9 +189,9 @@ pub struct ProblemEvent {
     pub key: String,
     /// The value as written; empty if there is none.
     pub value: String,
-    /// What is wrong.
+    /// The problem in words.
     pub message: String,
-    /// What to do.
+    /// Remedy: what to do.
     pub remedy: String,
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct CutsOfStick {
 }
 
 impl CutsOfStick {
-    /// After a step: warns once in a run if many were cut while contacts with friction by multipliers were closed.
+    /// Warns after a step, once in a run, if many were cut while contacts with friction by multipliers were closed.
     pub fn look(&mut self, scene: &Scene, simulation: &mut Simulation, record: &StepRecord) {
         let cuts = record.decisions.iter().filter(|decision| decision.kind == DecisionKind::Cut).count();
         if cuts == 0 {

@@ -23,7 +23,7 @@ pub(crate) fn notes(scene: &Scene) -> Vec<String> {
     of(scene, Omission::Note).map(|entry| format!("note: {entry}")).collect()
 }
 
-/// How many loads, supports, constraints, contacts and parts are missing.
+/// Number of loads, supports, constraints, contacts and parts that are missing.
 pub(crate) fn count(scene: &Scene) -> usize {
     of(scene, Omission::Missing).count()
 }

@@ -156,7 +156,7 @@ fn diagnose_start(path: &Path, options: &RunOptions, scene: &Scene, built: &Buil
     Ok(Diagnosis::of(&Case::new(scene, folder, &options.laws, &built.simulation, watched, &start, None)))
 }
 
-/// How many pressures, further unknowns of contact and tie multipliers there may be.
+/// Numbers of pressures, further unknowns of contact and tie multipliers that there may be, in words.
 fn constraint_unknowns(built: &Built, slots: usize) -> String {
     let pressures: u64 = built.contacts.iter().map(|contact| contact.slots * contact.unknowns_per_slot.min(1)).sum();
     let all: u64 = built.contacts.iter().map(|contact| contact.slots * contact.unknowns_per_slot).sum();

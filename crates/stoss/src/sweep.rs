@@ -62,7 +62,7 @@ struct Mark {
 }
 
 impl Case {
-    /// In words, for instance `mu=0.1 radius=2`.
+    /// The case in words, for instance `mu=0.1 radius=2`.
     pub fn label(&self) -> String {
         self.values.iter().map(|(name, value)| format!("{name}={}", digits(*value))).collect::<Vec<_>>().join(" ")
     }
@@ -170,7 +170,7 @@ impl SweepPlan {
         }
     }
 
-    /// To be called before a case is run: remembers of which scene its folder will be. What an earlier, other case of this number has
+    /// Begins a case, before it is run: remembers of which scene its folder will be. What an earlier, other case of this number has
     /// left besides is removed.
     ///
     /// # Errors

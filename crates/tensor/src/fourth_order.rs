@@ -16,7 +16,7 @@ impl Tensor4 {
     /// The zero tensor.
     pub const ZERO: Self = Self([[0.0; 6]; 6]);
 
-    /// From plain components.
+    /// The tensor from plain components.
     pub fn from_fn(component: impl Fn(usize, usize, usize, usize) -> f64) -> Self {
         Self(INDEX_PAIRS.map(|(i, j)| INDEX_PAIRS.map(|(k, l)| component(i, j, k, l))))
     }

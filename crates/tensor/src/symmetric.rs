@@ -13,7 +13,7 @@ impl SymmetricTensor2 {
     /// The zero tensor.
     pub const ZERO: Self = Self([0.0; 6]);
 
-    /// From plain components in the order 11, 22, 33, 12, 23, 13.
+    /// The tensor from plain components in the order 11, 22, 33, 12, 23, 13.
     #[inline]
     pub const fn from_components(components: [f64; 6]) -> Self {
         Self(components)

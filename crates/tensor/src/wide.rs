@@ -21,7 +21,7 @@ pub struct Wide<S: Simd> {
     value: S::f64s,
 }
 
-/// How many vectors of `S` [`LANES`] numbers take.
+/// Number of vectors of `S` that [`LANES`] numbers take.
 #[inline(always)]
 pub const fn parts<S: Simd>() -> usize {
     LANES / S::F64_LANES

@@ -78,7 +78,7 @@ impl<'a> At<'a> {
         Self::constraint([q_np1; 2], GradientRule::EndPoint, multipliers, active)
     }
 
-    /// At given values of the further unknowns.
+    /// The state at given values of the further unknowns.
     #[must_use]
     pub fn with_auxiliaries(self, auxiliaries: &'a [f64]) -> Self {
         Self { auxiliaries, ..self }

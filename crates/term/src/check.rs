@@ -10,9 +10,9 @@ use crate::{At, Auxiliary, Fault, Local, Rule, Share, Term};
 pub struct Unknowns {
     /// `3 * nodes` entries.
     pub positions: Vec<f64>,
-    /// One a slot.
+    /// Multiplier of each slot.
     pub multipliers: Vec<f64>,
-    /// Slot by slot.
+    /// Auxiliaries, slot by slot.
     pub auxiliaries: Vec<f64>,
 }
 

@@ -93,7 +93,7 @@ impl ReferenceGap {
         *self = Self { options, ..Self::default() };
     }
 
-    /// What was set.
+    /// The options that were set.
     pub fn options(&self) -> &ReferenceGapOptions {
         &self.options
     }
@@ -116,7 +116,7 @@ impl ReferenceGap {
         }
     }
 
-    /// To be told when a step was accepted.
+    /// Tells that a step was accepted.
     pub fn commit(&mut self) {
         self.begun = true;
     }

@@ -58,7 +58,7 @@ pub struct JointReport {
     pub force: [f64; 3],
     /// Moment of the first side on the second about the joint's point on the second.
     pub moment: [f64; 3],
-    /// From the joint's point on the first side to that on the second.
+    /// Vector from the joint's point on the first side to that on the second.
     pub arm: [f64; 3],
     /// Angles and displacements that the joint leaves free and that can be measured.
     pub coordinates: Vec<JointCoordinate>,

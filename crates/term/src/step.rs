@@ -16,16 +16,16 @@ pub enum Hold {
 /// What is known of the motion of nodes without asking the equations: by the prescriptions, ties and contacts that act at present. [`Support::default`] knows nothing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Support {
-    /// By component.
+    /// Whether each component is prescribed.
     prescribed: Vec<bool>,
-    /// By node.
+    /// Whether each node is held wholly; then, in part; then, on a surface.
     wholly: Vec<bool>,
     partly: Vec<bool>,
     on_surface: Vec<bool>,
 }
 
 impl Support {
-    /// For so many nodes, all of them free.
+    /// The support of so many nodes, all of them free.
     pub fn new(nodes: usize) -> Self {
         let free = vec![false; nodes];
         Self { prescribed: vec![false; 3 * nodes], wholly: free.clone(), partly: free.clone(), on_surface: free }

@@ -8,9 +8,9 @@ use stoss_reference_element::{FacetKind, FacetNodes, Nodal};
 pub enum Mesh {
     /// The quadrilaterals themselves.
     Quads,
-    /// Each divided along a diagonal, the one or the other in turn.
+    /// Quadrilaterals each divided along a diagonal, the one or the other in turn.
     Triangles,
-    /// Every other one divided.
+    /// Quadrilaterals of which every other one is divided.
     Mixed,
 }
 

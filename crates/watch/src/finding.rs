@@ -67,9 +67,9 @@ pub enum FindingKind {
 /// One finding, at its worst.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// How severe.
+    /// Severity of the finding.
     pub level: Severity,
-    /// What kind.
+    /// Kind of the finding.
     pub kind: FindingKind,
     /// Numbers of the bodies concerned; equal if it is one body.
     pub bodies: Option<[usize; 2]>,

@@ -39,7 +39,7 @@ pub struct Meeting {
     pub bodies: [usize; 2],
     /// Global number of the node of one that is nearest to the surface of the other.
     pub node: u32,
-    /// Where it is.
+    /// Position of the node.
     pub position: [f64; 3],
     /// Distance of the node from that surface (a length).
     pub apart: f64,

@@ -28,7 +28,7 @@ pub struct Penetration {
     /// Depth over the mean edge length of the facet there; of the facets of a rigid body, which may be large, that of the point's own facet counts too if it
     /// is smaller.
     pub relative: f64,
-    /// Where.
+    /// Position of the point.
     pub position: [f64; 3],
 }
 

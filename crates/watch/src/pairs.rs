@@ -15,7 +15,7 @@ pub(crate) struct Inside {
     pub point: u32,
     pub position: Vector3<f64>,
     pub depth: f64,
-    /// Over the edge length of the facet that is nearest.
+    /// Depth over the edge length of the facet that is nearest.
     pub relative: f64,
 }
 

@@ -147,7 +147,7 @@ fn is_through((first, last): (&Crossing, &Crossing)) -> bool {
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
     triangle: usize,
-    /// In the step, 0 to 1.
+    /// Part of the step before the crossing, 0 to 1.
     time: f64,
     inwards: bool,
     /// Normal of the triangle at that time, a unit vector.

@@ -70,7 +70,7 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// For bodies of these names with these nodes, and contacts between these pairs of them.
+    /// A judge of bodies of these names with these nodes, and contacts between these pairs of them.
     pub fn new(
         bodies: impl IntoIterator<Item = (String, Range<u32>)>,
         contacts: Vec<[usize; 2]>,

@@ -76,7 +76,7 @@ impl GeneralContact {
 }
 
 impl History {
-    /// For checkpoints; nothing at all if there is none.
+    /// Bytes for checkpoints; none at all if there is no history.
     pub fn save(&self) -> Vec<u8> {
         let Self { held, springs } = self;
         if held.is_empty() && springs.is_empty() {

@@ -91,9 +91,9 @@ pub struct GeneralContact {
     shortened: u32,
     /// Friction along the motion that was set last.
     line: Vec<SlipLine>,
-    /// At the start of the step.
+    /// History at the start of the step.
     history: History,
-    /// At the end of the step that was accepted last, until the next one begins.
+    /// History at the end of the step that was accepted last, until the next one begins.
     next_history: Option<History>,
 }
 
@@ -185,7 +185,7 @@ impl GeneralContact {
         }
     }
 
-    /// After the candidates changed: the contacts of the step.
+    /// Makes the contacts of the step, after the candidates changed.
     fn regroup(&mut self) {
         let mut contacts = std::mem::take(&mut self.contacts);
         contacts.regroup(&self.scene());

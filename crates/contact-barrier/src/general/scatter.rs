@@ -1,4 +1,4 @@
-//! From the points of contacts to nodes in two stages: the vertices of some facets first, for all that acts between these, and then once to the nodes.
+//! Forces from the points of contacts to nodes in two stages: the vertices of some facets first, for all that acts between these, and then once to the nodes.
 
 use super::joint::Joint;
 use crate::Skin;

@@ -17,7 +17,7 @@ pub(super) struct Around {
 }
 
 impl Around {
-    /// At a place in a triangle, by the shares of its corners: continuous from triangle to triangle.
+    /// The mean at a place in a triangle, by the shares of its corners: continuous from triangle to triangle.
     fn mean(of: &[Self; 3], shares: [f64; 3]) -> Self {
         let mut mean = Self::default();
         for (around, share) in of.iter().zip(shares) {

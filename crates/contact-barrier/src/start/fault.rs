@@ -70,7 +70,7 @@ pub enum StartFault {
     NoRoom {
         /// The body.
         body: u32,
-        /// At this point.
+        /// Point where it has no room.
         place: [f64; 3],
         /// Depth that it would have to go inside, a length.
         depth: f64,

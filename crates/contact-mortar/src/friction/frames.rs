@@ -25,7 +25,7 @@ pub(crate) struct MaterialFrames {
 pub(crate) type Coordinates = [[f64; 2]; 2];
 
 impl MaterialFrames {
-    /// From reference positions (`3 * nodes`).
+    /// The frames from reference positions (`3 * nodes`).
     pub fn new(slave: &ContactSurface, reference: &[f64]) -> Self {
         let facets = 0..slave.facets().len() as u32;
         let diagonals: Vec<[Vector3<f64>; 2]> = facets.map(|f| diagonals(&slave.patch(f, reference).corners)).collect();

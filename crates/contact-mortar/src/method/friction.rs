@@ -328,7 +328,7 @@ impl MortarContact {
         values.flat_map(f64::to_le_bytes).collect()
     }
 
-    /// How many bytes that are.
+    /// Number of bytes of the history of friction.
     pub(crate) fn friction_history(&self) -> usize {
         HISTORY * self.friction.as_ref().map_or(0, |surface| surface.points.len())
     }

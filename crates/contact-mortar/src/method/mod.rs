@@ -70,7 +70,7 @@ pub struct MortarContact {
     /// Rows of this share.
     own: Vec<bool>,
     pub(crate) surfaces: Surfaces,
-    /// Over the master.
+    /// Tree over the master.
     tree: SurfaceTree,
     pub(crate) options: MortarOptions,
     pub(crate) rule: GradientRule,
@@ -86,7 +86,7 @@ pub struct MortarContact {
     /// Steps that each row has been closed without a break; history.
     pub(crate) closed_steps: Vec<u32>,
     pub(crate) step: StepState,
-    /// At the end of the step, and at its middle where the rule asks for it. With frozen integrals both have the weights of the step.
+    /// Integrals at the end of the step, and at its middle where the rule asks for it. With frozen integrals both have the weights of the step.
     pub(crate) end: Integrated,
     pub(crate) middle: Integrated,
     pub(crate) friction: Option<SurfaceFriction>,
@@ -95,7 +95,8 @@ pub struct MortarContact {
 }
 
 impl MortarContact {
-    /// From facets (global nodes, numbered outward) and reference positions (`3 * nodes`). Of facets that are pieces of quadratic faces gaps are those of the faces.
+    /// The contact from facets (global nodes, numbered outward) and reference positions (`3 * nodes`). Of facets that are pieces of quadratic faces gaps are
+    /// those of the faces.
     ///
     /// # Errors
     /// Empty or degenerate surfaces, shared nodes.

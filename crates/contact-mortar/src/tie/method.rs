@@ -18,7 +18,7 @@ impl TiedNode {
         }
     }
 
-    /// By component, zero where there is none.
+    /// Multipliers by component, zero where there is none.
     fn multipliers(&self, all: &[f64]) -> [f64; 3] {
         let mut slots = self.slots.iter();
         std::array::from_fn(|i| if self.row.kept[i] { slots.next().map_or(0.0, |&s| all[s as usize]) } else { 0.0 })

@@ -101,7 +101,7 @@ pub struct MeshTie {
     form: TieForm,
     /// Whether the gap vectors are to vanish.
     closed: bool,
-    /// If what is prescribed differs from stage to stage.
+    /// Surfaces and rows that differ from stage to stage, if what is prescribed does.
     stages: Option<Box<Stages>>,
     /// Global nodes of both surfaces.
     surfaces: Vec<u32>,

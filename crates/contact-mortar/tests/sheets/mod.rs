@@ -54,7 +54,7 @@ pub enum Surface {
 impl Surface {
     pub const ALL: [Self; 6] = [Self::Quads, Self::Triangles, Self::Mixed, Self::Tri6, Self::Quad8, Self::Quad9];
 
-    /// All pairs.
+    /// All pairs of surfaces.
     pub fn pairs() -> impl Iterator<Item = [Self; 2]> {
         Self::ALL.into_iter().flat_map(|slave| Self::ALL.map(|master| [slave, master]))
     }

@@ -46,7 +46,7 @@ struct Jets {
 }
 
 impl Constraints {
-    /// At positions and coordinates; `None` where the facet has no normal.
+    /// The constraints at positions and coordinates; `None` where the facet has no normal.
     pub fn new(q: &Local, kind: FacetKind, f: [f64; 2]) -> Option<Self> {
         let (x, patch) = points(q, kind);
         let frame = patch.frame(f);

@@ -95,12 +95,12 @@ impl Traction {
 
 /// What the equations of a slot are made of.
 pub(crate) struct Equations<'a> {
-    /// At the configuration of the forces, and whether that is the end point.
+    /// Constraints at the configuration of the forces, and whether that is the end point.
     pub force: &'a Constraints,
     /// Nodes of the element for the local nodes of the constraints.
     pub nodes: [usize; NODES],
     pub at_end: bool,
-    /// At `n+1`.
+    /// Constraints at `n+1`.
     pub end: &'a Constraints,
     pub traction: &'a Traction,
     pub pressure: f64,

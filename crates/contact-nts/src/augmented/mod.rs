@@ -85,7 +85,7 @@ struct Evaluated {
 }
 
 impl CoordinateAugmented {
-    /// From the direct method with its surfaces, constraint and friction.
+    /// The method from the direct one with its surfaces, constraint and friction.
     pub fn new(mut direct: NodeToSurface, options: AugmentedOptions) -> Self {
         direct.augmented = true;
         Self { inner: direct, options }

@@ -361,7 +361,7 @@ impl NodeToSurface {
         }
     }
 
-    /// From as many bytes as [`Self::save_friction`] writes.
+    /// Reads the history from as many bytes as [`Self::save_friction`] writes.
     pub(crate) fn load_friction(&mut self, bytes: &[u8]) {
         let points = self.friction.iter_mut().flat_map(|surface| &mut surface.points);
         for (point, chunk) in points.zip(bytes.chunks_exact(HISTORY)) {

@@ -50,7 +50,7 @@ pub struct NodeToSurface {
 }
 
 impl NodeToSurface {
-    /// From facets (global nodes, numbered outward) and reference positions (`3 * nodes`).
+    /// The contact from facets (global nodes, numbered outward) and reference positions (`3 * nodes`).
     ///
     /// # Errors
     /// Empty or degenerate surfaces, shared nodes, options out of range, a penalty with the modified constraint.

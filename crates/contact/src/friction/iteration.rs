@@ -71,7 +71,7 @@ pub struct Stiffening {
 }
 
 impl Default for Stiffening {
-    /// At the start of every step.
+    /// The factor at the start of every step.
     fn default() -> Self {
         Self { factor: 1.0, last: f64::INFINITY }
     }
@@ -108,7 +108,7 @@ impl PointIteration {
         self.stiffening.factor()
     }
 
-    /// To be linearised on [`Friction::sticking_step`] although it slides, see [`Self::follow`].
+    /// Whether the point is to be linearised on [`Friction::sticking_step`] although it slides, see [`Self::follow`].
     pub fn is_reversed(&self) -> bool {
         self.reversed
     }
@@ -212,7 +212,7 @@ impl AugmentationRound {
         }
     }
 
-    /// How many multipliers have not settled; none after the last round if all are close.
+    /// Number of multipliers that have not settled; none after the last round if all are close.
     ///
     /// # Errors
     /// [`ContactError::Augmentation`] if some are far off after the last round.

@@ -25,7 +25,7 @@ pub enum MidpointFriction {
 /// How stick is enforced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stick {
-    /// By a spring of the tangential stiffness between slave and master, which stores energy and lets a sticking point move by traction over
+    /// A spring of the tangential stiffness between slave and master, which stores energy and lets a sticking point move by traction over
     /// stiffness, no farther: no creep.
     #[default]
     Penalty,

@@ -31,21 +31,21 @@ use nalgebra::Vector3;
 /// Where on the master surface the closest point lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Feature {
-    /// In the interior of a facet, at convective coordinates inside of it.
+    /// The interior of a facet, at convective coordinates inside of it.
     Face {
         /// Index of the facet.
         facet: u32,
         /// Coordinates of the closest point.
         xi: [f64; 2],
     },
-    /// On an edge.
+    /// An edge.
     Edge {
         /// The facet that has the edge and its neighbour; `None` on a rim.
         facets: (u32, Option<u32>),
         /// Coordinates on the first facet.
         xi: [f64; 2],
     },
-    /// In a node of the surface.
+    /// A node of the surface.
     Vertex {
         /// Global node.
         node: u32,

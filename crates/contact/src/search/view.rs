@@ -129,7 +129,7 @@ impl<'a> SearchView<'a> {
         best
     }
 
-    /// From facet to facet, always to the nearest one around the present foot.
+    /// Walks from facet to facet, always to the nearest one around the present foot.
     fn walk(&self, x: &Vector3<f64>, start: Foot) -> Foot {
         let surface = &self.search.surface;
         let mut foot = start;

@@ -39,7 +39,7 @@ impl GeneralisedAlpha {
         Self { name, alpha_m, alpha_f, beta: 0.25 * s * s, gamma: s - 0.5, average: ForceAverage::default() }
     }
 
-    /// For a spectral radius `rho_inf` in `[0, 1]` at infinite frequency:
+    /// The scheme with a spectral radius `rho_inf` in `[0, 1]` at infinite frequency:
     /// `alpha_m = (2 rho - 1)/(rho + 1)`, `alpha_f = rho/(rho + 1)`.
     pub fn chung_hulbert(rho_inf: f64) -> Self {
         let d = rho_inf + 1.0;

@@ -11,7 +11,7 @@ use faer::{MatMut, MatRef, Par};
 /// LU with partial pivoting, whatever the kind.
 #[derive(Debug, Default)]
 pub struct DenseLu {
-    /// By columns.
+    /// Factors by columns.
     factors: Vec<f64>,
     forward: Vec<usize>,
     inverse: Vec<usize>,

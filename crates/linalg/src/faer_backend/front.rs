@@ -45,7 +45,7 @@ pub struct FrontWork {
 }
 
 impl FrontWork {
-    /// For fronts that eliminate at most `w` equations.
+    /// Storage for fronts that eliminate at most `w` equations.
     ///
     /// # Errors
     /// [`LinalgError::Backend`] for want of memory.

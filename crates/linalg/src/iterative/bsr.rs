@@ -320,7 +320,7 @@ pub(crate) fn sum_with(
 pub(crate) mod tests {
     use super::*;
 
-    /// By rows, `R * rows` times `C * columns` entries.
+    /// The dense matrix by rows, `R * rows` times `C * columns` entries.
     pub(crate) fn dense<T: Real, const R: usize, const C: usize>(a: &Bsr<T, R, C>) -> Vec<Vec<f64>> {
         let mut out = vec![vec![0.0; C * a.columns]; R * a.rows()];
         for i in 0..a.rows() {

@@ -171,7 +171,8 @@ fn gather(rows: std::ops::Range<usize>, coupling: &Coupling, place: &mut [u32]) 
 }
 
 impl Condensation {
-    /// For a system with the slot and the slave node ([`crate::NONE`] if it has none) of each other equation, and `C E^-1 B` of it in size. `None` where it does not suit.
+    /// The condensation of a system with the slot and the slave node ([`crate::NONE`] if it has none) of each other equation, and `C E^-1 B` of it in size.
+    /// `None` where it does not suit.
     pub fn new(
         k: &Bsr<f64, 3, 3>,
         border: &Border,

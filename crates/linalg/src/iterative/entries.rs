@@ -21,7 +21,7 @@ pub(crate) struct Entries {
 }
 
 impl Entries {
-    /// For the blocks `k` of [`Layout::block_pattern`]. `symmetric`: the values are those of a symmetric matrix.
+    /// The sources for the blocks `k` of [`Layout::block_pattern`]. `symmetric`: the values are those of a symmetric matrix.
     pub fn new(layout: &Layout, pattern: &SparsityPattern, k: &Bsr<f64, 3, 3>, symmetric: bool) -> Self {
         let nodes = layout.nodes();
         let mut out = Self { symmetric, offsets: vec![NONE; k.indices.len()], ..Self::default() };

@@ -30,7 +30,7 @@ impl Layout {
         3 * self.nodes() + self.slots.len()
     }
 
-    /// From the places of the equations. Whether anything but positions has changed.
+    /// Sets the layout from the places of the equations. Whether anything but positions has changed.
     pub fn set(&mut self, equations: &mut dyn ExactSizeIterator<Item = EquationPlace>) -> bool {
         let before =
             (std::mem::take(&mut self.place), std::mem::take(&mut self.labels), std::mem::take(&mut self.slots));

@@ -136,7 +136,7 @@ pub(crate) struct Border {
 }
 
 impl Border {
-    /// Before it is filled.
+    /// Empties the border before it is filled.
     pub fn clear(&mut self, nodes: usize) {
         self.nodes = nodes;
         self.b.clear();
@@ -144,7 +144,7 @@ impl Border {
         self.d_by_column.clear();
     }
 
-    /// After it is filled.
+    /// Transposes the blocks after they are filled.
     pub fn transpose(&mut self) {
         let others = self.b.rows();
         self.b.transpose_into(self.nodes, &mut self.b_by_node);
@@ -198,7 +198,7 @@ impl Border {
 #[derive(Debug)]
 struct Slot {
     first: usize,
-    /// By rows.
+    /// Entries by rows.
     w: Vec<f64>,
     width: usize,
 }
@@ -224,7 +224,7 @@ pub(crate) struct Saddle {
 /// Products through the inverse diagonal blocks of `K`.
 struct Through<'a> {
     inverse: &'a [Block<f64, 3, 3>],
-    /// By nodes; zero between uses.
+    /// Product by nodes; zero between uses.
     image: Vec<[f64; 3]>,
 }
 

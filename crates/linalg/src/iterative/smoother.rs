@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// Products of the power iteration.
 const POWER_ITERATIONS: usize = 12;
 
-/// By this much the estimate of the largest eigenvalue is raised.
+/// Factor by which the estimate of the largest eigenvalue is raised.
 const ESTIMATE_MARGIN: f64 = 1.02;
 
 /// The polynomial is small on eigenvalues between `1.1 / RANGE` and `1.1` times the estimate of the largest one.
@@ -59,7 +59,8 @@ pub(crate) struct Smoother<T, const B: usize> {
 }
 
 impl<T: Real, const B: usize> Smoother<T, B> {
-    /// For a matrix with its inverse diagonal blocks and [`largest_eigenvalue`]; `degree` products, of which the first is spared if the iterate is zero.
+    /// A smoother for a matrix with its inverse diagonal blocks and [`largest_eigenvalue`]; `degree` products, of which the first is spared if the iterate is
+    /// zero.
     pub fn new(a: &Bsr<T, B, B>, inverse: Vec<Block<T, B, B>>, largest: f64, degree: usize) -> Self {
         let n = B * inverse.len();
         let upper = UPPER_MARGIN * largest;

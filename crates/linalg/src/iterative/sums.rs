@@ -5,7 +5,7 @@ use rayon::prelude::*;
 /// Entries of a chunk.
 const CHUNK: usize = 4096;
 
-/// From so many entries on chunks go to several threads.
+/// Entries from which on chunks go to several threads.
 const PARALLEL: usize = 16 * CHUNK;
 
 fn dot_of_chunk((x, y): (&[f64], &[f64])) -> f64 {

@@ -30,7 +30,7 @@ impl Groups {
         &self.members[self.starts[g] as usize..self.starts[g + 1] as usize]
     }
 
-    /// From group labels of any values. Members that are `late` are eliminated after the others of their group.
+    /// The groups from labels of any values. Members that are `late` are eliminated after the others of their group.
     fn from_labels(mut labels: Vec<u32>, late: &[bool]) -> Self {
         let largest = labels.iter().max().map_or(0, |&l| l as usize);
         let mut number = vec![NONE; largest + 1];

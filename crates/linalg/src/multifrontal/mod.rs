@@ -50,7 +50,7 @@ pub struct Multifrontal {
     /// The last ordering and the graph that it belongs to: multipliers that come and go inside their groups leave it as it is.
     ordered: Option<(ordering::Graph, Vec<u32>)>,
     vectors: solve::Vectors,
-    /// In use instead of the multifrontal factors if `fallen_back`.
+    /// Factorisation in use instead of the multifrontal factors if `fallen_back`.
     fallback: Option<FaerSparse>,
     fallen_back: bool,
     fallbacks: u64,

@@ -45,7 +45,7 @@ pub(super) struct Symbolic {
     pub symmetric: bool,
     /// Equation at each position.
     pub order: Vec<u32>,
-    /// In the order of elimination; a sentinel ends the list.
+    /// Fronts in the order of elimination; a sentinel ends the list.
     pub fronts: Vec<Front>,
     /// Children of front `f`: `children[child_starts[f]..child_starts[f + 1]]`; the roots are those of front `len()`.
     pub child_starts: Vec<u32>,

@@ -1,4 +1,4 @@
-//! From parts, instances and names to [`Contents`].
+//! The way from parts, instances and names to [`Contents`].
 
 use std::collections::{BTreeMap, BTreeSet};
 

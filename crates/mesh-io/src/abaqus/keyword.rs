@@ -60,7 +60,7 @@ impl Keyword {
     }
 }
 
-/// In upper case without white space.
+/// The name in upper case without white space.
 fn squeeze(name: &str) -> String {
     name.split_whitespace().collect::<String>().to_uppercase()
 }

@@ -28,7 +28,7 @@ pub(super) struct Piece {
 pub(super) struct Names {
     pub nodes: Sets,
     pub elements: Sets,
-    /// By name in upper case: name as written, pieces.
+    /// Surfaces by name in upper case: name as written, pieces.
     pub surfaces: BTreeMap<String, (String, Vec<Piece>)>,
     /// Node sets that get the nodes of elements.
     pub nodes_of_elements: Vec<(String, Labels)>,
@@ -55,7 +55,7 @@ impl Names {
 pub(super) struct Solid {
     pub number: u64,
     pub kind: SolidType,
-    /// In our order.
+    /// Nodes in our order.
     pub nodes: Box<[u64]>,
     pub place: Place,
 }

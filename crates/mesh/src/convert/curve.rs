@@ -131,7 +131,7 @@ impl Curves {
         std::array::from_fn(|i| 0.5 * (xa[i] + xb[i]) + shift[i])
     }
 
-    /// From the middle of a chord `d` to that of the arc with these unit tangents at its ends.
+    /// The way from the middle of a chord `d` to that of the arc with these unit tangents at its ends.
     fn off_line(&self, d: Vector, along: [Option<Vector>; 2]) -> Vector {
         let mirrored = |t: Vector| {
             let twice = 2.0 * dot(t, d) / dot(d, d);
@@ -269,7 +269,7 @@ impl Curves {
     }
 }
 
-/// From the middle of a chord `d` to the surface with these unit normals at its ends.
+/// The way from the middle of a chord `d` to the surface with these unit normals at its ends.
 fn off_surface(d: Vector, na: Vector, nb: Vector) -> Vector {
     let sum: Vector = std::array::from_fn(|i| na[i] + nb[i]);
     let half_cosine = 0.5 * norm(sum);

@@ -135,7 +135,7 @@ impl MassProperties {
         closed_form(PI * r * r * h * area / 3.0, centre, [across, across, along], density)
     }
 
-    /// From mass, centre of mass and the tensor of inertia `I` about it: `E = tr(I) / 2 1 - I`. Of small asymmetries
+    /// Mass properties from mass, centre of mass and the tensor of inertia `I` about it: `E = tr(I) / 2 1 - I`. Of small asymmetries
     /// the mean is taken.
     ///
     /// # Errors

@@ -9,11 +9,11 @@ use crate::transform::sin_cos_degrees;
 /// Numbers of facets of a shape with an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RoundDivisions {
-    /// Around the axis, at least 3.
+    /// Facets around the axis, at least 3.
     pub around: u32,
-    /// Along the side, from one end to the other.
+    /// Facets along the side, from one end to the other.
     pub along: u32,
-    /// From the axis to the edge of a flat end; the innermost ones are triangles.
+    /// Facets from the axis to the edge of a flat end; the innermost ones are triangles.
     pub radial: u32,
 }
 

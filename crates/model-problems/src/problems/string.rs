@@ -45,7 +45,7 @@ impl StringPendulum {
         Spring { stiffness: self.stiffness * self.elements as f64, length: h }
     }
 
-    /// From the upper to the lower node of an element; the first hangs from the origin.
+    /// The way from the upper to the lower node of an element; the first hangs from the origin.
     fn edge(q: &[f64], element: usize) -> Vector {
         let b = node(q, element);
         if element == 0 {

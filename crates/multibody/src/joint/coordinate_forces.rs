@@ -304,7 +304,7 @@ impl Coordinate {
         }
     }
 
-    /// If a limit is closed: how far the coordinate is beyond it, and how far it may go in the step; lengths.
+    /// Distance of the coordinate beyond a limit that is closed, and how far it may go in the step; lengths.
     fn closed_limit(&self, c: &CoordinateStep, multipliers: &[f64]) -> Option<(f64, f64)> {
         let (own, factor, scale) = (multipliers[self.slots.limit?], self.state.stiffness, self.scale());
         let [low, high] = self.options.limits?;

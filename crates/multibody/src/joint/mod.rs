@@ -51,7 +51,7 @@ pub enum JointError {
         kind: &'static str,
         /// What is misplaced.
         what: &'static str,
-        /// By how much: a length, or the difference of two directions.
+        /// Distance from what is required: a length, or the difference of two directions.
         distance: f64,
     },
     /// A number is out of its range.
@@ -59,7 +59,7 @@ pub enum JointError {
     Value {
         /// The joint.
         joint: String,
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
         /// The number.
         value: f64,

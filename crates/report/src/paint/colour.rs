@@ -1,4 +1,4 @@
-//! From a number between zero and one to a colour.
+//! The colour map: from a number between zero and one to a colour.
 
 use super::canvas::Colour;
 

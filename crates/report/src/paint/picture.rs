@@ -21,9 +21,9 @@ pub struct Shot {
 /// What stands around the snapshots.
 #[derive(Clone, Copy, Debug)]
 pub struct Style<'a> {
-    /// Above.
+    /// Text above the snapshots.
     pub title: &'a str,
-    /// At the colour bar.
+    /// Text at the colour bar.
     pub label: &'a str,
     /// Width of a snapshot in pixels.
     pub width: f64,

@@ -80,14 +80,14 @@ impl Surface {
         })
     }
 
-    /// All places.
+    /// Places of all corners and points.
     pub(crate) fn places(&self) -> impl Iterator<Item = [f64; 3]> {
         let quads = self.quads.iter().flat_map(|quad| quad.corners);
         let lines = self.lines.iter().flat_map(|line| line.points.iter().copied());
         quads.chain(lines).chain(self.points.iter().map(|(place, _)| *place))
     }
 
-    /// All values.
+    /// Values at all corners and points.
     pub(crate) fn values(&self) -> impl Iterator<Item = f64> {
         let quads = self.quads.iter().flat_map(|quad| quad.values);
         let lines = self.lines.iter().flat_map(|line| line.values.iter().copied());

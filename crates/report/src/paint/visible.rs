@@ -15,9 +15,9 @@ pub struct Finish {
 }
 
 impl Finish {
-    /// For files that grow with every piece.
+    /// The finish for files that grow with every piece.
     pub const COARSE: Self = Self { parts: 2, colour };
-    /// For pixels.
+    /// The finish for pixels.
     pub const FINE: Self = Self { parts: 4, colour };
 }
 

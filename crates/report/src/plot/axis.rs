@@ -12,9 +12,9 @@ pub struct Axis {
 /// A place on an axis with a line of the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// From 0 to 1 along the axis.
+    /// Part of the axis before the place, from 0 to 1.
     pub fraction: f64,
-    /// Empty for a line without a number.
+    /// Label of the place; empty for a line without a number.
     pub label: String,
 }
 

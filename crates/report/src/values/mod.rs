@@ -48,14 +48,14 @@ fn boundary(elements: &Elements) -> BTreeSet<(u32, u8)> {
 /// Where values are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
-    /// At points of equal distances from one end to the other, both included.
+    /// Points of equal distances from one end to the other, both included.
     Line {
         /// The ends.
         ends: [[f64; 3]; 2],
         /// Number of points, two at least.
         points: usize,
     },
-    /// At the points of a square grid on a plane, as far as they are in a body.
+    /// Points of a square grid on a plane, as far as they are in a body.
     Plane {
         /// A point of the plane and of the grid.
         point: [f64; 3],
@@ -66,7 +66,7 @@ pub enum Place {
     },
 }
 
-/// In which configuration points are meant and positions told.
+/// Configuration in which points are meant and positions told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Configuration {
     /// The deformed configuration.
@@ -81,7 +81,7 @@ pub enum Configuration {
 pub struct Options {
     /// The frame.
     pub frame: Which,
-    /// Where.
+    /// Place where values are taken.
     pub place: Place,
     /// Arrays of the frame; all if there is none.
     pub fields: Vec<String>,

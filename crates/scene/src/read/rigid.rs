@@ -94,9 +94,9 @@ pub(super) fn joined_name(node: &Node<'_>) -> Option<String> {
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Volume {
-    /// There is no surface.
+    /// A body without a surface.
     None,
-    /// The surface is not closed.
+    /// A body whose surface is not closed.
     Open,
     Closed,
 }

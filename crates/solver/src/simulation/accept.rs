@@ -13,9 +13,9 @@ use stoss_term::{At, MaterialWork, Work};
 
 /// What was taken from motion and strain in a step, but for contact.
 struct Damped {
-    /// By dampers of parts.
+    /// Energy taken by dampers of parts.
     by_parts: f64,
-    /// In bodies, all.
+    /// Energy taken in bodies, all of it.
     in_bodies: f64,
     /// The part of it by the damping of bodies.
     by_damping: f64,

@@ -63,13 +63,13 @@ pub(super) struct Completed {
     pub draft: Draft,
     pub contact: Option<ContactSummary>,
     pub work: Work,
-    /// For each contact pair.
+    /// Stored energies of each contact pair.
     pub stored: Vec<[f64; 2]>,
     /// What closing gaps cost in the step, for each constraint; empty in statics.
     pub closing: Vec<f64>,
     /// What the impact of what closed did to the velocities.
     pub impact: Option<Impact>,
-    /// For each body.
+    /// Elements that are turned inside out, for each body.
     pub inside_out: Vec<Option<InsideOut>>,
     /// Linear solutions of the attempt.
     pub solves: u32,

@@ -5,7 +5,8 @@ use crate::step::decision;
 use crate::{DecisionKind, StepError};
 
 impl Simulation {
-    /// After a step of statics that failed: lets contacts that begin to act in it close their overlaps in proportion to time (theory/constraints#reference-gap). False if none has an overlap
+    /// Lets contacts that begin to act in a step of statics that failed close their overlaps in proportion to time (theory/constraints#reference-gap). False if
+    /// none has an overlap
     /// that was to be closed at once; then nothing has changed.
     pub(super) fn ramps_overlaps(&mut self, cause: &StepError) -> bool {
         if self.how.scheme.is_some() {

@@ -71,7 +71,7 @@ fn has_massless_vector(part: &dyn Term) -> bool {
 struct Saved {
     acting: Acting,
     stage: StageState,
-    /// If it was replaced, without its solver.
+    /// The former system if it was replaced, without its solver.
     system: Option<System>,
     has_rates: bool,
     state: State,

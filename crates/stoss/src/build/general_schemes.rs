@@ -56,11 +56,11 @@ fn free_pair<'a>(scene: &Scene, placed: &'a [Placed]) -> Option<[&'a str; 2]> {
 /// How joints connect two parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Bond {
-    /// By joints all of which are released by an event, or switched off in a stage.
+    /// Joints all of which are released by an event, or switched off in a stage.
     Ends,
     /// The halves of a bolt.
     Bolt,
-    /// For the whole run.
+    /// Joints for the whole run.
     Lasts,
 }
 

@@ -201,7 +201,7 @@ pub struct ParameterError {
     pub key: String,
     /// What is wrong.
     pub message: String,
-    /// What to do.
+    /// Remedy: what to do.
     pub remedy: String,
 }
 
@@ -224,7 +224,7 @@ impl From<ContactError> for ParameterError {
 }
 
 impl ParameterError {
-    /// From its parts.
+    /// An error from its parts.
     pub fn new(key: &str, message: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { key: key.to_owned(), message: message.into(), remedy: remedy.into() }
     }

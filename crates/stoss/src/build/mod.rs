@@ -1,4 +1,4 @@
-//! From a scene to a simulation: meshes, sets, laws, loads, contact. All problems are reported at once, at their places in
+//! The way from a scene to a simulation: meshes, sets, laws, loads, contact. All problems are reported at once, at their places in
 //! the scene's file.
 
 #[cfg(feature = "nts")]

@@ -96,7 +96,7 @@ impl Phases {
         Self { list, released }
     }
 
-    /// All of them.
+    /// All phases.
     pub fn all(&self) -> impl Iterator<Item = &Phase> + Clone {
         self.list.iter()
     }

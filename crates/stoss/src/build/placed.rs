@@ -12,7 +12,7 @@ pub(crate) enum Shape {
     /// A deformable body.
     Solid {
         mesh: Mesh,
-        /// For bodies whose nodes a tie moves.
+        /// Law of the body, for bodies whose nodes a tie moves.
         #[cfg_attr(not(feature = "mortar"), expect(dead_code))]
         law: Arc<dyn HyperelasticLaw>,
         /// What contact sees of its quadratic faces.

@@ -19,15 +19,15 @@ impl Range {
     }
 }
 
-/// From foams to osmium.
+/// Densities from foams to osmium.
 pub(crate) const DENSITY: Range =
     Range { noun: "the density", dimension: Dimension::Density, low: 1.0, high: 25_000.0, si: "kg/m³" };
-/// From gels to diamond.
+/// Moduli from gels to diamond.
 pub(crate) const MODULUS: Range =
     Range { noun: "Young's modulus", dimension: Dimension::Stress, low: 1e3, high: 2e12, si: "Pa" };
-/// From what a microscope shows to what a town is.
+/// Sizes from what a microscope shows to what a town is.
 const SIZE: Range = Range { noun: "the size", dimension: Dimension::Length, low: 1e-6, high: 1e4, si: "m" };
-/// From the moon to Jupiter.
+/// Gravity from the moon's to Jupiter's.
 const GRAVITY: Range =
     Range { noun: "the acceleration", dimension: Dimension::Acceleration, low: 1.0, high: 30.0, si: "m/s²" };
 

@@ -43,9 +43,9 @@ pub enum ProbeTarget {
 pub struct Probe {
     /// Name, unique.
     pub name: String,
-    /// Where.
+    /// Place that is probed.
     pub target: ProbeTarget,
-    /// What.
+    /// Quantity that is probed.
     pub quantity: Quantity,
     /// What integrals over the model are divided by ([`super::Built::extent`]).
     pub extent: f64,

@@ -221,7 +221,7 @@ impl Schedule {
         })
     }
 
-    /// At the end of a segment begins the next one, with its releases; false if there is none.
+    /// Begins the next segment at the end of one, with its releases; false if there is none.
     ///
     /// # Errors
     /// Those of [`Simulation::begin_stage`] and [`Simulation::release`].

@@ -30,7 +30,7 @@ pub(super) fn add(scene: &Scene, placed: &mut [Placed], problems: &mut Problems<
 /// What an expression holds at.
 struct Made {
     nodes: Vec<u32>,
-    /// By number in [`Space::facets`].
+    /// Facets by number in [`Space::facets`].
     facets: Vec<u32>,
     /// Sum of the areas of the facets in the reference configuration.
     area: f64,

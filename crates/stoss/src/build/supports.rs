@@ -100,7 +100,7 @@ pub(super) fn nodes_of(placed: &[Placed], set: &str) -> Vec<u32> {
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// How many of the six rigid motions of a body these held directions (node, unit direction) exclude.
+/// Number of the six rigid motions of a body that these held directions (node, unit direction) exclude.
 fn held_motions(reference: &[f64], prescribed: &[(u32, [f64; 3])]) -> usize {
     let position = |node: u32| -> [f64; 3] { std::array::from_fn(|i| reference[3 * node as usize + i]) };
     let count = prescribed.len().max(1) as f64;

@@ -159,7 +159,7 @@ pub enum Confidence {
 /// Where in the scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Where {
-    /// In words.
+    /// The place in words.
     pub text: String,
     /// Name of a body or of another part.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -199,7 +199,7 @@ pub enum Change {
 /// Something to try.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Remedy {
-    /// In words.
+    /// The remedy in words.
     pub text: String,
     /// Changes of the scene; empty if the remedy is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -224,9 +224,9 @@ impl Remedy {
 pub struct Finding {
     /// The cause.
     pub cause: Cause,
-    /// How certain.
+    /// Certainty of the finding.
     pub confidence: Confidence,
-    /// Where.
+    /// Place in the scene.
     pub place: Where,
     /// The cause in words of the scene.
     pub sentence: String,

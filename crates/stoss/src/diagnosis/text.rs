@@ -8,7 +8,7 @@ const MOST_OTHERS: usize = 2;
 const MOST_REMEDIES: usize = 3;
 
 impl Cause {
-    /// In few words.
+    /// The cause in few words.
     pub fn title(self) -> &'static str {
         match self {
             Self::NoSupport => "the body is not supported",
@@ -56,7 +56,7 @@ impl Finding {
     }
 }
 
-/// At most twelve lines.
+/// The diagnosis in at most twelve lines.
 impl fmt::Display for Diagnosis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some((first, others)) = self.findings.split_first() else {

@@ -27,7 +27,7 @@ pub struct FolderSettings {
     pub scheme: String,
     /// Which steps have a frame, beside the last one.
     pub frames: Frames,
-    /// In which files frames are.
+    /// Format of the files of frames.
     pub format: FrameFormat,
     /// A checkpoint every so many steps.
     pub checkpoint_every: u64,

@@ -158,7 +158,7 @@ impl Outcome {
 }
 
 impl std::fmt::Display for Outcome {
-    /// In words, for instance "failed after step 3 at t = 0.25: ...".
+    /// The outcome in words, for instance "failed after step 3 at t = 0.25: ...".
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Completed | Self::Running => f.write_str(self.kind()),

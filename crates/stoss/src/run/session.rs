@@ -54,7 +54,7 @@ pub struct Session {
 /// How far a session is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Progress {
-    /// There may be another step.
+    /// A session in which there may be another step.
     Running,
     /// The flag [`RunOptions::stop`] was found raised.
     Interrupted,
@@ -350,7 +350,7 @@ fn settings(scene: &Scene, built: &Built, ranks: &Ranks) -> Result<FolderSetting
     })
 }
 
-/// At the end of a stage begins the next one; false at the end of the last.
+/// Begins the next stage at the end of one; false at the end of the last.
 fn next_stage(schedule: &Schedule, simulation: &mut Simulation) -> Result<bool, SimulationError> {
     if simulation.finished() { schedule.advance(simulation) } else { Ok(true) }
 }

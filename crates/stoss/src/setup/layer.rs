@@ -55,7 +55,7 @@ impl Arrow {
 /// One thing of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Layer {
-    /// What it is.
+    /// Kind of the thing.
     pub kind: Kind,
     /// Name of the thing in the scene, or what it acts on if it has none.
     pub name: String,

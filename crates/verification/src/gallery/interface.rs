@@ -23,7 +23,7 @@ const SURROUNDINGS: f64 = 0.35;
 pub enum Sides {
     /// The bottom of the upper body, the slave, and the top of the lower one.
     Stacked,
-    /// On a sphere of this radius about the origin, the second body around the first one: the part above.
+    /// The part above of two bodies that meet on a sphere of this radius about the origin, the second body around the first one.
     Sphere(f64),
     /// The whole surfaces of both bodies, the first one the slave, as far as they are nearer than this.
     Hulls(f64),
@@ -101,7 +101,7 @@ impl Interface {
         Self::between(frame, &slave, &master)
     }
 
-    /// In the frame's positions.
+    /// The interface between these facets, in the frame's positions.
     fn between(frame: &Grid, slave: &[[usize; 4]], master: &[[usize; 4]]) -> Outcome<Self> {
         let displacement = frame.point_data.get("displacement").ok_or("no displacement in the frame")?;
         let reference: Vec<f64> = frame.points.iter().flatten().copied().collect();

@@ -22,7 +22,7 @@ pub struct Picture {
     pub reaction: Option<&'static str>,
     /// Times at which the segments are drawn.
     pub segments: &'static [f64],
-    /// Between which surfaces.
+    /// Surfaces between which the segments are.
     pub sides: Sides,
     /// Drawn into `docs/gallery` too; the scenes with the same data and another scheme, to compare the energies with.
     pub gallery: Option<&'static [&'static str]>,
@@ -30,7 +30,7 @@ pub struct Picture {
 
 const STRESS: &[&str] = &["von_mises"];
 
-/// From the front, a little from the right and from above.
+/// View from the front, a little from the right and from above.
 const FRONT: Camera = Camera { azimuth: -70.0, elevation: 22.0 };
 
 /// A picture of the report alone.

@@ -120,7 +120,7 @@ pub struct ConnectionSection {
 /// A change at the beginning of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
-    /// What changes.
+    /// Kind of the change.
     pub kind: ChangeKind,
     /// Place of the change.
     pub place: DeckPlace,

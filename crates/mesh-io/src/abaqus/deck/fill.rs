@@ -1,4 +1,4 @@
-//! From keywords to a [`Deck`]: what stands outside of steps.
+//! The way from keywords to a [`Deck`]: what stands outside of steps.
 
 use super::rows::Row;
 use super::{

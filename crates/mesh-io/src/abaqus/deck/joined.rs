@@ -1,4 +1,4 @@
-//! From keywords to a [`super::Deck`]: equations, couplings, rigid bodies, pretension, springs, and what steps change.
+//! The way from keywords to a [`super::Deck`]: equations, couplings, rigid bodies, pretension, springs, and what steps change.
 
 use super::connected::{
     Change, ChangeKind, Connection, ConnectionSection, Coupling, Equation, EquationTerm, Followers, Following,

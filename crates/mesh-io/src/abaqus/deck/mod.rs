@@ -57,7 +57,7 @@ impl From<Place> for DeckPlace {
 /// Nodes or elements that a line names.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Target {
-    /// One by its number in the file, of an instance if one is named.
+    /// A node or element by its number in the file, of an instance if one is named.
     Number {
         /// The number.
         number: u64,
@@ -66,7 +66,7 @@ pub enum Target {
     },
     /// A set by its name, as written.
     Set(String),
-    /// All of them: the name is left blank.
+    /// All nodes or elements: the name is left blank.
     All,
 }
 
@@ -157,9 +157,9 @@ pub struct LocalAxes {
 pub enum Axes {
     /// `TYPE=R`: the first axis along `a`, the second across it in the plane of `a` and `b`. Both have a length, and are not along one line.
     Rectangular {
-        /// Along the first axis.
+        /// A vector along the first axis.
         a: [f64; 3],
-        /// In the plane of the first two.
+        /// A vector in the plane of the first two axes.
         b: [f64; 3],
     },
     /// `TYPE=C`: of each node away from the line through two points, around it from the first point to the second, and along it.

@@ -1,4 +1,4 @@
-//! From keywords to a [`super::Deck`]: steps, their supports and loads.
+//! The way from keywords to a [`super::Deck`]: steps, their supports and loads.
 
 use super::fill::Filler;
 use super::rows::Row;

@@ -37,7 +37,7 @@ pub(super) struct DenseCompliance {
 }
 
 impl DenseCompliance {
-    /// From the columns, one after the other, of a matrix that is symmetric but for round-off.
+    /// The compliance from the columns, one after the other, of a matrix that is symmetric but for round-off.
     pub fn new(size: usize, columns: Vec<f64>) -> Self {
         let mut entries = columns;
         for i in 0..size {
@@ -145,7 +145,7 @@ impl<E, F: FnMut(&[f64], &mut [f64]) -> Result<(), E>> Compliance for OperatorCo
         (self.product)(j, out)
     }
 
-    /// By conjugate gradients with the diagonal as preconditioner.
+    /// Impulses by conjugate gradients with the diagonal as preconditioner.
     fn stop(&mut self, of: &[usize], b: &[f64]) -> Result<Vec<f64>, E> {
         let n = of.len();
         let (mut z, mut rest) = (vec![0.0; n], of.iter().map(|&i| -b[i]).collect::<Vec<f64>>());

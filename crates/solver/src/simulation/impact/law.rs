@@ -15,7 +15,7 @@ const ROUND_OFF: f64 = 1e-12;
 pub(super) struct Rates<'a> {
     /// `u^-`: at the start of the step.
     pub before: &'a [f64],
-    /// At the end of the step without the impulses of the slots.
+    /// Rates at the end of the step without the impulses of the slots.
     pub free: &'a [f64],
     /// What each must at least have in the end: zero, or that with which a gap that is held settles.
     pub least: &'a [f64],
@@ -91,9 +91,9 @@ fn reflections<W: Compliance>(w: &mut W, rates: &Rates<'_>, uniform: bool) -> Re
 /// A quadratic function on a line, `E(s)`: its values at 0 and 1, and half of its second derivative.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EnergyOnLine {
-    /// At `s = 0`.
+    /// Energy at `s = 0`.
     pub start: f64,
-    /// At `s = 1`.
+    /// Energy at `s = 1`.
     pub end: f64,
     /// `1/2 E''`, the kinetic energy of the difference of both velocities, not negative.
     pub curvature: f64,
@@ -172,7 +172,7 @@ mod tests {
         }
     }
 
-    /// The same by products alone.
+    /// The law by products alone.
     #[test]
     fn products_alone_give_the_same_velocities() {
         for seed in 1..20 {

@@ -26,19 +26,19 @@ pub(super) use motion::{fix, prescribe_rigid};
 /// What the parts of a scene that are no solids add to the model, for whoever needs more than the model knows.
 #[derive(Default)]
 pub(super) struct Parts {
-    /// In the order of the scene: rigid bodies, beams, strings, point masses.
+    /// Parts in the order of the scene: rigid bodies, beams, strings, point masses.
     pub placed: Vec<Placed>,
     /// One line a part for `check`.
     pub lines: Vec<String>,
     /// What frames show.
     pub drawing: Drawing,
-    /// In the order of `[[rigid]]`.
+    /// Rigid bodies in the order of `[[rigid]]`.
     pub rigids: Vec<RigidBody>,
-    /// In the order of `[[beam]]`.
+    /// Beams in the order of `[[beam]]`.
     pub beams: Vec<Beam>,
-    /// In the order of `[[string]]`.
+    /// Strings in the order of `[[string]]`.
     pub strings: Vec<ElasticString>,
-    /// In the order of `[[mass]]`.
+    /// Point masses in the order of `[[mass]]`.
     pub masses: Vec<PointMass>,
     /// Reference bodies of sets of deformable bodies.
     pub couplings: BTreeMap<(String, Coupling), RigidBody>,

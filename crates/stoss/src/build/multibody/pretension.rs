@@ -37,7 +37,7 @@ pub(super) fn check(scene: &Scene, placed: &[Placed], problems: &mut Problems<'_
     }
 }
 
-/// On which side of the cut the material of both sides is: 1 ahead along the axis, -1 behind, 0 if neither.
+/// Side of the cut on which the material of both sides is: 1 ahead along the axis, -1 behind, 0 if neither.
 fn sides(joint: &Joint, placed: &[Placed], axis: [f64; 3]) -> [i32; 2] {
     let at = joint.at.both();
     std::array::from_fn(|k| {
@@ -47,7 +47,7 @@ fn sides(joint: &Joint, placed: &[Placed], axis: [f64; 3]) -> [i32; 2] {
     })
 }
 
-/// How far ahead of a side of the cut its material is, times the length of the axis, and the size of what was looked at. `None` for what has no extent.
+/// Distance of the material ahead of a side of the cut, times the length of the axis, and the size of what was looked at. `None` for what has no extent.
 fn behind(side: &str, at: [f64; 3], placed: &[Placed], axis: [f64; 3]) -> Option<(f64, f64)> {
     let (part, set) = split_set(side).map_or((side, None), |(part, set)| (part, Some(set)));
     let part = placed.iter().find(|placed| placed.name == part)?;

@@ -197,7 +197,7 @@ fn punch(form: &Form) -> Outcome<(f64, String)> {
     Ok((simulation.state().time, end))
 }
 
-/// All forms.
+/// Measures all closed forms.
 pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
     let mut rows = Vec::new();
     for form in &FORMS {

@@ -35,7 +35,7 @@ pub struct Equilibrium {
     size: f64,
 }
 
-/// What acts.
+/// What acts on the body.
 #[derive(Clone, Copy)]
 pub struct Load<'a> {
     /// Forces at all nodes; empty: none.

@@ -12,7 +12,7 @@ use crate::workspace::Outcome;
 /// Exit code of a scene that is refused.
 const REFUSED: f64 = 2.0;
 
-/// All of them.
+/// Measures all extremes.
 pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let mut cases = vec![
         ("impact at half the speed of waves".to_owned(), fast(0.25, 0.02)),

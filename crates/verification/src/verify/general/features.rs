@@ -14,7 +14,7 @@ const CLOSE: f64 = 1e-11;
 
 const THICKNESS: &str = "thickness = 0.02";
 
-/// All of them.
+/// Measures all pairs of features.
 pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let steps: &[f64] = if bench.quick { &[0.1] } else { &[0.1, 0.05, 0.025] };
     for &step in steps {

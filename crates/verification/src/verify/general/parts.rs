@@ -8,7 +8,7 @@ use crate::verify::numbers::larger;
 use crate::verify::{Bench, Findings, Run};
 use crate::workspace::Outcome;
 
-/// All of them; those of minutes in the full run only.
+/// Measures all parts; those of minutes in the full run only.
 pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     for (name, scene) in folds(bench.quick) {
         judge(bench, findings, &name, &scene)?;

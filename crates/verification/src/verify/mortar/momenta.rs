@@ -116,7 +116,7 @@ fn worst(
     Ok((worst, loaded))
 }
 
-/// All rules with both multiplier spaces, without friction and with both measures of slip.
+/// Measures all rules with both multiplier spaces, without friction and with both measures of slip.
 pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
     let count = if quick { 100 } else { 5000 };
     let bound = Bound::AtMost(super::MOMENTUM);

@@ -20,7 +20,7 @@ use stoss_solver::Model;
 /// Least order in the mesh of elements of order 1, and of those of order 2 and 3, which have order 4.
 const MESH_ORDER: [f64; 2] = [1.9, 3.8];
 
-/// All cases.
+/// Measures all cases of beams.
 pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     roll_up(findings)?;
     bend(findings)?;

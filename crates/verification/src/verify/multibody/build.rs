@@ -140,7 +140,7 @@ pub fn quasi_static(model: Model, step: f64, end: f64) -> Outcome<Simulation> {
     with_scheme(model, step, end, None)
 }
 
-/// In statics with a line search, for what has no stiffness across at first.
+/// A run in statics with a line search, for what has no stiffness across at first.
 pub fn quasi_static_searching(model: Model, step: f64, end: f64) -> Outcome<Simulation> {
     with_options(model, step, end, 0, None, LineSearch::backtracking())
 }
@@ -234,7 +234,7 @@ pub struct Couple {
 }
 
 impl Couple {
-    /// On a node of a beam; without magnitude at first.
+    /// A couple on a node of a beam; without magnitude at first.
     pub fn on(beam: &Beam, node: usize, axis: [f64; 3]) -> Self {
         let [_, a, b, c] = beam.node_vectors(node);
         Self { directors: [a, b, c], length: beam.director_length(), axis, magnitude: Arc::default() }

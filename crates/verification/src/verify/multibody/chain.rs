@@ -49,7 +49,7 @@ fn model(n: usize, two: bool) -> Outcome<Model> {
     Ok(model)
 }
 
-/// All cases.
+/// Measures all chains.
 pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let (dt, steps) = (0.005, if quick { 20.0 } else { 200.0 });
     let (mut rows, mut lines) = (Vec::new(), Vec::new());

@@ -10,7 +10,7 @@ use crate::workspace::Outcome;
 use std::f64::consts::{PI, TAU};
 use toml::Table;
 
-/// All cases.
+/// Measures all cases of driven bodies.
 pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     bolt(bench, findings)?;
     free_body(findings)?;
@@ -296,7 +296,7 @@ fn torsion(quick: bool, findings: &mut Findings) -> Outcome<()> {
 mod tests {
     use super::*;
 
-    /// Before separation near `F + P k_b / (k_b + k_m)`, and without a load the preload; after it the load.
+    /// The force of a bolt: before separation near `F + P k_b / (k_b + k_m)`, and without a load the preload; after it the load.
     #[test]
     fn bolts_by_hand() {
         let (force, is_clamped) = clamped(0.0);

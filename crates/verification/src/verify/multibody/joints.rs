@@ -17,7 +17,7 @@ use stoss_multibody::{
 use stoss_reference_cases::multibody::mechanisms::{braked, slider};
 use stoss_solver::{Model, Simulation};
 
-/// All cases but those of redundancy.
+/// Measures all cases of joints but those of redundancy.
 pub fn measure(_quick: bool, findings: &mut Findings) -> Outcome<()> {
     slider_crank(findings)?;
     parallelogram(findings)?;

@@ -15,7 +15,7 @@ const SIZE: f64 = 4.0;
 const RADIUS: f64 = 0.8;
 const FRICTION: f64 = 0.2;
 const WAY: f64 = 0.5;
-/// From here on all of the contact slides: at time 1 it sticks in parts.
+/// Time from which on all of the contact slides: at time 1 it sticks in parts.
 const SLIDES: f64 = 1.45;
 /// Elastic shift of the zone and skewness of the pressure, which the closed form of the rigid ball does not have.
 const DIRECTION: f64 = 0.01;

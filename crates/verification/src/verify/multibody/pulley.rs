@@ -22,7 +22,7 @@ const FRICTION: f64 = 0.3;
 /// Pieces of the string on half of the pulley.
 const PIECES: usize = 36;
 
-/// All cases.
+/// Measures all cases of pulleys.
 pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let facets = if quick { 1500 } else { 3000 };
     frictionless(facets, findings)?;

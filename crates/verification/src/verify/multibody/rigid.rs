@@ -13,7 +13,7 @@ use stoss_solver::Model;
 
 const GRAVITY: f64 = 9.81;
 
-/// All cases.
+/// Measures all cases of rigid bodies.
 pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     free_top(quick, findings)?;
     lagrange_top(findings)?;

@@ -53,7 +53,7 @@ fn run(mut simulation: Simulation, sizes: Sizes) -> Ended {
     ended
 }
 
-/// All cases.
+/// Measures all stiff systems.
 pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let steps = if quick { 20.0 } else { 200.0 };
     let mut rows = Vec::new();

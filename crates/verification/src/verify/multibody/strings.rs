@@ -13,7 +13,7 @@ use stoss_solver::Model;
 
 const GRAVITY: f64 = 9.81;
 
-/// All cases.
+/// Measures all cases of strings.
 pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     hanging(findings)?;
     pendulum(findings)?;

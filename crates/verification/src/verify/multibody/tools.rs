@@ -10,7 +10,7 @@ use crate::workspace::Outcome;
 use std::f64::consts::PI;
 use toml::{Table, Value};
 
-/// All cases.
+/// Measures all cases of rigid tools.
 pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     incline(findings)?;
     hertz(bench, findings)?;

@@ -54,7 +54,7 @@ fn with_step(scene: &mut Table, step: f64) -> Outcome<()> {
     Ok(())
 }
 
-/// All cases.
+/// Measures all cases of the trebuchet.
 pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let shipped = bench.scene(SCENE)?;
     let rows = history(&shipped, SCENE)?;

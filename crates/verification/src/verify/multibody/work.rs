@@ -29,7 +29,7 @@ struct Problem {
 /// One run: step size, error, CPU seconds.
 type Point = [f64; 3];
 
-/// All cases.
+/// Measures error against work for all problems.
 pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let levels = if quick { 3 } else { 7 };
     for problem in problems(quick)? {

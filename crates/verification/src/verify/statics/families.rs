@@ -11,7 +11,7 @@ const SOFT: Elastic = (1000.0, 0.3);
 const LOWER: ([f64; 3], [f64; 3]) = ([0.0; 3], [2.0, 2.0, 1.0]);
 const UPPER: ([f64; 3], [f64; 3]) = ([0.4, 0.5, 1.0], [1.4, 1.5, 2.0]);
 
-/// All of them.
+/// Scenes of all families.
 pub fn scenes() -> Vec<Scene> {
     let mut all = Vec::new();
     two_blocks(&mut all);
@@ -370,7 +370,7 @@ fn tilted(all: &mut Vec<Scene>) {
     }
 }
 
-/// Over the rim of the other block, and back.
+/// Adds scenes of a block that goes over the rim of the other block, and back.
 fn rims(all: &mut Vec<Scene>) {
     for (method, mu, slave) in [
         ("mortar", 0.0, "u"),

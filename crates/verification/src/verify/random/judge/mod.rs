@@ -46,7 +46,7 @@ pub struct Criterion {
     pub right: f64,
     /// Above this it is wrong.
     pub wrong: f64,
-    /// Where, or of what.
+    /// Place or thing that the figure is of.
     pub place: String,
     /// Whether the scheme promises it: what breaks it is a failure of the program, whatever the verdict.
     pub is_promise: bool,
@@ -55,7 +55,7 @@ pub struct Criterion {
 /// All criteria of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Judgement {
-    /// In the order in which they were measured.
+    /// Criteria in the order in which they were measured.
     pub criteria: Vec<Criterion>,
     /// Largest depth of a node in another body, in edges.
     pub depth: f64,
@@ -94,7 +94,7 @@ impl Criterion {
         }
     }
 
-    /// One line.
+    /// The criterion in one line.
     pub fn text(&self) -> String {
         let place = if self.place.is_empty() { String::new() } else { format!(" ({})", self.place) };
         format!("{} {}{place}", self.name, number(self.figure))
