@@ -59,7 +59,7 @@ impl Increment {
 /// `energy_n` is `W(C_n)`, which the caller keeps for the step.
 ///
 /// # Errors
-/// Those of the law at `C_np1` or at the mean.
+/// The errors of the law at `C_np1` or at the mean.
 pub fn energy_momentum_stress(
     law: &(impl HyperelasticLaw + ?Sized),
     c_n: &SymmetricTensor2,
@@ -80,7 +80,7 @@ pub fn energy_momentum_stress(
 /// major symmetry.
 ///
 /// # Errors
-/// Those of the law at `C_np1` or at the mean.
+/// The errors of the law at `C_np1` or at the mean.
 pub fn energy_momentum_stress_and_tangent(
     law: &(impl HyperelasticLaw + ?Sized),
     c_n: &SymmetricTensor2,

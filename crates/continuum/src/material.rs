@@ -135,7 +135,7 @@ pub struct StateOutput {
 /// * [`Material::commit`] says what was lost: `w_n(C_np1) - w_n(C_n) - (psi(C_np1, z_np1) - psi(C_n, z_n))` under [`StepStress::DiscreteGradient`], to round-off.
 ///
 /// # Errors
-/// As for [`HyperelasticLaw`].
+/// The errors of [`HyperelasticLaw`].
 pub trait Material: HyperelasticLaw {
     /// The numbers of a point's state, in their order.
     fn state(&self) -> &[StateEntry];

@@ -415,7 +415,7 @@ impl SolidBody {
     /// step that has begun, but for a constant. Of a share as [`Self::strain_energy`].
     ///
     /// # Errors
-    /// Those of [`Self::strain_energy`].
+    /// The errors of [`Self::strain_energy`].
     pub fn potential(&self, q: &[f64]) -> Result<f64, SolidError> {
         self.energy(q, Some(ForceRule::END_POINT))
     }

@@ -22,7 +22,7 @@ impl SolidBody {
     /// What the step that has begun did if it ends at `q_np1`: what is stored then and what was lost; `None` of an elastic law. Changes nothing. Of a share what its elements did.
     ///
     /// # Errors
-    /// Those of [`Self::strain_energy`], [`SolidError::StepNotBegun`].
+    /// The errors of [`Self::strain_energy`], [`SolidError::StepNotBegun`].
     pub fn step_end(&self, q_np1: &[f64]) -> Result<Option<StepEnd>, SolidError> {
         if !self.has_history() {
             return Ok(None);
@@ -46,7 +46,7 @@ impl SolidBody {
     /// The step that has begun was accepted with this end: the states at its end are those at the begin of the next one. Nothing happens to an elastic law.
     ///
     /// # Errors
-    /// Those of [`Self::step_end`], which is to be asked before: states of some elements may have changed.
+    /// The errors of [`Self::step_end`], which is to be asked before: states of some elements may have changed.
     pub fn end_step(&mut self, q_np1: &[f64]) -> Result<(), SolidError> {
         if !self.has_history() {
             return Ok(());

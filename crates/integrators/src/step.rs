@@ -168,7 +168,7 @@ fn clear(own: &[Range<usize>], out: &mut [f64]) {
 /// Residual of the step at `end` into `buffers.residual`, its terms into the other buffers; with `tangent` the system's tangent too.
 ///
 /// # Errors
-/// Those of the system; the buffers are then undefined.
+/// The errors of the system; the buffers are then undefined.
 pub fn evaluate<S: SecondOrderSystem>(
     system: &mut S,
     step: &Step<'_>,
@@ -244,7 +244,7 @@ pub fn evaluate_constraints<S: SecondOrderSystem>(
 /// `buffers.inertia`, which is overwritten): true if there is one.
 ///
 /// # Errors
-/// Those of the system.
+/// The errors of the system.
 pub fn finish<S: SecondOrderSystem>(
     system: &mut S,
     step: &Step<'_>,
@@ -300,7 +300,7 @@ pub fn finish<S: SecondOrderSystem>(
 /// Completes an initial state: `M a_0 = -F(q_0) - D(q_0, v_0)` with the damping forces `D`, and `H_0 = F(q_0)`, for schemes that carry them. Multipliers are zero.
 ///
 /// # Errors
-/// Those of the system.
+/// The errors of the system.
 pub fn start<S: SecondOrderSystem>(system: &mut S, rule: &StepRule, state: &mut State) -> Result<(), S::Error> {
     let n = state.q.len();
     let keeps_force = rule.history.is_some_and(|history| history.force);

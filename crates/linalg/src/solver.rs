@@ -191,7 +191,7 @@ pub trait LinearSolver: Send + Debug {
     /// direction where its vectors or its coarsest level have a part of it, and never counts how many there are.
     ///
     /// # Errors
-    /// As of [`Self::solve_nearby`].
+    /// The errors of [`Self::solve_nearby`].
     fn solve_definite(
         &mut self,
         _values: &[f64],

@@ -64,7 +64,7 @@ impl PvdWriter {
     /// Writes a collection of given frames, replacing an existing file.
     ///
     /// # Errors
-    /// As [`Self::push`].
+    /// The errors of [`Self::push`].
     pub fn replace(path: impl Into<PathBuf>, frames: &[(f64, String)]) -> Result<(), MeshIoError> {
         let entries: Vec<PvdEntry> =
             frames.iter().map(|(time, file)| PvdEntry { time: *time, file: file.clone() }).collect();

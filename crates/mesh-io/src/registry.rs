@@ -47,7 +47,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<Mesh, MeshIoError> {
 /// The contents of a mesh file, before a group is chosen and the mesh is checked.
 ///
 /// # Errors
-/// As for [`read_mesh`], but for what is wrong with the mesh itself.
+/// The errors of [`read_mesh`], but for what is wrong with the mesh itself.
 pub fn read_contents(path: impl AsRef<Path>) -> Result<Contents, MeshIoError> {
     let path = path.as_ref();
     let bytes = crate::include::regular(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
@@ -58,7 +58,7 @@ pub fn read_contents(path: impl AsRef<Path>) -> Result<Contents, MeshIoError> {
 /// file includes.
 ///
 /// # Errors
-/// As for [`read_contents`].
+/// The errors of [`read_contents`].
 pub fn read_contents_from_bytes(
     path: impl AsRef<Path>,
     bytes: &[u8],
@@ -83,7 +83,7 @@ pub fn read_contents_from_bytes(
 /// [`read_mesh`] for a text in memory, which includes no other files; `path` chooses the format and is used in messages.
 ///
 /// # Errors
-/// As for [`read_mesh`].
+/// The errors of [`read_mesh`].
 pub fn read_mesh_from_str(path: impl AsRef<Path>, text: &str) -> Result<Mesh, MeshIoError> {
     let mut none = |_: &Path| Err(io::Error::new(io::ErrorKind::Unsupported, "a text in memory includes no files"));
     read_contents_from_bytes(path, text.as_bytes(), &mut none)?.mesh(None)

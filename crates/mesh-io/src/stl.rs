@@ -62,7 +62,7 @@ pub fn read_surface(path: impl AsRef<Path>) -> Result<SurfaceMesh, MeshIoError> 
 /// [`read_surface`] for the content of a file in memory; `path` is used in messages.
 ///
 /// # Errors
-/// As for [`read_surface`].
+/// The errors of [`read_surface`].
 pub fn read_surface_from_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<SurfaceMesh, MeshIoError> {
     Ok(read_surface_counted(path, bytes)?.surface)
 }
@@ -70,7 +70,7 @@ pub fn read_surface_from_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<S
 /// [`read_surface_from_bytes`], and how many facets were dropped.
 ///
 /// # Errors
-/// As for [`read_surface`].
+/// The errors of [`read_surface`].
 pub fn read_surface_counted(path: impl AsRef<Path>, bytes: &[u8]) -> Result<SurfaceFile, MeshIoError> {
     let path = path.as_ref();
     let mut surface = if is_binary(bytes) {

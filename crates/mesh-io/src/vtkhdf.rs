@@ -115,7 +115,7 @@ fn time(frame: &VtuFrame) -> Result<f64, MeshIoError> {
 /// Appends a frame to a file that this module wrote.
 ///
 /// # Errors
-/// As [`create_vtkhdf`]; [`MeshIoError::Output`] if the frame has other numbers of points or cells, or other arrays, than the file.
+/// The errors of [`create_vtkhdf`]; [`MeshIoError::Output`] if the frame has other numbers of points or cells, or other arrays, than the file.
 pub fn append_vtkhdf(path: impl AsRef<Path>, frame: &VtuFrame, step: u64) -> Result<(), MeshIoError> {
     let path = path.as_ref();
     let time = time(frame)?;

@@ -52,7 +52,7 @@ impl Mesh {
     /// [`Mesh::coincident_nodes`] to the user, because it may be an oversight.
     ///
     /// # Errors
-    /// As for [`Mesh::check`].
+    /// The errors of [`Mesh::check`].
     pub fn check_allowing_coincident(&self) -> Result<(), MeshError> {
         if self.elements.is_empty() {
             return Err(MeshError::NoElements);

@@ -103,7 +103,7 @@ impl Section {
     /// A rectangle with sides along `d_1`, `d_2`; shear factor and torsion constant as in [`Self::new`] (5/6 is usual).
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn rectangle(
         sides: [f64; 2],
         material: SectionMaterial,
@@ -118,7 +118,7 @@ impl Section {
     /// A circle; shear factor as in [`Self::new`] (9/10 is usual).
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn circle(radius: f64, material: SectionMaterial, shear_factor: f64) -> Result<Self, PartDataError> {
         positive("radius of a circle", radius)?;
         Self::new(Area::circle(radius), material, shear_factor, None)
@@ -127,7 +127,7 @@ impl Section {
     /// A circular tube; shear factor as in [`Self::new`] (1/2 is usual for a thin wall).
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn tube(inner: f64, outer: f64, material: SectionMaterial, shear_factor: f64) -> Result<Self, PartDataError> {
         not_negative("inner radius of a tube", inner)?;
         positive("wall of a tube", outer - inner)?;

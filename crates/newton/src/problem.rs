@@ -68,7 +68,7 @@ pub trait NewtonProblem {
     /// None by default.
     ///
     /// # Errors
-    /// As [`Self::assemble`].
+    /// The errors of [`Self::assemble`].
     fn potential(&mut self) -> Result<Option<Potential>, Self::Error> {
         Ok(None)
     }
@@ -98,7 +98,7 @@ pub trait NewtonProblem {
     /// The residual's norms at the present (trial) iterate, without the tangent. The default assembles everything.
     ///
     /// # Errors
-    /// As [`Self::assemble`].
+    /// The errors of [`Self::assemble`].
     fn residual_norms(&mut self) -> Result<ResidualNorms, Self::Error> {
         self.assemble()
     }

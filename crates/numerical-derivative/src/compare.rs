@@ -70,7 +70,7 @@ pub fn compare_jacobians(analytic: &[f64], numerical: &[f64], columns: usize) ->
 /// Compares an analytic Jacobian (row-major, `m * n` entries) with the numerical one at `x` (`n` entries).
 ///
 /// # Errors
-/// Those of [`jacobian`] and of [`compare_jacobians`].
+/// The errors of [`jacobian`] and of [`compare_jacobians`].
 pub fn check_jacobian(
     function: &mut impl VectorFunction,
     x: &[f64],

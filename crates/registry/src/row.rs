@@ -110,7 +110,7 @@ impl<T> Row<T> {
     /// What it makes of the examples of the first way.
     ///
     /// # Errors
-    /// As [`Self::with`]: a row whose examples are refused is wrong.
+    /// The errors of [`Self::with`]: a row whose examples are refused is wrong.
     pub fn of_examples(&self) -> Result<T, Refusal> {
         self.with(self.ways.first().copied().unwrap_or_default().iter().map(|p| (p.name, p.example)))
     }

@@ -61,7 +61,7 @@ const HIDDEN_UNCOVERED: f64 = 1e-8;
 /// made.
 ///
 /// # Errors
-/// Those of [`segment_pair`].
+/// The errors of [`segment_pair`].
 pub fn check_coverage(
     found: &FacetSegmentation,
     surface: &[MasterFacet],

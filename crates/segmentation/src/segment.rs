@@ -197,7 +197,7 @@ pub fn segment_pair(
 /// A slave's side in such a plane bounds the segment in place of the master's.
 ///
 /// # Errors
-/// As [`segment_pair`].
+/// The errors of [`segment_pair`].
 pub fn segment_pair_within(
     frame: &SlaveFrame,
     master_facet: u32,

@@ -33,7 +33,7 @@ impl GapRange {
 /// as those on the far side of a body are.
 ///
 /// # Errors
-/// Those of [`SlaveFrame::new`] and [`crate::segment_pair`].
+/// The errors of [`SlaveFrame::new`] and [`crate::segment_pair`].
 pub fn segment_facet(
     slave: impl Into<Nodal<Vector3<f64>>>,
     candidates: &[MasterFacet],

@@ -121,7 +121,7 @@ fn scheme_name(scene: &Scene) -> String {
 /// Runs a scene file.
 ///
 /// # Errors
-/// See [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
+/// The errors of [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
     let mut session = Session::start(path, options, report)?;
@@ -143,7 +143,7 @@ fn watched_bodies(built: &Built) -> Vec<String> {
 /// Looks for causes in a scene that has not run.
 ///
 /// # Errors
-/// As [`check_scene`].
+/// The errors of [`check_scene`].
 pub fn diagnose_scene(path: &Path, options: &RunOptions) -> Result<Diagnosis, RunError> {
     let (scene, built) = load(path, options)?;
     diagnose_start(path, options, &scene, &built)

@@ -89,7 +89,7 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// one the term keeps. Returns whether the stencils of active slots changed. `want_tangent` tells whether derivatives will be needed.
     ///
     /// # Errors
-    /// As of [`Self::assemble`].
+    /// The errors of [`Self::assemble`].
     fn renew(&mut self, _at: &At<'_>, _want_tangent: bool) -> Result<bool, Fault> {
         Ok(false)
     }
@@ -116,7 +116,7 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// those of slots that are not active become zero and the others stay: a start for multipliers that are counted from what the last step ended with.
     ///
     /// # Errors
-    /// As of [`Self::assemble`].
+    /// The errors of [`Self::assemble`].
     fn start_auxiliaries(&self, at: &At<'_>, out: &mut [f64]) -> Result<(), Fault> {
         for (values, active) in out.chunks_exact_mut(self.auxiliaries().len().max(1)).zip(at.active) {
             if !active {
@@ -129,7 +129,7 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// iterate at which the linear equations were solved. `out` is as in [`Self::start_auxiliaries`].
     ///
     /// # Errors
-    /// As of [`Self::assemble`].
+    /// The errors of [`Self::assemble`].
     fn recover(&self, _at: &At<'_>, _increment: &[f64], _out: &mut [f64]) -> Result<(), Fault> {
         Ok(())
     }
@@ -137,14 +137,14 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// Energy that is stored at `q` and that belongs to no other term: at the start of a run, and of terms without slots at any time.
     ///
     /// # Errors
-    /// As of [`Self::assemble`].
+    /// The errors of [`Self::assemble`].
     fn energy(&self, _q: &[f64]) -> Result<f64, Fault> {
         Ok(0.0)
     }
     /// Energies of a converged step, before it is accepted. By default the energy at its end.
     ///
     /// # Errors
-    /// As of [`Self::assemble`].
+    /// The errors of [`Self::assemble`].
     fn work(&self, at: &At<'_>) -> Result<Work, Fault> {
         Ok(Work { stored: self.energy(at.q_np1)?, ..Work::default() })
     }
@@ -152,7 +152,7 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// and dissipated.
     ///
     /// # Errors
-    /// As of [`Self::assemble`].
+    /// The errors of [`Self::assemble`].
     fn merit(&self, at: &At<'_>) -> Result<f64, Fault> {
         let Work { stored, dissipated, .. } = self.work(at)?;
         Ok(stored + dissipated)

@@ -29,7 +29,7 @@ impl Friction {
     /// [`Friction::new`] with the [`Friction::tangential_stiffness`], and all that follows from the stiffness of the bodies. A stiffness that is given is the weight of slips against multipliers itself.
     ///
     /// # Errors
-    /// As [`Friction::new`].
+    /// The errors of [`Friction::new`].
     pub fn between_bodies(
         law: Arc<dyn FrictionLaw>,
         given: Option<f64>,

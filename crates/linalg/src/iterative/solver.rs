@@ -180,7 +180,7 @@ impl IterativeSolver {
     /// Solves `A x = b` to a forcing term of at least `tolerance`; `None` if it does not come to that. Returns the number of iterations.
     ///
     /// # Errors
-    /// As of [`crate::LinearSolver::solve_nearby`].
+    /// The errors of [`crate::LinearSolver::solve_nearby`].
     pub fn solve(
         &mut self,
         values: &[f64],

@@ -70,7 +70,7 @@ impl Hexahedron {
     /// The mesh; its sets are named after the natural directions: `left` is `xi = -1`, `top` is `zeta = +1`.
     ///
     /// # Errors
-    /// As for [`Block::generate`], and [`MeshError::InvertedElement`] if the corners are not those of a convex
+    /// The errors of [`Block::generate`], and [`MeshError::InvertedElement`] if the corners are not those of a convex
     /// hexahedron with positive orientation.
     pub fn generate(&self) -> Result<Mesh, MeshError> {
         validate::finite("corners", self.corners.as_flattened())?;

@@ -20,7 +20,7 @@ impl Rectangle {
     /// The layer, with facet sets `left`, `right` (x), `bottom`, `top` (y).
     ///
     /// # Errors
-    /// As [`Block::generate`].
+    /// The errors of [`Block::generate`].
     pub fn generate(&self) -> Result<Mesh, MeshError> {
         let Self { min: [x, y], max: [xx, yy], divisions: [n, m], grading: [g, h] } = *self;
         let block = Block { min: [x, y, -1.0], max: [xx, yy, 1.0], divisions: [n, m, 1], grading: [g, h, 1.0] };
@@ -48,7 +48,7 @@ impl Disc {
     /// The layer, with the facet set `outer`; of a part also `top` (y = 0) and `left` (x = 0).
     ///
     /// # Errors
-    /// As [`Cylinder::generate`].
+    /// The errors of [`Cylinder::generate`].
     pub fn generate(&self) -> Result<Mesh, MeshError> {
         let Self { radius, part, divisions: [n, m, r], refinement } = *self;
         let cylinder = Cylinder { radius, length: 2.0, part, divisions: [n, m, r, 1], refinement };

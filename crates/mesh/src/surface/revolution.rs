@@ -53,7 +53,7 @@ impl Cylinder {
     /// The surface, of `around (along + 2 radial)` facets, with the sets `side`, `bottom`, `top`.
     ///
     /// # Errors
-    /// As for [`Cylinder::validate`], and [`MeshError::DegenerateFacet`] for facets that are slender beyond measure.
+    /// The errors of [`Cylinder::validate`], and [`MeshError::DegenerateFacet`] for facets that are slender beyond measure.
     pub fn generate(&self) -> Result<SurfaceMesh, MeshError> {
         self.validate()?;
         let (r, h) = (self.radius, 0.5 * self.length);
@@ -95,7 +95,7 @@ impl Cone {
     /// one common node.
     ///
     /// # Errors
-    /// As for [`Cone::validate`], and [`MeshError::DegenerateFacet`] for facets that are slender beyond measure.
+    /// The errors of [`Cone::validate`], and [`MeshError::DegenerateFacet`] for facets that are slender beyond measure.
     pub fn generate(&self) -> Result<SurfaceMesh, MeshError> {
         self.validate()?;
         let (r, t, h) = (self.radius, self.tip_radius, self.height);

@@ -33,7 +33,7 @@ impl Plane {
     /// The surface, of `nx ny` quadrilaterals.
     ///
     /// # Errors
-    /// As for [`Plane::validate`], and [`MeshError::DegenerateFacet`] for facets that are slender beyond measure.
+    /// The errors of [`Plane::validate`], and [`MeshError::DegenerateFacet`] for facets that are slender beyond measure.
     pub fn generate(&self) -> Result<SurfaceMesh, MeshError> {
         self.validate()?;
         let [nx, ny] = self.divisions;
@@ -76,7 +76,7 @@ impl Sphere {
     /// The surface, of `6 n^2` quadrilaterals with `6 n^2 + 2` nodes.
     ///
     /// # Errors
-    /// As for [`Sphere::validate`].
+    /// The errors of [`Sphere::validate`].
     pub fn generate(&self) -> Result<SurfaceMesh, MeshError> {
         self.validate()?;
         let (directions, quads) = cubed_sphere(self.divisions as usize);
@@ -115,7 +115,7 @@ impl Cuboid {
     /// The surface, of `2 (nx ny + ny nz + nz nx)` quadrilaterals, with the sets of [`crate::generate::Block`].
     ///
     /// # Errors
-    /// As for [`Cuboid::validate`], and [`MeshError::DegenerateFacet`] for facets that are slender beyond measure.
+    /// The errors of [`Cuboid::validate`], and [`MeshError::DegenerateFacet`] for facets that are slender beyond measure.
     pub fn generate(&self) -> Result<SurfaceMesh, MeshError> {
         self.validate()?;
         let n = self.divisions;

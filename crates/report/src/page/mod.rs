@@ -154,7 +154,7 @@ pub fn sweep_page(path: &Path, mut sweep: Sweep) -> Outcome<Page> {
 /// Writes the page of these runs into the folder of the first, or that of a sweep into its folder; returns the notes.
 ///
 /// # Errors
-/// As [`page`] and [`sweep_page`], and what the system says about writing.
+/// The errors of [`page`] and [`sweep_page`], and what the system says about writing.
 pub fn write(folders: &[&Path]) -> Outcome<Vec<String>> {
     let Some(first) = folders.first() else { return Err("no folder of results is named".into()) };
     let file = first.join(NAME);
@@ -168,7 +168,7 @@ pub fn write(folders: &[&Path]) -> Outcome<Vec<String>> {
 /// Writes the page of a folder into a file of another place; returns the notes.
 ///
 /// # Errors
-/// As [`write()`].
+/// The errors of [`write()`].
 pub fn write_as(folder: &Path, file: &Path) -> Outcome<Vec<String>> {
     must_be_ours(file)?;
     save(file, page(&[folder])?)
@@ -182,7 +182,7 @@ impl Follower {
     /// Writes the page of a folder, which loads itself again after so many seconds, or does not; returns the notes.
     ///
     /// # Errors
-    /// As [`write()`].
+    /// The errors of [`write()`].
     pub fn write(&mut self, path: &Path, reload: Option<f64>) -> Outcome<Vec<String>> {
         let file = path.join(NAME);
         must_be_ours(&file)?;

@@ -9,7 +9,7 @@ impl Simulation {
     /// Means at the nodes of a body of what `sums` gives, of [`SolidBody::nodal_cauchy_stress`] for instance.
     ///
     /// # Errors
-    /// Those of `sums`.
+    /// The errors of `sums`.
     pub fn at_nodes<const N: usize>(
         &self,
         body: usize,

@@ -49,7 +49,7 @@ impl Simulation {
     /// will do.
     ///
     /// # Errors
-    /// As [`Self::restore`]; the same if `stage` switches other things off; [`SimulationError::Stage`] if it is no stage of this model.
+    /// The errors of [`Self::restore`]; the same if `stage` switches other things off; [`SimulationError::Stage`] if it is no stage of this model.
     pub fn restore_in(
         &mut self,
         stage: Stage,

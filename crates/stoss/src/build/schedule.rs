@@ -224,7 +224,7 @@ impl Schedule {
     /// Begins the next segment at the end of one, with its releases; false if there is none.
     ///
     /// # Errors
-    /// Those of [`Simulation::begin_stage`] and [`Simulation::release`].
+    /// The errors of [`Simulation::begin_stage`] and [`Simulation::release`].
     pub fn advance(&self, simulation: &mut Simulation) -> Result<bool, crate::solver::SimulationError> {
         let number = simulation.stage() + 1;
         let Some(stage) = self.stage(number) else { return Ok(false) };
@@ -238,7 +238,7 @@ impl Schedule {
     /// Carries out the events whose condition holds at the end of the last step.
     ///
     /// # Errors
-    /// Those of [`Simulation::release`].
+    /// The errors of [`Simulation::release`].
     pub fn events(&self, simulation: &mut Simulation, probes: &[Probe]) -> Result<(), crate::solver::SimulationError> {
         for event in &self.conditional {
             if simulation.released().contains(&event.release) {

@@ -92,7 +92,7 @@ impl Tables {
     /// Opens each table that the run has; `open` takes its name and its header.
     ///
     /// # Errors
-    /// Those of `open`.
+    /// The errors of `open`.
     pub fn open(
         settings: &FolderSettings,
         simulation: &Simulation,

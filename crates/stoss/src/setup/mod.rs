@@ -35,7 +35,7 @@ pub struct Setup {
 /// as its plan, and `setup.json`. Of the options laws and parameters are used.
 ///
 /// # Errors
-/// As [`crate::run::check_scene_for`], and what the system says about writing.
+/// The errors of [`crate::run::check_scene_for`], and what the system says about writing.
 pub fn write(path: &Path, options: &RunOptions, folder: &Path) -> Result<(), RunError> {
     let (scene, built) = load(path, options)?;
     let placed = named_parts(&scene, scene_folder(path), &options.laws);

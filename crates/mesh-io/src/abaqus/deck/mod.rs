@@ -523,7 +523,7 @@ impl Deck {
 /// Reads an input file with everything besides the mesh.
 ///
 /// # Errors
-/// As [`crate::read_contents`]; also numbers and names of materials, steps and so on that are missing or no numbers.
+/// The errors of [`crate::read_contents`]; also numbers and names of materials, steps and so on that are missing or no numbers.
 pub fn read_deck(path: impl AsRef<Path>) -> Result<Deck, MeshIoError> {
     let path = path.as_ref();
     let bytes = include::regular(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
@@ -533,7 +533,7 @@ pub fn read_deck(path: impl AsRef<Path>) -> Result<Deck, MeshIoError> {
 /// [`read_deck`] for bytes in memory; `path` is used in messages, `include` gives the files that the file includes.
 ///
 /// # Errors
-/// As for [`read_deck`].
+/// The errors of [`read_deck`].
 pub fn read_deck_from_bytes(path: impl AsRef<Path>, bytes: &[u8], include: Include<'_>) -> Result<Deck, MeshIoError> {
     let path = path.as_ref();
     let (contents, blocks) =
