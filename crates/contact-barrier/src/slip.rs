@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use stoss_contact::friction::{Coefficient, FrictionLaw, Sliding};
 use stoss_geometry::{PairKind, combine};
 
-/// Friction of a pair in a step: a law, and what it has to know.
+/// Friction of a pair of primitives in a step: a law, and what it has to know.
 #[derive(Clone, Copy, Debug)]
 pub struct Friction<'a> {
     /// The law.
@@ -16,7 +16,7 @@ pub struct Friction<'a> {
     pub step_size: f64,
     /// Path that the pair has slid before the step.
     pub slid: f64,
-    /// What it does before it slides.
+    /// Friction before it slides.
     pub stick: Stick,
 }
 
@@ -28,7 +28,7 @@ struct Limit {
     by_slip: f64,
 }
 
-/// What friction does before it slides.
+/// Friction of a pair of primitives before it slides: none, creep or a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stick {
     /// The law does not stick ([`FrictionLaw::sticks`]): friction is a function of the slip of the step.

@@ -21,7 +21,7 @@ const STRAIGHT: f64 = 1e-6;
 /// How far beyond an element its vertices may lie, in natural coordinates: half of its depth.
 pub const BEYOND: f64 = 1.0;
 
-/// A point between the corners of a facet.
+/// A point between the corners of a facet, by which finer facets of a round surface share their vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
     /// A point on the side between two nodes, the smaller number first, so many pieces from the first.

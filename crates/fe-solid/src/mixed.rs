@@ -43,7 +43,7 @@ pub(crate) fn linear<const G: usize>(weights: &[f64; G], points: &[[f64; 3]; G])
     basis
 }
 
-/// The parts of the law.
+/// Both terms of the energy of a mixed body, as the elements see them.
 #[derive(Clone, Copy)]
 pub(crate) struct Parts<'a> {
     /// `W`.

@@ -5,14 +5,14 @@ use crate::{
 };
 use std::ops::Range;
 
-/// A step that is being solved.
+/// A step of a scheme that is being solved: its begin, its size and the equations for that size.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     /// State at the beginning.
     pub state_n: &'a State,
     /// Size of the step.
     pub dt: f64,
-    /// The scheme's rule for that size.
+    /// Equations of the scheme for that size.
     pub rule: StepRule,
 }
 

@@ -1,6 +1,6 @@
 //! What an equation belongs to, for solvers that need to know: not what it means.
 
-/// Where an equation of a system is: what a solver by aggregation has to know beyond the matrix.
+/// What an equation of a system belongs to, and where that is: all that a solver by aggregation has to know beyond the matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EquationPlace {
     /// A component of the position of a node of an elastic body.

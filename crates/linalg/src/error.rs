@@ -1,6 +1,6 @@
 //! The crate's error type.
 
-/// Where a value that is not finite was found.
+/// Array of a linear system in which a value that is not finite was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// An entry of the matrix; the index is the position in the list of values.

@@ -1,6 +1,6 @@
 //! Where something stands in a file.
 
-/// A line of a text, a byte of a binary file.
+/// A place in a file: a line of a text, a byte of a binary file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Place {
     /// Which of the files that were read: 0, or an included one.

@@ -68,7 +68,7 @@ impl fmt::Display for Method {
     }
 }
 
-/// Size of the step.
+/// Size of the step of a difference in an argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
     /// `h = unit_step max(|x|, length)`: `length` is the size of arguments over which the function changes by its own

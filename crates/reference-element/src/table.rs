@@ -9,7 +9,7 @@ pub const MAX_CELL_NODES: usize = 27;
 pub type Shape = [f64; MAX_CELL_NODES];
 /// Gradients of the shape functions of a cell: row the node, column the direction; zero beyond its nodes.
 pub type ShapeGradient = [[f64; 3]; MAX_CELL_NODES];
-/// Points in natural coordinates and weights, which add up to the cell's volume there.
+/// Quadrature rule of a cell: points in natural coordinates and weights, which add up to the cell's volume there.
 pub type Rule = &'static [([f64; 3], f64)];
 
 /// The shape of a cell.

@@ -9,7 +9,7 @@ pub fn shape(eta: [f64; 2]) -> [f64; 3] {
     [1.0 - eta[0] - eta[1], eta[0], eta[1]]
 }
 
-/// A rule on the triangle.
+/// A quadrature rule on the triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TriangleRule {
     /// 4 points, degree 3, one weight negative (thesis, Table 4.1 with its points corrected).

@@ -37,14 +37,14 @@ pub enum Which {
     Nearest(f64),
 }
 
-/// What is drawn and how.
+/// Options of a picture: what is drawn and how.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// The frame.
     pub frame: Which,
     /// Name of the field; without one it is the von Mises stress if it is stored, else the size of the displacement.
     pub field: Option<String>,
-    /// From what is drawn to the eye.
+    /// Direction from what is drawn to the eye.
     pub view: Option<[f64; 3]>,
     /// Names of the bodies; all if there is none.
     pub bodies: Vec<String>,

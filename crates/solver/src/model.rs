@@ -28,7 +28,7 @@ impl Damping {
     }
 }
 
-/// A deformable body.
+/// A deformable body of a model: its elements with what the run knows of it beside them.
 #[derive(Debug)]
 pub struct Body {
     /// Elements and law.

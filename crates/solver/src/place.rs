@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A place in a model; what does not apply is `None`.
+/// A place in a model, by numbers of a node, an element or a slot; what does not apply is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// Global number of a vector: a node, or the centre or a director of a rigid body.

@@ -14,7 +14,7 @@ const DOUBTFUL_CAPPED: f64 = 0.001;
 /// its energy. Errors of schemes without such a defect are smaller by orders of magnitude, also with large steps.
 const WRONG_GAIN: f64 = 0.5;
 
-/// What closing gaps cost is judged where nothing else is meant to take energy.
+/// Judgement of what closing gaps cost, where nothing else is meant to take energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Closing {

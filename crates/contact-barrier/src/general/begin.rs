@@ -22,7 +22,7 @@ const TILTED: f64 = 0.02;
 /// The part of the thickness in which that acts which is not needed as long as other contacts carry: corners that are flush, and edges of the mesh of flat surfaces.
 const LAST: f64 = 0.3;
 
-/// What the question is asked of: at the start of the step, and at its predictor.
+/// Skin, candidates and both configurations, the start of the step and its predictor, by which it is decided what begins to act; not a scene of the program.
 pub(super) struct Scene<'a> {
     pub skin: &'a Skin,
     pub rules: &'a Interactions,

@@ -13,7 +13,7 @@ use stoss_geometry::{ClosestPair, PairKind, closest};
 /// Cosine of the angle between the normals of triangles of one sheet, up to which they look against each other.
 const AGAINST: f64 = -0.3;
 
-/// A point and a patch, or two edges.
+/// A contact of general contact: a point and a patch, or two edges.
 #[derive(Clone, Debug)]
 pub(super) struct Contact {
     /// Candidates of the contact, by their places in [`Contacts::members`].

@@ -37,7 +37,7 @@ pub(super) struct Rubbed {
     pub slid: f64,
 }
 
-/// Friction of a contact.
+/// Spring of friction of a contact: its key, and what the friction has come to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Spring {
     pub key: Key,

@@ -15,7 +15,7 @@ const EVEN: f64 = 1e-12;
 /// Relative difference between the sum of the pieces and the nearest one that is round-off.
 const SAME: f64 = 1e-12;
 
-/// A triangle, an edge that is taken off, or a vertex, and the point.
+/// Piece of the sum over a patch: a triangle, an edge that is taken off, or a vertex, and the point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
     pub kind: PairKind,

@@ -21,7 +21,7 @@ pub enum SlipMeasure {
     Yang,
 }
 
-/// `g`, `d_1`, `d_2`, `h` of one facet.
+/// Vectors `g`, `d_1`, `d_2`, `h` of one facet, of which its slip is made (theory/friction#mortar).
 pub(crate) type Facet<T> = [V3<T>; 4];
 
 fn minus<T: Scalar>(a: V3<T>, b: V3<T>) -> V3<T> {

@@ -11,7 +11,7 @@ use stoss_term::GradientRule;
 type Vector9 = SVector<f64, 9>;
 type Matrix9 = SMatrix<f64, 9, 9>;
 
-/// `b_1`, `b_2` (no unit, about unit length in the reference), `g` [volume].
+/// The nine numbers `z` at one configuration: `b_1`, `b_2` (no unit, about unit length in the reference), `g` [volume]. Not a stage of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stage {
     pub b: [Vector3<f64>; 2],
@@ -33,7 +33,7 @@ pub(super) struct Response {
     pub end: [Vector9; 3],
     /// Gradients of the rule.
     pub rule: [Vector9; 3],
-    /// Derivative with respect to the stage at the end of the step; not symmetric for the energy-momentum rule.
+    /// Derivative with respect to the nine numbers `z` at the end of the step; not symmetric for the energy-momentum rule.
     pub derivative: Matrix9,
 }
 

@@ -22,7 +22,7 @@ pub enum MidpointFriction {
     C,
 }
 
-/// How stick is enforced.
+/// Enforcement of stick at a point of a slave: by a spring, an augmented Lagrangian or multipliers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stick {
     /// A spring of the tangential stiffness between slave and master, which stores energy and lets a sticking point move by traction over
@@ -51,7 +51,7 @@ pub fn stick_compliance(may_be_held: bool) -> f64 {
 /// Slip that an iteration leaves at a point that begins to slide, in parts of the slip of a spring with the present traction.
 const RESIDUAL_SLIP: f64 = 1.0e-6;
 
-/// A law with all that its time stepping needs.
+/// Friction of a contact of slave and master: a law with all that its time stepping needs. General contact has one of its own, for a pair of primitives.
 #[derive(Clone, Debug)]
 pub struct Friction {
     law: Arc<dyn FrictionLaw>,

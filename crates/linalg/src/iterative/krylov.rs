@@ -11,7 +11,7 @@ pub(crate) trait Operator {
     fn precondition(&mut self, r: &[f64], z: &mut [f64]);
 }
 
-/// How an iteration ended.
+/// Report of an iteration: how it ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Report {
     pub iterations: u32,

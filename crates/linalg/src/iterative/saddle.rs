@@ -19,7 +19,7 @@ const WEIGHT: f64 = 0.3;
 /// A row that is nearly orthogonal to its own force says nothing by itself: it counts as at least this part of what the lengths of both would give.
 const LEAST_COSINE: f64 = 0.1;
 
-/// Rows of three-vectors: those of a multiplier at nodes, or those of a node at multipliers.
+/// Coupling of multipliers and nodes by rows of three-vectors: those of a multiplier at nodes, or those of a node at multipliers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Coupling {
     pub starts: Vec<usize>,

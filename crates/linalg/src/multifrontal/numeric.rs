@@ -29,7 +29,7 @@ pub(super) struct Numeric {
     work: Mutex<Vec<FrontWork>>,
 }
 
-/// What belongs to one subtree.
+/// Slices of the factors and of the storage that belong to one subtree.
 struct Part<'a> {
     factors: &'a mut [f64],
     pivots: &'a mut [u32],

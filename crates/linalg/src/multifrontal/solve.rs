@@ -49,7 +49,7 @@ enum Way {
     Backward,
 }
 
-/// What belongs to one subtree.
+/// Slices of the vectors that belong to one subtree.
 struct Part<'a> {
     x: &'a mut [f64],
     passed: &'a mut [f64],

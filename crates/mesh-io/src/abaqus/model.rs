@@ -60,7 +60,7 @@ pub(super) struct Solid {
     pub place: Place,
 }
 
-/// A part, or what is outside of parts in a file.
+/// A part of Abaqus (`*PART`), or what is outside of parts in a file; not a part of a scene.
 #[derive(Clone, Default)]
 pub(super) struct Part {
     pub name: String,

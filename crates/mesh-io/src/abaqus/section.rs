@@ -5,7 +5,7 @@ use super::types::SolidType;
 use crate::place::Place;
 use crate::{Contents, MeshIoError};
 
-/// What the data lines that come next belong to.
+/// Section of a file: what the data lines that come next belong to. Not a cross-section.
 pub(super) enum Section {
     Skip,
     Node {

@@ -15,7 +15,7 @@ const LARGEST_RATIO: f64 = 4.0;
 /// Corners of a facet of the lattice, counter-clockwise.
 const RING: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
 
-/// What is meshed of a ball or cylinder. The cut surfaces are planes of symmetry.
+/// Portion of a ball or cylinder that is meshed; not a part of a scene. The cut surfaces are planes of symmetry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// Everything.

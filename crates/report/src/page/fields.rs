@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::vtu::{Array, Grid};
 
-/// What is taken of an array.
+/// Number that is taken of an array to colour by, as its size or a component.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", content = "index", rename_all = "snake_case")]
 enum Part {

@@ -29,7 +29,7 @@ const SIGNED_CODES: f64 = 32_767.0;
 /// The array that moves the nodes.
 const DISPLACEMENT: &str = "displacement";
 
-/// Where an array is.
+/// Bytes of the payload at which an array is: start and length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Place {
     start: usize,

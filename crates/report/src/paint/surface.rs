@@ -31,7 +31,7 @@ pub struct Line {
     pub values: Vec<f64>,
 }
 
-/// What is drawn of a frame.
+/// Faces, lines and points that are drawn of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Faces that belong to one element only, in the order of the elements and quadratic ones in pieces, and facets.

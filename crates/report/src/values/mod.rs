@@ -45,7 +45,7 @@ fn boundary(elements: &Elements) -> BTreeSet<(u32, u8)> {
     FacetIndex::new(elements).boundary().iter().map(|facet| (facet.element, facet.local)).collect()
 }
 
-/// Where values are taken.
+/// Points of the model at which values are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// Points of equal distances from one end to the other, both included.
@@ -76,7 +76,7 @@ pub enum Configuration {
     Reference,
 }
 
-/// What is asked for.
+/// Options of a table of values: what is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The frame.

@@ -13,7 +13,7 @@ use stoss_watch::{Severity, Verdict};
 /// Most failed attempts that are reported.
 const MOST_ATTEMPTS: usize = 4;
 
-/// A run that stopped, came out wrong, or did neither.
+/// Case of a diagnosis: a run that stopped, came out wrong, or did neither.
 pub struct Case<'a> {
     /// The scene.
     pub scene: &'a Scene,

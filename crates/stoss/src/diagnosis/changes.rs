@@ -44,7 +44,7 @@ pub(super) fn changes(case: &Case<'_>) -> Vec<String> {
     list
 }
 
-/// What a contact does in the step that failed.
+/// State of a contact in the step that failed: whether it closes, begins or acts, and how deep it overlaps.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Closing {
     /// Whether it was open, and points of it closed in the last attempt.

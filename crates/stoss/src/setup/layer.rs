@@ -52,7 +52,7 @@ impl Arrow {
     }
 }
 
-/// One thing of a scene.
+/// A layer of the page that shows a scene: one thing of it, as a contact, a support or a set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Layer {
     /// Kind of the thing.

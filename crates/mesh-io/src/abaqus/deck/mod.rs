@@ -197,7 +197,7 @@ pub struct Interaction {
     pub place: DeckPlace,
 }
 
-/// Coulomb friction.
+/// Coulomb friction as a deck gives it (`*FRICTION`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
     /// Coefficient of friction; infinite for `ROUGH`.
@@ -277,7 +277,7 @@ pub enum Prescribed {
     Fixed,
 }
 
-/// Prescribed displacements, or their rates.
+/// Prescribed displacements, or their rates, as a deck gives them (`*BOUNDARY`); not springs to the ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
     /// The nodes.
@@ -403,7 +403,7 @@ pub enum Procedure {
     Other(String),
 }
 
-/// A step.
+/// A step of a deck (`*STEP`): procedure, supports, loads, and what it changes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
     /// Name of the step.

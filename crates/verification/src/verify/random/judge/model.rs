@@ -23,7 +23,7 @@ pub enum Kind {
     Plane,
 }
 
-/// A part of the scene.
+/// A part of the scene as the judge sees it: elements, facets and motion.
 #[derive(Clone, Debug)]
 pub struct Part {
     /// Name of the part.
