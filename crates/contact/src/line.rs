@@ -15,8 +15,7 @@ pub struct ContactLine {
 
 impl ContactLine {
     /// The line from global nodes in their order along it, ascending, their tributary lengths (`int N_a ds` over the reference line, positive), and the
-    /// reference
-    /// coordinates of all nodes (`3 * nodes`).
+    /// reference coordinates of all nodes (`3 * nodes`).
     ///
     /// # Errors
     /// [`ContactError::EmptySurface`], [`ContactError::MissingNode`], [`ContactError::NotFinite`], [`ContactError::Line`] for lengths that are not positive, not as many

@@ -254,11 +254,10 @@ impl SolidBody {
     }
 
     /// Adds force and tangent as [`Self::assemble`], for the tangent of an iterate that followed `before` by a linear solution. In a mixed body the stress that
-    /// stiffens the
-    /// tangent then has the pressures of that linear solution, not those of the volumes at `q_np1`: Newton's method for displacements and pressures, from which the
-    /// pressures were eliminated (theory/elements#mixed-iteration). Near incompressibility it converges from much farther away, because the volumes that a large rotation
-    /// of an iterate makes are not multiplied by the bulk modulus. The force does not depend on `before`, and the tangent is the derivative of the force where the
-    /// iteration ends.
+    /// stiffens the tangent then has the pressures of that linear solution, not those of the volumes at `q_np1`: Newton's method for displacements and
+    /// pressures, from which the pressures were eliminated (theory/elements#mixed-iteration). Near incompressibility it converges from much farther away,
+    /// because the volumes that a large rotation of an iterate makes are not multiplied by the bulk modulus. The force does not depend on `before`, and the
+    /// tangent is the derivative of the force where the iteration ends.
     ///
     /// # Errors
     /// The errors of [`Self::assemble`].

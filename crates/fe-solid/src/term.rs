@@ -12,8 +12,7 @@ impl From<SolidError> for Fault {
 }
 
 /// The body as a term. Of a body that is shared out among ranks the stencils, contributions, energies and works are those of the elements of this rank, and
-/// those of all ranks add up to the
-/// body's; of [`MaterialWork::flow`] the largest counts. Name, scales and symmetry are those of the body.
+/// those of all ranks add up to the body's; of [`MaterialWork::flow`] the largest counts. Name, scales and symmetry are those of the body.
 impl Term for SolidBody {
     fn name(&self) -> &str {
         self.name()

@@ -61,8 +61,7 @@ pub struct Curves {
 
 impl Curves {
     /// The curves from a table with a line of names, `test`, `stretch` or `strain` (nominal), and `stress` (nominal), and a line for each point; values are
-    /// separated by commas or semicolons, and `#` begins a
-    /// comment. Points without strain are left out.
+    /// separated by commas or semicolons, and `#` begins a comment. Points without strain are left out.
     ///
     /// # Errors
     /// Columns that are missing or unknown, values that are no numbers, a test of another name, a stretch that is not positive, a test without stresses.

@@ -79,8 +79,7 @@ pub struct LinearEquations {
 
 impl LinearEquations {
     /// The equations for these points with their factors, an equation each; `reference` has the positions of all vectors in the reference configuration (three
-    /// entries each), and violations
-    /// are judged against `length`.
+    /// entries each), and violations are judged against `length`.
     ///
     /// # Errors
     /// [`LinearEquationError`].

@@ -20,10 +20,9 @@ pub enum LineSearch {
         /// Largest number of reductions; then the iteration stops with [`crate::StopReason::LineSearchFailed`].
         max_reductions: u32,
     },
-    /// Backtracking as [`Self::Backtracking`], and where no constraint is violated a full step that goes too far is shortened by the slope `g(s) = R(u + s du)
-    /// . du`: it is accepted if `g` has changed
-    /// its sign by at most [`OVERSHOOT`]; else a root of `g` is sought by false position. For forces with kinks, as of points that begin to yield, between which full steps
-    /// may jump for ever while the residual grows by little.
+    /// The search of [`Self::Backtracking`]; where no constraint is violated, a full step that goes too far is also shortened by the slope
+    /// `g(s) = R(u + s du) . du`: it is accepted if `g` has changed its sign by at most [`OVERSHOOT`]; else a root of `g` is sought by false position. For
+    /// forces with kinks, as of points that begin to yield, between which full steps may jump for ever while the residual grows by little.
     Slope {
         /// Largest factor by which the residual may grow, see [`Self::Backtracking`].
         max_growth: f64,

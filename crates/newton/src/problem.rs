@@ -49,8 +49,7 @@ pub trait NewtonProblem {
     fn solve(&mut self) -> Result<f64, Self::Error>;
 
     /// Solves as [`Self::solve`], with a tangent that is modified, if necessary, so that the potential falls along the increment. Called instead of `solve`
-    /// with [`crate::LineSearch::Best`].
-    /// [`Self::solve`] by default.
+    /// with [`crate::LineSearch::Best`]. [`Self::solve`] by default.
     ///
     /// # Errors
     /// The errors of [`Self::solve`].

@@ -193,8 +193,7 @@ pub fn segment_pair(
 }
 
 /// Overlap of two facets as of [`segment_pair`], for surfaces that end at planes of symmetry and go on behind them: `planes` are those that the master's
-/// corners lie in, a bit each, as in [`SlaveFrame::with_planes`].
-/// A slave's side in such a plane bounds the segment in place of the master's.
+/// corners lie in, a bit each, as in [`SlaveFrame::with_planes`]. A slave's side in such a plane bounds the segment in place of the master's.
 ///
 /// # Errors
 /// The errors of [`segment_pair`].

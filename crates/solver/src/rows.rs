@@ -8,8 +8,7 @@ use stoss_term::Local;
 pub(crate) const COMPLIANCE: f64 = 1.0e-8;
 
 /// Compliance of rows while complementarity is smoothed: a slave that is a thousand times stiffer than its master has eigenvalues of 1e-3 of the others, which
-/// are not to
-/// be slowed down.
+/// are not to be slowed down.
 pub(crate) const COMPLIANCE_SMOOTHED: f64 = 1.0e-9;
 
 /// How rows of unilateral contact are scattered.

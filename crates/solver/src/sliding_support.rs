@@ -28,8 +28,7 @@ pub struct SlidingSupport {
 
 impl SlidingSupport {
     /// A support of nodes with these numbers and `reference` positions (`3 * nodes` of the model), along a `direction` of any length, with the one column of
-    /// `displacement` (a length) as a function of time;
-    /// violations are measured relative to `length`. `None` if the direction is zero or not finite.
+    /// `displacement` (a length) as a function of time; violations are measured relative to `length`. `None` if the direction is zero or not finite.
     pub fn new(
         name: &str,
         nodes: &[u32],

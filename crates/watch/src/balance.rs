@@ -154,8 +154,7 @@ pub struct BalanceWatch {
 
 impl BalanceWatch {
     /// The watch for bodies of this `mass` whose nodes are at most `radius` from the origin. Energies below `smallest` are those of motions that are not
-    /// resolved: what is at
-    /// rest is measured against it.
+    /// resolved: what is at rest is measured against it.
     pub fn new(promises: Promises, mass: f64, radius: f64, smallest: f64) -> Self {
         // Finite, for files.
         let (lowest, largest_loss) = (f64::MAX, f64::MIN);

@@ -127,8 +127,7 @@ pub(crate) fn overlap(
 }
 
 /// The point of a body with edges through an open surface that is farthest from it on the side where the body reaches less far. Points whose nearest point is
-/// on the rim are beside the
-/// surface; of an edge that goes through it between such ends what lies before and behind is sought in parts.
+/// on the rim are beside the surface; of an edge that goes through it between such ends what lies before and behind is sought in parts.
 fn penetration_of_open_surface(
     body: &Surface,
     other: &Surface,

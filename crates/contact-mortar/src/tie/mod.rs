@@ -157,9 +157,8 @@ impl MeshTie {
     }
 
     /// A tie as of [`Self::new`] where a component may be prescribed in some stages of a run and free in others: `is_fixed` tells whether it is given at the
-    /// start, and `is_always_fixed`
-    /// whether it is by something that is no prescription, or by one that never ends. Every step says what is prescribed in it ([`stoss_term::Step::support`]), and slots of
-    /// components that are prescribed do not act.
+    /// start, and `is_always_fixed` whether it is by something that is no prescription, or by one that never ends. Every step says what is prescribed in it
+    /// ([`stoss_term::Step::support`]), and slots of components that are prescribed do not act.
     ///
     /// # Errors
     /// The errors of [`Self::new`].

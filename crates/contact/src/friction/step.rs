@@ -201,9 +201,8 @@ impl Friction {
     }
 
     /// Friction with another stiffness, traction per length, that multipliers are weighed with in a careful step ([`Step::careful`]). No result depends on it,
-    /// but Newton's method
-    /// does: where it is stiffer than the bodies the slip of an iterate outweighs what the multiplier knew of the direction, and a point goes to and fro between stick and
-    /// two directions of slip; where it is softer, more iterates are needed.
+    /// but Newton's method does: where it is stiffer than the bodies the slip of an iterate outweighs what the multiplier knew of the direction, and a point
+    /// goes to and fro between stick and two directions of slip; where it is softer, more iterates are needed.
     #[must_use]
     pub fn with_careful_weight(mut self, stiffness: f64) -> Self {
         self.careful_weight = (stiffness > 0.0 && stiffness.is_finite()).then_some(stiffness);

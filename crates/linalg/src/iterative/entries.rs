@@ -11,8 +11,7 @@ pub(crate) struct Entries {
     /// Whether the columns of a node are its rows too.
     symmetric: bool,
     /// Place of the first row of each block in the columns of its node, of which each has the same rows; [`NONE`] if they do not, or not all rows of the block:
-    /// then
-    /// they are looked up.
+    /// then they are looked up.
     offsets: Vec<u32>,
     /// Positions of the entries of multipliers and others in the columns of nodes, equation by equation.
     border: Vec<u32>,

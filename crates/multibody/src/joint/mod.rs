@@ -259,8 +259,7 @@ impl Joint {
     }
 
     /// The joint with a mass and a stiffness that are typical of what it connects. They weigh slips against torques in decisions between stick and slip, open
-    /// and closed; no result
-    /// depends on them.
+    /// and closed; no result depends on them.
     #[must_use]
     pub fn with_weights(mut self, weights: Weights) -> Self {
         self.weights = weights;

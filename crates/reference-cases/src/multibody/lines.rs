@@ -11,8 +11,7 @@ pub fn euler_load(length: f64, bending: f64) -> f64 {
 }
 
 /// Load at which a column with shear and compression buckles, whose equation for strains as of a director beam is `F (1 - F/EA + F/GA) = F_Euler`: the smaller
-/// root (Reissner's beam;
-/// Haringx' column without `1/EA`).
+/// root (Reissner's beam; Haringx' column without `1/EA`).
 pub fn buckling_load(length: f64, bending: f64, axial: f64, shear: f64) -> f64 {
     let (euler, c) = (euler_load(length, bending), 1.0 / shear - 1.0 / axial);
     // c F^2 + F - F_Euler = 0, without cancellation.

@@ -6,8 +6,7 @@ use crate::{DecisionKind, StepError};
 
 impl Simulation {
     /// Lets contacts that begin to act in a step of statics that failed close their overlaps in proportion to time (theory/constraints#reference-gap). False if
-    /// none has an overlap
-    /// that was to be closed at once; then nothing has changed.
+    /// none has an overlap that was to be closed at once; then nothing has changed.
     pub(super) fn ramps_overlaps(&mut self, cause: &StepError) -> bool {
         if self.how.scheme.is_some() {
             return false;

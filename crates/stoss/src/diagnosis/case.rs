@@ -33,8 +33,7 @@ pub struct Case<'a> {
 
 impl<'a> Case<'a> {
     /// The case of a simulation of a scene whose mesh files are sought in `folder`; `watched` are the names of the bodies with a surface, in the order of the
-    /// watch, and
-    /// `error` is what stopped it.
+    /// watch, and `error` is what stopped it.
     pub fn new(
         scene: &'a Scene,
         folder: &Path,

@@ -84,8 +84,7 @@ impl Interface {
     }
 
     /// The interface of a frame with a ball in a shell: the upper part of the second body's facets near the sphere about the origin is the slave, all of the
-    /// first
-    /// body's the master.
+    /// first body's the master.
     fn on_sphere(frame: &Grid, radius: f64) -> Outcome<Self> {
         /// Part of the radius that nodes may be off the sphere; part of it above which the slave's facets are.
         const NEAR: f64 = 0.08;
@@ -138,8 +137,7 @@ fn hull(frame: &Grid, body: f64) -> Outcome<Vec<[usize; 4]>> {
 }
 
 /// A picture of both surfaces from the side of the slave and the triangles of the segments between them, on the slave: from above, or, of whole surfaces, along
-/// the mean
-/// normal of the slave facets that are opposite the master, and of both only such facets. Nothing if no facet is.
+/// the mean normal of the slave facets that are opposite the master, and of both only such facets. Nothing if no facet is.
 pub fn segments(title: &str, interface: &Interface) -> Outcome<Option<String>> {
     let Interface { slave, master, q, range } = interface;
     let found = segment_surfaces(slave, master, q, *range)?.facets;
