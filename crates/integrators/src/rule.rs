@@ -11,7 +11,8 @@ pub enum ForceRule {
     /// Its derivative by `q_np1` is `theta` times the static one, symmetric. Forces have no resultant and, about `q_{n+theta}`, no moment; what that means for the momenta of a step is the
     /// scheme's matter (both are kept for `theta = 1/2` with `q_np1 - q_n = dt (v_n + v_np1)/2`).
     Configuration {
-        /// Fraction of the step, in `[0, 1]`. `q_n` is not read for 1; `q_np1` is not read for 0, whose derivative is zero and is not computed. A number outside extrapolates.
+        /// Fraction of the step, in `[0, 1]`. `q_n` is not read for 1; `q_np1` is not read for 0, whose derivative is zero and is not computed. A number
+        /// outside extrapolates.
         theta: f64,
     },
     /// Discrete gradient between `q_n` and `q_np1`: `F_bar . (q_np1 - q_n) = V_np1 - V_n`. Of a solid: the stress of theory/integrators#eq-ems with the mean deformation gradient. Keeps

@@ -121,7 +121,7 @@ fn scheme_name(scene: &Scene) -> String {
 /// Runs a scene file.
 ///
 /// # Errors
-/// The errors of [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
+/// Any [`RunError`]. After [`RunError::Simulation`] the folder holds every completed step, a summary that names the reason, and a
 /// checkpoint of the last good state.
 pub fn run_scene(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
     let mut session = Session::start(path, options, report)?;

@@ -126,8 +126,7 @@ fn pushing(surface: &Surface, facets: &[u32], rim: Vec<Vector3<f64>>, force: &Ve
 }
 
 /// The triangle that is most opposite to a facet of the node, with the normals of both: of the facets of `other` that are as near to a node of `body` as the
-/// one that was found, as at an edge between two
-/// facets; nothing if none is opposite, as where a node lies beside a rim.
+/// one that was found, as at an edge between two facets. Nothing if none is opposite, as where a node lies beside a rim.
 fn opposite(body: &Surface, other: &Surface, near: &Near) -> Option<(usize, [Vector3<f64>; 2])> {
     let x = &body.points[near.node as usize];
     let first = other.facet(near.triangle);

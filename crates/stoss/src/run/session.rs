@@ -68,7 +68,7 @@ impl Session {
     /// Reads and builds a scene, and opens its folder: nothing has been computed yet but the initial state.
     ///
     /// # Errors
-    /// The errors of [`RunError`].
+    /// Any [`RunError`].
     pub fn start(path: &Path, options: &RunOptions, report: &mut dyn FnMut(Event<'_>)) -> Result<Self, RunError> {
         let (scene, mut built) = load(path, options)?;
         let watched = watched_bodies(&built);
@@ -184,7 +184,7 @@ impl Session {
     /// Does a step and writes what is due of it; nothing once the run has ended or [`RunOptions::stop`] is true.
     ///
     /// # Errors
-    /// The errors of [`RunError`]. After [`RunError::Simulation`] the folder is complete, and there is no other step.
+    /// Any [`RunError`]. After [`RunError::Simulation`] the folder is complete, and there is no other step.
     pub fn advance(&mut self, report: &mut dyn FnMut(Event<'_>)) -> Result<Option<StepRecord>, RunError> {
         // The grid of steps is the scene's; stopping early only stops.
         if self.state != Progress::Running || self.simulation.state().time >= self.end * (1.0 - 1.0e-12) {
@@ -240,7 +240,7 @@ impl Session {
     /// [`Outcome::Interrupted`] if [`RunOptions::stop`] is the reason, else [`Outcome::Stopped`].
     ///
     /// # Errors
-    /// The errors of [`RunError`].
+    /// Any [`RunError`].
     pub fn finish(&mut self, report: &mut dyn FnMut(Event<'_>)) -> Result<Summary, RunError> {
         let is_at_end = self.simulation.finished() && self.simulation.stage() as usize == self.schedule.len();
         let (last_step, last_time) = (self.simulation.step(), self.simulation.state().time);
