@@ -53,7 +53,7 @@ impl LineSearch {
         Self::Backtracking { max_growth: 10.0, small: 0.0, reduction: 0.5, max_reductions: 8 }
     }
 
-    /// The same search without a look at the slope.
+    /// Search without a look at the slope.
     pub(crate) fn without_slope(self) -> Self {
         match self {
             Self::Slope { max_growth, small, reduction, max_reductions } => {
@@ -63,7 +63,7 @@ impl LineSearch {
         }
     }
 
-    /// The same search with a look at the slope; [`Self::Off`] and others stay what they are.
+    /// Search with a look at the slope; [`Self::Off`] and others stay what they are.
     pub fn with_slope(self) -> Self {
         match self {
             Self::Backtracking { max_growth, small, reduction, max_reductions } => {

@@ -65,7 +65,7 @@ impl Family {
 /// At which points of a cell stress and stiffness are taken.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Integration {
-    /// As many points as the cell needs to have no mode without stiffness. For tet10 the rule of 8 points that sees the corners, where such a
+    /// Full rule: as many points as the cell needs to have no mode without stiffness. For tet10 the rule of 8 points that sees the corners, where such a
     /// cell collapses first.
     #[default]
     Full,

@@ -27,7 +27,7 @@ pub enum StepError {
         residual: f64,
         /// Where the residual is largest, and what may be the reason.
         place: String,
-        /// That place in numbers of the model.
+        /// Place in numbers of the model.
         at: Box<Place>,
     },
     /// The matrix is singular.
@@ -35,7 +35,7 @@ pub enum StepError {
     Singular {
         /// The unknown in which the undetermined motion is largest.
         unknown: Unknown,
-        /// The unknown's place in numbers of the model.
+        /// Place of the unknown in numbers of the model.
         at: Box<Place>,
         /// What may be the reason.
         hint: String,
@@ -49,7 +49,7 @@ pub enum StepError {
         attempts: u32,
         /// Where surfaces are nearest to each other, as the middle of a sentence.
         place: String,
-        /// That place in numbers of the model.
+        /// Place in numbers of the model.
         at: Box<Place>,
         /// What may help.
         remedy: &'static str,
@@ -65,7 +65,7 @@ pub enum StepError {
         count: usize,
         /// The first of them.
         first: String,
-        /// The node's place in numbers of the model.
+        /// Place of the node in numbers of the model.
         at: Box<Place>,
         /// Changes of the set in this attempt.
         changes: usize,
