@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Part of the largest energy from which on a gain, where nothing excludes it, or a loss by closing gaps is doubtful.
 const DOUBTFUL_CHANGE: f64 = 0.01;
 
+/// Part of its scale by which angular momentum may change under a scheme that does not keep it.
+const DOUBTFUL_TURN: f64 = 0.01;
+
 /// Part of the largest energy that impacts would have added, from which on their steps are not resolved.
 const DOUBTFUL_CAPPED: f64 = 0.001;
 
@@ -34,6 +37,9 @@ pub struct Promises {
     pub linear: [bool; 3],
     /// Angular momentum is constant.
     pub angular: bool,
+    /// Nothing acts on the bodies from outside: angular momentum would be constant, though the scheme may not keep it.
+    #[serde(default)]
+    pub is_free: bool,
     /// Energy, with the work of loads and supports and the losses of contact and friction, is constant.
     pub energy: bool,
     /// Whether no load and no support does work that the balance of energy has only to the accuracy of the scheme.
@@ -145,6 +151,9 @@ pub struct BalanceWatch {
     grown: Change,
     #[serde(default)]
     closed: Change,
+    /// Largest change so far of the angular momentum that the scheme does not keep; not an energy.
+    #[serde(default)]
+    turned: Change,
     /// What impacts of deformable bodies have taken, and what the law of impact was kept from adding.
     #[serde(default)]
     by_impacts: f64,
@@ -173,6 +182,7 @@ impl BalanceWatch {
             given: Change::default(),
             grown: Change::default(),
             closed: Change::default(),
+            turned: Change::default(),
             by_impacts: 0.0,
             capped: Change::default(),
         }
@@ -196,7 +206,8 @@ impl BalanceWatch {
     /// Findings of a step: what of [`Promises`] it violates. The first call is the start, with which all others are compared. What is judged beside the largest energy of the run
     /// is in [`Self::standing`].
     pub fn observe(&mut self, step: u64, time: f64, state: &BalanceState) -> Vec<Finding> {
-        let Promises { linear, angular, energy, autonomous, contact_gives_nothing, closing, tolerance } = self.promises;
+        let Promises { linear, angular, is_free, energy, autonomous, contact_gives_nothing, closing, tolerance } =
+            self.promises;
         let size = |x: &[f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
         // The momentum that the bodies would have if all moved in the same direction.
         let momentum = (2.0 * self.mass * state.energy.max(0.0)).sqrt();
@@ -227,8 +238,11 @@ impl BalanceWatch {
                 add(Severity::Wrong, FindingKind::Balance, what + ", though nothing acts along it", drift);
             }
         }
+        let change: [f64; 3] = std::array::from_fn(|i| state.angular[i] - first.angular[i]);
+        if is_free && !angular {
+            self.turned.note(size(&change), 0.0, (step, time));
+        }
         if angular {
-            let change: [f64; 3] = std::array::from_fn(|i| state.angular[i] - first.angular[i]);
             let drift = part(size(&change), self.scales[1]);
             self.drifts[1] = self.drifts[1].max(drift);
             if exceeds(drift, tolerance) {
@@ -278,6 +292,19 @@ impl BalanceWatch {
         }
         self.capped.note(state.impact_capped - first.impact_capped, floor, now);
         found
+    }
+
+    /// The finding that angular momentum, on which nothing acts, has changed under a scheme that does not keep it.
+    fn lost_turn(&self) -> Option<Finding> {
+        let Change { energy: change, step, time } = self.turned;
+        let part = change / self.scales[1];
+        let sentence = format!(
+            "at t = {} the angular momentum had changed by {:.1} % of its scale, though nothing acts on the bodies: the scheme does not keep it. Take `energy-momentum`, or smaller steps",
+            short_time(time),
+            100.0 * part
+        );
+        let finding = Finding::new(Severity::Doubtful, FindingKind::Balance, (step, time), sentence, part);
+        (part > DOUBTFUL_TURN).then_some(finding)
     }
 
     /// Findings about changes of the energy beside the largest energy so far: what contact has added, what has come from no load or support, what closing gaps have taken (most of
@@ -331,6 +358,7 @@ impl BalanceWatch {
                 "the law of impact would have added {percent:.1} % of the largest energy of the run, and was kept from it: the steps are too long for the impacts"
             )
         });
+        found.extend(self.lost_turn());
         found
     }
 }
@@ -343,6 +371,7 @@ mod tests {
         Promises {
             linear: [true; 3],
             angular: true,
+            is_free: true,
             energy: true,
             autonomous: true,
             contact_gives_nothing: true,
@@ -393,6 +422,14 @@ mod tests {
     }
 
     #[test]
+    fn a_turn_that_the_scheme_does_not_keep_is_doubtful() {
+        let unkept = Promises { angular: false, ..promises() };
+        assert_eq!(second(unkept, |s| s.angular[2] += 0.1), [Severity::Doubtful]);
+        assert_eq!(second(unkept, |s| s.angular[2] += 0.005), []);
+        assert_eq!(second(Promises { is_free: false, ..unkept }, |s| s.angular[2] += 0.1), []);
+    }
+
+    #[test]
     fn the_worst_drift_is_kept_and_is_one_of_what_is_promised() {
         let mut watch = BalanceWatch::new(Promises { angular: false, ..promises() }, 1.0, 1.0, 0.0);
         for total in [2.0, 2.3, 2.1] {
@@ -406,7 +443,8 @@ mod tests {
 
     #[test]
     fn what_is_not_promised_may_change() {
-        let none = Promises { linear: [true, false, true], angular: false, energy: false, ..promises() };
+        let none =
+            Promises { linear: [true, false, true], angular: false, is_free: false, energy: false, ..promises() };
         assert_eq!(second(none, |s| (s.linear[1], s.angular[0]) = (3.0, 3.0)), []);
         assert_eq!(second(none, |s| s.total -= 0.5), []);
     }

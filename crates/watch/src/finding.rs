@@ -56,6 +56,8 @@ pub enum FindingKind {
     Stabilisation,
     /// A depth, a distance that contact keeps, or the arch of facets is not small against what drives the bodies into each other.
     Indentation,
+    /// Elements force strains on a body in statics, or do not resist changes of its volume, that are a good part of its strain energy.
+    Locking,
     /// A contact reports an inadmissible state: tension, pressure at an open gap, friction beyond its bound.
     Contact,
     /// A static equilibrium is unstable.

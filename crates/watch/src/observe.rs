@@ -82,7 +82,7 @@ pub struct Watch {
     surface_elements: Vec<SurfaceElements>,
     /// Nodes of ties, by pairs of bodies in both orders.
     tied: Vec<([usize; 2], BTreeSet<u32>)>,
-    shapes: Shapes,
+    pub(crate) shapes: Shapes,
     placed: bool,
     inside: Vec<bool>,
     /// Gaps between bodies in the reference, as far as they were asked for.

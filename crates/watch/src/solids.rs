@@ -4,7 +4,7 @@ use crate::{WatchBody, WatchModel};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_mesh::Elements;
-use stoss_reference_element::{CellKind, Integration};
+use stoss_reference_element::{CellKind, Integration, Rule};
 
 /// Scaled Jacobian below which an element is poor, if the mesh was not so from the start.
 const POOR: f64 = 0.02;
@@ -53,11 +53,27 @@ impl Frames {
     }
 }
 
+/// Tangents along the natural directions at the Gauss points of the full rule.
+#[derive(Debug)]
+pub(crate) struct Tangents<'a> {
+    frames: &'a Frames,
+    /// The points and their weights.
+    pub rule: Rule,
+}
+
+impl Tangents<'_> {
+    /// Those of an element with nodes at `x`.
+    pub fn at(&self, x: &[Vector3<f64>]) -> impl Iterator<Item = [Vector3<f64>; 3]> {
+        self.frames.tangents(x)
+    }
+}
+
 /// Data to check the shape of elements of one kind.
 #[derive(Debug)]
 struct Kind {
     nodes: Frames,
     gauss: Frames,
+    rule: Rule,
     /// Volume in natural coordinates.
     volume: f64,
 }
@@ -77,7 +93,7 @@ impl Shapes {
             let rule = kind.rule(Integration::Full).unwrap_or_default();
             let nodes = Frames::new(kind, kind.table().nodes.iter().copied());
             let gauss = Frames::new(kind, rule.iter().map(|(xi, _)| *xi));
-            (kind, Kind { nodes, gauss, volume: kind.table().family.volume() })
+            (kind, Kind { nodes, gauss, rule, volume: kind.table().family.volume() })
         });
         let mut shapes = Self { kinds: kinds.collect(), rest: Vec::new() };
         let mut x = Vec::new();
@@ -87,6 +103,12 @@ impl Shapes {
             shapes.rest.push(scaled);
         }
         shapes
+    }
+
+    /// The tangents at the Gauss points of a kind of elements that the model has.
+    pub fn tangents(&self, kind: CellKind) -> Tangents<'_> {
+        let of = &self.kinds[&kind];
+        Tangents { frames: &of.gauss, rule: of.rule }
     }
 
     /// Checks all elements and positions.
@@ -141,7 +163,8 @@ fn far(model: &WatchModel, q: &[f64]) -> Option<(u32, f64)> {
     found
 }
 
-fn places(nodes: &[u32], q: &[f64], x: &mut Vec<Vector3<f64>>) {
+/// Places of nodes in a state `q` (three a node).
+pub(crate) fn places(nodes: &[u32], q: &[f64], x: &mut Vec<Vector3<f64>>) {
     x.clear();
     x.extend(nodes.iter().map(|&node| Vector3::from_column_slice(&q[3 * node as usize..3 * node as usize + 3])));
 }

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 /// Part of the way by which bodies are driven into each other from which on the deepest point is doubtful. In the mean over the contact the depth is a third of it or less, and that is, to first
 /// order, the relative error of the force.
 const SINKS: f64 = 0.08;
+/// Part of that way from which on the deepest point is doubtful where loads alone press bodies together: forces are right, and the way of what is pressed is off by up to as much.
+const SINKS_BY_LOADS: f64 = 0.25;
 /// Part of that way from which on a distance that contact keeps everywhere is doubtful, which is the relative error of the force itself.
 const APART: f64 = 0.05;
 /// Part of that way from which on arches of facets are doubtful: a part of them cancels between the facets of both surfaces, and where they do not lie on each
@@ -51,6 +53,11 @@ pub(crate) struct Driven {
     apart: Peak,
     /// Largest mean height of the arches of facets that lie on each other.
     arch: Peak,
+    /// Largest depth while loads alone press, and the deepest node, as above.
+    #[serde(default)]
+    loaded: Peak,
+    #[serde(default)]
+    loaded_deepest: (u32, [usize; 2], [f64; 3]),
 }
 
 impl Driven {
@@ -62,6 +69,12 @@ impl Driven {
         self.drive = self.drive.max(meeting.drive);
         self.arch.note(meeting.arch, at);
         if meeting.by_loads {
+            let depth = deepest.map_or(0.0, |deepest| deepest.depth - meeting.known_arches);
+            if let Some(deepest) = deepest.filter(|_| depth > NOTHING * meeting.edge)
+                && self.loaded.note(depth, at)
+            {
+                self.loaded_deepest = (deepest.node, [deepest.body, deepest.into], deepest.position);
+            }
             return;
         }
         match deepest {
@@ -85,6 +98,7 @@ impl Driven {
         let [first, second] = self.bodies.map(|body| names.body(body).to_owned());
         let drive = short(self.drive);
         let mut found = Vec::new();
+        let place = if self.loaded.value > self.depth.value { self.loaded_deepest.2 } else { self.place };
         let mut add = |peak: &Peak, limit: f64, say: &dyn Fn(String, f64) -> String| {
             // Bodies that travel beside each other first are driven by less than nothing, as far as is known.
             let part = peak.value / self.drive.max(peak.value);
@@ -92,7 +106,7 @@ impl Driven {
                 let at = peak.at;
                 let sentence = format!("at t = {} {}", short_time(at.1), say(short(peak.value), 100.0 * part));
                 let finding = Finding::new(Severity::Doubtful, FindingKind::Indentation, at, sentence, part);
-                found.push(Finding { bodies: Some(self.bodies), position: Some(self.place), ..finding });
+                found.push(Finding { bodies: Some(self.bodies), position: Some(place), ..finding });
             }
         };
         add(&self.depth, SINKS, &|depth, percent| {
@@ -100,6 +114,15 @@ impl Driven {
             format!(
                 "{} is {depth} inside `{}`, {percent:.0} % of the {drive} by which `{first}` and `{second}` were driven into each other: forces can be off by up to as much. Refine the slave there, or \
                  exchange slave and master",
+                names.node(node),
+                names.body(into)
+            )
+        });
+        add(&self.loaded, SINKS_BY_LOADS, &|depth, percent| {
+            let (node, [_, into], _) = self.loaded_deepest;
+            format!(
+                "{} is {depth} inside `{}`, {percent:.0} % of the {drive} by which loads press `{first}` and `{second}` together: forces are in equilibrium, displacements can be off by up to as much. Refine the \
+                 slave there, exchange slave and master, or take `mortar`",
                 names.node(node),
                 names.body(into)
             )
@@ -302,6 +325,15 @@ mod tests {
             let mut judge = judge();
             judge.observe_driven(1, 0.1, &Observation::default(), &solids, &[of]);
             assert_eq!(kinds(&judge), expected);
+        }
+        for (depth, expected) in [(0.2, vec![]), (0.28, vec![INDENTATION])] {
+            let mut judge = Judge::new(
+                [("tool".to_owned(), 0..4), ("block".to_owned(), 4..8)],
+                vec![[0, 1]],
+                Limits { doubtful: 0.9, wrong: 1.0 },
+            );
+            judge.observe_driven(1, 0.1, &seen(depth), &solids, &[by_loads(0.0, 0.0)]);
+            assert_eq!(kinds(&judge), expected, "{depth}");
         }
         for (known_arches, expected) in [(0.0, vec![INDENTATION]), (0.09, vec![])] {
             let mut judge = judge();

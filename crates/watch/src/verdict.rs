@@ -1,6 +1,7 @@
 //! The verdict on a run.
 
 use crate::contact;
+use crate::locking::{StrainEnergies, Strained};
 use crate::names::Names;
 use crate::standing::{Driven, Push, Stabilised};
 use crate::words::{short, short_time};
@@ -67,6 +68,9 @@ pub struct Judge {
     pushes: Vec<Push>,
     #[serde(default)]
     stabilised: Stabilised,
+    /// Bodies that statics strains.
+    #[serde(default)]
+    strained: Vec<Strained>,
 }
 
 impl Judge {
@@ -84,6 +88,7 @@ impl Judge {
             driven: Vec::new(),
             pushes: Vec::new(),
             stabilised: Stabilised::default(),
+            strained: Vec::new(),
         }
     }
 
@@ -116,6 +121,16 @@ impl Judge {
     /// Takes note of what stabilisation exerts in a step, and of the reactions and loads there: sums of the magnitudes of nodal forces.
     pub fn observe_stabilisation(&mut self, step: u64, time: f64, force: f64, others: f64) {
         self.stabilised.note((step, time), force, others);
+    }
+
+    /// Takes note of the strain energies of a body in statics.
+    pub fn observe_strains(&mut self, step: u64, time: f64, body: usize, energies: &StrainEnergies) {
+        let known = self.strained.iter().position(|strained| strained.body == body);
+        let place = known.unwrap_or_else(|| {
+            self.strained.push(Strained::of(body));
+            self.strained.len() - 1
+        });
+        self.strained[place].note((step, time), energies);
     }
 
     /// Adds the findings of a check after a step.
@@ -286,6 +301,7 @@ impl Judge {
         all.add_all(self.driven.iter().flat_map(|driven| driven.findings(&self.names)));
         all.add_all(self.pushes.iter().filter_map(|push| push.finding(&self.names)));
         all.add_all(self.stabilised.finding());
+        all.add_all(self.strained.iter().flat_map(|strained| strained.findings(&self.names)));
         let mut reasons = all.findings;
         reasons.sort_by(|a, b| b.level.cmp(&a.level).then(a.kind.cmp(&b.kind)).then(b.figure.total_cmp(&a.figure)));
         Verdict { level: reasons.first().map_or(Severity::Sound, |worst| worst.level), reasons }

@@ -71,9 +71,11 @@ pub(crate) fn promises(scene: &Scene, simulation: &Simulation, scheme: Option<&d
         true => contact.integrals != Some(Integrals::Frozen),
         false => contact.constraint == Some(Constraint::Modified),
     };
+    let is_free = driven == [false; 3] && !turned(model) && keeps_linear && keeps_angular;
     Some(Promises {
         linear: driven.map(|driven| claims.linear_momentum && keeps_linear && !driven),
-        angular: claims.angular_momentum && driven == [false; 3] && !turned(model) && keeps_linear && keeps_angular,
+        angular: claims.angular_momentum && is_free,
+        is_free,
         energy: claims.energy,
         autonomous: !moved && model.loads.iter().all(stoss_solver::Load::is_conservative),
         closing: closing(scene, claims.order),

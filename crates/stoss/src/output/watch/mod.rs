@@ -20,10 +20,11 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::{Duration, Instant};
+use stoss_fe_solid::Volumetric;
 use stoss_solver::{Balance, Simulation, StepRecord};
 use stoss_watch::{
-    BalanceState, BalanceWatch, ContactPoint, ContactState, Finding, FindingKind, Judge, KeptGaps, Limits, Meeting,
-    PointFriction, Promises, Resolution, Severity, Verdict, Watch, WatchModel,
+    BalanceState, BalanceWatch, ContactPoint, ContactState, Elasticity, Finding, FindingKind, Judge, KeptGaps, Limits,
+    Meeting, PointFriction, Promises, Resolution, Severity, Verdict, Watch, WatchModel,
 };
 
 /// Columns of `watch.csv`. Depth in the scene's length, and over the edge length of the facet that the node passed.
@@ -236,6 +237,7 @@ impl RunWatch {
         let meetings: Vec<Meeting> = meetings.into_iter().map(|meeting| meeting.beyond(&kept, record.time)).collect();
         self.judge.observe_driven(record.step, record.time, &seen, &solids, &meetings);
         self.observe_planes(simulation, record);
+        self.observe_strains(simulation, record, &q);
         self.previous.clear();
         self.previous.extend_from_slice(&q);
         self.last = Some(record.step);
@@ -327,6 +329,20 @@ impl RunWatch {
             }
         }
         meetings
+    }
+
+    /// In statics, what elements force on the deformable bodies.
+    fn observe_strains(&mut self, simulation: &Simulation, record: &StepRecord, q: &[f64]) {
+        if promised(&self.promises, record.stage).is_some() {
+            return;
+        }
+        for (k, body) in simulation.model().bodies.iter().enumerate() {
+            let moduli = body.solid.law().small_strain_moduli();
+            let is_mixed = body.solid.options().volumetric == Volumetric::Mixed;
+            let elasticity = Elasticity { shear: moduli.shear, bulk: moduli.bulk, is_mixed };
+            let energies = self.watch.strain_energies(k, q, &elasticity);
+            self.judge.observe_strains(record.step, record.time, k, &energies);
+        }
     }
 
     /// Bodies that have passed a plane of symmetry, where they would meet their mirror images.
