@@ -11,6 +11,9 @@ use stoss_newton::NewtonOptions;
 /// Stiffness of the springs in parts of the mean diagonal of the tangent, one solution after the other.
 const STIFFNESSES: [f64; 5] = [1.0e-2, 1.0e-3, 1.0e-4, 1.0e-5, 1.0e-6];
 
+/// The same if the matrix without springs is singular after those: where one body is far stiffer than what it comes to rest on, the mean is that of the stiff one.
+const WEAKER: [f64; 5] = [1.0e-7, 1.0e-8, 1.0e-9, 1.0e-10, 1.0e-11];
+
 /// Relative tolerance of the solutions with springs.
 const TOLERANCE: f64 = 1.0e-4;
 
@@ -44,16 +47,33 @@ pub(crate) fn attempt_anchored(
 ) -> Result<Attempt, StepError> {
     let StepInput { step, mut start, prescribed, mut predict, newton } = input;
     let loose = NewtonOptions { relative_tolerance: TOLERANCE.max(newton.relative_tolerance), polish: 0, ..newton };
-    for part in STIFFNESSES {
+    // That it is in balance does not tell that it is held: the matrix does.
+    let last = NewtonOptions { min_iterations: newton.min_iterations.max(1), ..newton };
+    let mut singular = None;
+    for (k, &part) in STIFFNESSES.iter().chain(&WEAKER).enumerate() {
         system.present.anchor = Some(Anchor { part, stiffness: 0.0, from: start.q.clone() });
         let input = StepInput { step, start, prescribed: prescribed.clone(), predict, newton: loose };
         let found = attempt(model, system, input, timings, trace);
         system.present.anchor = None;
-        let found = found?;
+        let found = match (found, singular) {
+            (Err(_), Some(first)) => return Err(first),
+            (found, first) => {
+                singular = first;
+                found?
+            }
+        };
         trace.newton = found.newton;
         (start, predict) = (found.iterate, false);
+        if k + 1 < STIFFNESSES.len() {
+            continue;
+        }
+        let input = StepInput { step, start: start.clone(), prescribed: prescribed.clone(), predict, newton: last };
+        match attempt(model, system, input, timings, trace) {
+            Err(error @ StepError::Singular { .. }) => singular = singular.or(Some(error)),
+            found => return found,
+        }
     }
-    // That it is in balance does not tell that it is held: the matrix does.
-    let newton = NewtonOptions { min_iterations: newton.min_iterations.max(1), ..newton };
-    attempt(model, system, StepInput { step, start, prescribed, predict, newton }, timings, trace)
+    // The loop ends with a singular matrix alone.
+    let input = StepInput { step, start, prescribed, predict, newton: last };
+    singular.map_or_else(|| attempt(model, system, input, timings, trace), Err)
 }
