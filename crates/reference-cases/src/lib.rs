@@ -4,6 +4,7 @@
 //! * [`patch`]: blocks whose meshes do not match under a load with uniform stress;
 //! * [`blocks`]: a block that falls on a larger one;
 //! * [`cantilever`]: a beam of one body or of two that are tied;
+//! * [`impacts`]: closed forms of a bar on a wall, a body that bounces, a corner;
 //! * [`multibody`]: closed forms and minimal coordinates of tops, pendulums, mechanisms, beams and strings.
 //!
 //! Texts and formulas only: whoever uses them builds and runs them.
@@ -11,5 +12,6 @@
 pub mod blocks;
 pub mod cantilever;
 pub mod facets;
+pub mod impacts;
 pub mod multibody;
 pub mod patch;

@@ -1,13 +1,34 @@
 //! The problems of the campaign, a file each.
 
+mod bar_impact;
+mod beam;
+mod block_impact;
+mod bouncing;
+mod corner_impact;
+mod free_top;
+mod history;
 mod plastic_tube;
 mod relaxation;
+mod rolling;
+mod sliding_block;
 mod spinning_bar;
 
 use super::campaign::Problem;
 
 /// All problems, in the order of the page.
-pub const PROBLEMS: &[&Problem] = &[&spinning_bar::PROBLEM, &plastic_tube::PROBLEM, &relaxation::PROBLEM];
+pub const PROBLEMS: &[&Problem] = &[
+    &spinning_bar::PROBLEM,
+    &free_top::PROBLEM,
+    &beam::PROBLEM,
+    &bar_impact::PROBLEM,
+    &block_impact::PROBLEM,
+    &bouncing::PROBLEM,
+    &corner_impact::PROBLEM,
+    &rolling::PROBLEM,
+    &sliding_block::PROBLEM,
+    &plastic_tube::PROBLEM,
+    &relaxation::PROBLEM,
+];
 
 #[cfg(test)]
 mod tests {
