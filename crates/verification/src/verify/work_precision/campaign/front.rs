@@ -11,9 +11,14 @@ pub fn finished(records: &Records) -> impl Iterator<Item = (&Record, &Figures)> 
     records.rows.iter().filter_map(|row| Some((row, row.result.as_ref().ok()?)))
 }
 
-/// Runs of which no other one has a smaller error of the first quantity in the same time, cheapest first.
+/// Those among them that a user may take: the watch does not call them wrong.
+fn usable(records: &Records) -> impl Iterator<Item = (&Record, &Figures)> {
+    finished(records).filter(|(_, figures)| figures.verdict != "wrong")
+}
+
+/// Usable runs of which no other one has a smaller error of the first quantity in the same time, cheapest first.
 pub fn front(records: &Records) -> Vec<(&Record, &Figures)> {
-    let mut all: Vec<_> = finished(records).collect();
+    let mut all: Vec<_> = usable(records).collect();
     all.sort_by(|a, b| a.1.cpu_seconds.total_cmp(&b.1.cpu_seconds).then(a.1.errors[0].total_cmp(&b.1.errors[0])));
     let mut least = f64::INFINITY;
     all.retain(|(_, figures)| {
@@ -24,9 +29,9 @@ pub fn front(records: &Records) -> Vec<(&Record, &Figures)> {
     all
 }
 
-/// The run with the least time whose error of the first quantity is not above `target`.
+/// The usable run with the least time whose error of the first quantity is not above `target`.
 pub fn cheapest(records: &Records, target: f64) -> Option<(&Record, &Figures)> {
-    finished(records)
+    usable(records)
         .filter(|(_, figures)| figures.errors[0] <= target)
         .min_by(|a, b| a.1.cpu_seconds.total_cmp(&b.1.cpu_seconds))
 }
@@ -71,6 +76,11 @@ mod tests {
     fn what_another_run_betters_is_not_on_the_front() {
         let failed = Record { result: Err("no".into()), ..row("e", 0.1, 0.0) };
         let rows = vec![row("a", 1.0, 0.1), row("b", 2.0, 0.2), row("c", 3.0, 0.01), row("d", 1.0, 0.3), failed];
+        let mut wrong = row("f", 0.1, 1e-9);
+        if let Ok(figures) = &mut wrong.result {
+            figures.verdict = "wrong".into();
+        }
+        let rows = rows.into_iter().chain([wrong]).collect();
         let records = Records { reference_errors: vec![0.0], rows };
         let names: Vec<&str> = front(&records).iter().map(|(row, _)| row.choice[0].as_str()).collect();
         assert_eq!(names, ["a", "c"]);
