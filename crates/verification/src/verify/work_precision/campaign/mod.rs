@@ -15,7 +15,7 @@ mod record;
 mod stored;
 
 pub use choice::Choice;
-pub use problem::{Claim, Problem, Reference, Values};
+pub use problem::{Claim, Problem, Reference, Values, no_files};
 
 use std::time::Duration;
 
@@ -137,8 +137,8 @@ fn record(bench: &Bench, problem: &Problem, choice: &Choice, reference: Option<&
 fn run(bench: &Bench, problem: &Problem, choice: &Choice) -> Result<(crate::verify::Run, Figures), String> {
     let text = |error: Box<dyn std::error::Error>| error.to_string();
     let scene = (problem.scene)(choice).map_err(text)?;
-    let launched = launch_within(bench, &format!("{FOLDER}/{}", problem.name), &choice.slug(), &scene, &[], LIMIT)
-        .map_err(text)?;
+    let (home, files) = (format!("{FOLDER}/{}", problem.name), (problem.files)(choice));
+    let launched = launch_within(bench, &home, &choice.slug(), &scene, &files, LIMIT).map_err(text)?;
     if launched.hung {
         return Err(format!("stopped after {} s", LIMIT.as_secs()));
     }

@@ -51,6 +51,8 @@ pub struct Problem {
     pub reference: Reference,
     /// The scene as TOML; an error says why the combination cannot be: it is listed and not run.
     pub scene: fn(&Choice) -> Outcome<String>,
+    /// Names and texts of the files to which the scene refers; [`no_files`] if there are none. Runs go side by side: the names differ between choices.
+    pub files: fn(&Choice) -> Vec<(String, String)>,
     /// The values of a run, read from its files. An error is `|a - b| / |b|`, `b` being the reference.
     pub measure: fn(&Run, &Choice) -> Outcome<Values>,
     /// What the others are varied from.
@@ -73,4 +75,9 @@ pub struct Problem {
     pub claims: &'static [Claim],
     /// How many runs of the lines over meshes and over steps, coarsest first, are repeated in quick mode.
     pub quick: usize,
+}
+
+/// [`Problem::files`] of a problem whose scenes refer to none.
+pub fn no_files(_: &Choice) -> Vec<(String, String)> {
+    Vec::new()
 }

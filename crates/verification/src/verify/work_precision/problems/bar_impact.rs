@@ -4,7 +4,7 @@ use stoss_reference_cases::impacts::bar_on_wall;
 
 use super::history::{METHODS, SCHEMES, at, floor, parts, probe};
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice = Choice {
@@ -26,6 +26,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["momentum", "force", "rebound", "energy"],
     reference: Reference::Closed { source: "wave equation: force rho c v A for 2 L / c", values: closed },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: SCHEMES,

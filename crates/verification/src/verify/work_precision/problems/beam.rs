@@ -3,7 +3,7 @@
 use stoss_reference_cases::multibody::elastica::tip;
 
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, last};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, last, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice =
@@ -18,6 +18,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["displacement", "moment"],
     reference: Reference::Closed { source: "elastica by elliptic functions, and F L / EA", values: closed },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: &["statics"],

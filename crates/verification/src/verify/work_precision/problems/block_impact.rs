@@ -2,7 +2,7 @@
 
 use super::history::{METHODS, SCHEMES, at, parts, probe};
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice = Choice {
@@ -27,6 +27,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["momentum", "impulse", "angular momentum", "energy"],
     reference: Reference::Converged { by: FINE, coarser: Choice { mesh: 16, steps: 192, ..FINE } },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: SCHEMES,

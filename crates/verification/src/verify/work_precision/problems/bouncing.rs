@@ -4,7 +4,7 @@ use stoss_reference_cases::impacts::Bounces;
 
 use super::history::{METHODS, SCHEMES, at, floor, phases, probe, restitution};
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice = Choice {
@@ -26,6 +26,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["apex", "height"],
     reference: Reference::Closed { source: "e^2k h, and the parabolas between the impacts", values: closed },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: SCHEMES,

@@ -4,7 +4,7 @@ use stoss_reference_cases::impacts::{Corner, lowest_corner};
 
 use super::history::{METHODS, SCHEMES, at, floor, phases, probe, restitution};
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice = Choice {
@@ -26,6 +26,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["velocity", "spin"],
     reference: Reference::Closed { source: "impulse (1 + e) v / (1/m + |r x n|^2 / J) at the corner", values: closed },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: SCHEMES,

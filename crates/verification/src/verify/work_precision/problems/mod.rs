@@ -4,14 +4,27 @@ mod bar_impact;
 mod beam;
 mod block_impact;
 mod bouncing;
+mod cattaneo_mindlin;
+mod cook;
 mod corner_impact;
+mod creep;
+mod cube_general;
 mod free_top;
+mod hertz_ball;
+mod hertz_cylinder;
 mod history;
+mod inflated_sphere;
+mod ironing;
+mod parts;
+mod patch;
 mod plastic_tube;
+mod press_fit;
 mod relaxation;
 mod rolling;
 mod sliding_block;
 mod spinning_bar;
+mod tied_bars;
+mod yielding_tube;
 
 use super::campaign::Problem;
 
@@ -28,6 +41,18 @@ pub const PROBLEMS: &[&Problem] = &[
     &sliding_block::PROBLEM,
     &plastic_tube::PROBLEM,
     &relaxation::PROBLEM,
+    &patch::PROBLEM,
+    &press_fit::PROBLEM,
+    &hertz_cylinder::PROBLEM,
+    &hertz_ball::PROBLEM,
+    &cattaneo_mindlin::PROBLEM,
+    &ironing::PROBLEM,
+    &cube_general::PROBLEM,
+    &tied_bars::PROBLEM,
+    &cook::PROBLEM,
+    &inflated_sphere::PROBLEM,
+    &yielding_tube::PROBLEM,
+    &creep::PROBLEM,
 ];
 
 #[cfg(test)]

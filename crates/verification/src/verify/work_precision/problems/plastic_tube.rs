@@ -1,7 +1,7 @@
 //! A thick tube that yields from the bore outwards.
 
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 /// Radii of the bore and the outside.
@@ -35,6 +35,7 @@ pub const PROBLEM: Problem = Problem {
         values: hill,
     },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: &["statics"],

@@ -1,7 +1,7 @@
 //! A viscoelastic bar that is stretched at a constant speed and held.
 
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 /// Shear modulus of fast strains and bulk modulus.
@@ -30,6 +30,7 @@ pub const PROBLEM: Problem = Problem {
         values: one_dimension,
     },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: &["statics"],

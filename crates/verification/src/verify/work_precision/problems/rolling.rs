@@ -2,7 +2,7 @@
 
 use super::history::{METHODS, SCHEMES, at, floor, parts, probe};
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice = Choice {
@@ -24,6 +24,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["way", "spin"],
     reference: Reference::Closed { source: "acceleration 2/3 g sin of a full cylinder", values: closed },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: SCHEMES,

@@ -2,7 +2,7 @@
 
 use super::history::{METHODS, SCHEMES, at, floor, phases, probe};
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice = Choice {
@@ -24,6 +24,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["way to rest", "way while sliding"],
     reference: Reference::Closed { source: "v^2 / (2 mu g), and v t - mu g t^2 / 2", values: closed },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: SCHEMES,

@@ -1,7 +1,7 @@
 //! A free bar that spins and stretches: smooth, so that each scheme shows its order.
 
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, last};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, last, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice = Choice {
@@ -22,6 +22,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["positions"],
     reference: Reference::Converged { by: Choice { steps: 4096, ..BEST }, coarser: Choice { steps: 2048, ..BEST } },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: &["energy-momentum", "midpoint", "backward-euler", "generalised-alpha", "newmark"],
