@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::parts::{End, fixed, flat, moment, ramp};
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, last, no_files};
+use crate::verify::work_precision::campaign::{Choice, Problem, Reference, Values, last, no_files};
 use crate::workspace::Outcome;
 
 const YOUNG: f64 = 1000.0;
@@ -48,7 +48,7 @@ pub const PROBLEM: Problem = Problem {
     steps: &[1, 2, 4],
     solvers: &["direct", "iterative"],
     tolerances: &[1e-4, 1e-6, 1e-9],
-    claims: &[Claim { line: "mesh", quantity: "radius", at_least: 0.9 }],
+    claims: &[],
     quick: 3,
 };
 

@@ -4,6 +4,7 @@ mod bar_impact;
 mod beam;
 mod block_impact;
 mod bouncing;
+mod bowl;
 mod cattaneo_mindlin;
 mod cook;
 mod corner_impact;
@@ -48,6 +49,7 @@ pub const PROBLEMS: &[&Problem] = &[
     &cattaneo_mindlin::PROBLEM,
     &ironing::PROBLEM,
     &cube_general::PROBLEM,
+    &bowl::PROBLEM,
     &tied_bars::PROBLEM,
     &cook::PROBLEM,
     &inflated_sphere::PROBLEM,
