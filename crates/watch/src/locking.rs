@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use stoss_mesh::Elements;
 use stoss_reference_element::CellKind;
 
-/// Part of the strain energy from which on what elements force on a body, or do not resist, is doubtful: displacements are off by about as much.
+/// Part of the strain energy from which on what elements force on a body, or do not resist, is doubtful: of what is forced, displacements are too small by about as much.
 const DOUBTFUL: f64 = 0.1;
 
 /// Bulk over shear modulus above which a change of volume within an element is no part of the solution: a Poisson's ratio of 0.45.
@@ -174,7 +174,7 @@ impl Strained {
         });
         add(self.unresisted, &|percent| {
             format!(
-                "changes of volume within the elements of `{name}`, which the mixed form does not resist, are worth {percent:.0} % of its strain energy: it is too soft by about as much. Take more elements across, or \
+                "changes of volume within the elements of `{name}`, which the mixed form does not resist, are worth {percent:.0} % of its strain energy: it is too soft where it bends. Take more elements across, or \
                  `cell = \"hex27\"`"
             )
         });
