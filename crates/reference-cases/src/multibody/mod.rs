@@ -7,3 +7,4 @@ pub mod lines;
 pub mod mechanisms;
 pub mod pendulums;
 pub mod top;
+pub mod trebuchet;

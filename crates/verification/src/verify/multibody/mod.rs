@@ -7,7 +7,7 @@ mod collisions;
 mod driven;
 mod joints;
 mod obstacle;
-mod pulley;
+pub(super) mod pulley;
 mod rigid;
 mod rows;
 mod scene;

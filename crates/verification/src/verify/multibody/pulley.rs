@@ -16,7 +16,7 @@ use std::fmt::Write as _;
 use toml::Table;
 
 /// Force of the weight at the start of the string; the radius of the pulley is 1.
-const WEIGHT: f64 = 10.0;
+pub const WEIGHT: f64 = 10.0;
 const STIFFNESS: f64 = 1000.0;
 const FRICTION: f64 = 0.3;
 /// Pieces of the string on half of the pulley.
@@ -58,16 +58,21 @@ fn over_pulley(pieces: usize) -> (String, usize, f64) {
 
 /// A string with a weight, laid over a pulley that does not move; its other end is pulled down by `pull`, in statics.
 fn laid(friction: f64, facets: usize, pull: f64) -> Outcome<Table> {
-    let (points, elements, length) = over_pulley(PIECES);
+    let times =
+        "scene = { title = \"String over a pulley\", kind = \"quasi-static\" }\ntime = { end = 1.0, step = 0.05 }\n";
+    Ok((times.to_owned() + &laid_over(PIECES, friction, facets, pull)).parse()?)
+}
+
+/// The bodies, supports, contact and probes of such a string with so many pieces on the pulley.
+pub fn laid_over(pieces: usize, friction: f64, facets: usize, pull: f64) -> String {
+    let (points, elements, length) = over_pulley(pieces);
     // Half of nu - 1 / nu is the tension over the stiffness.
     let t = WEIGHT / STIFFNESS;
     let natural = length / (t + (1.0 + t * t).sqrt());
     let rough =
         if friction > 0.0 { format!("friction = {{ law = \"coulomb\", mu = {friction} }}") } else { String::new() };
-    Ok(format!(
+    format!(
         r#"
-        scene = {{ title = "String over a pulley", kind = "quasi-static" }}
-        time = {{ end = 1.0, step = 0.05 }}
         [[rigid]]
         name = "pulley"
         shape = {{ kind = "cylinder", radius = 1.0, length = 0.4, divisions = [{facets}, 2, 1] }}
@@ -106,7 +111,6 @@ fn laid(friction: f64, facets: usize, pull: f64) -> Outcome<Table> {
         "#,
         -WEIGHT
     )
-    .parse()?)
 }
 
 /// Measures a string without friction: both ends pull alike, the pulley takes `2 T sin(theta / 2)`, and a length of the string presses with `T / R`.

@@ -2,7 +2,7 @@
 
 use stoss_reference_cases::impacts::Bounces;
 
-use super::history::{METHODS, SCHEMES, at, floor, phases, probe, restitution};
+use super::history::{METHODS, SCHEMES, apart, at, floor, probe, restitution};
 use crate::verify::Run;
 use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
@@ -48,7 +48,7 @@ const RESTITUTION: f64 = 0.8;
 fn flights(choice: &Choice) -> Vec<Bounces> {
     let step = END / f64::from(choice.steps);
     let height = |(_, shift): (usize, f64)| 1.0 + 2.0_f64.sqrt() * step * shift;
-    phases().map(|phase| Bounces { height: height(phase), gravity: 1.0, restitution: RESTITUTION }).collect()
+    apart().map(|phase| Bounces { height: height(phase), gravity: 1.0, restitution: RESTITUTION }).collect()
 }
 
 /// Middles of the flights after the first and the second impact.

@@ -2,7 +2,7 @@
 
 use stoss_reference_cases::impacts::{Corner, lowest_corner};
 
-use super::history::{METHODS, SCHEMES, at, floor, phases, probe, restitution};
+use super::history::{METHODS, SCHEMES, apart, at, floor, probe, restitution};
 use crate::verify::Run;
 use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
@@ -57,7 +57,7 @@ fn impact() -> Corner {
 fn scene(choice: &Choice) -> Outcome<String> {
     let (step, corner) = (END / f64::from(choice.steps), impact());
     let mut text = choice.head("Cubes that meet a floor with a corner", END) + &floor(10.0);
-    for (k, shift) in phases() {
+    for (k, shift) in apart() {
         text += &format!(
             "[[rigid]]\nname = \"cube{k}\"\nshape = {{ kind = \"box\", size = [1, 1, 1] }}\nmass = 1.0\ninertia = [{0:?}, {0:?}, {0:?}]\n\
              position = [{1}, 0, {2:?}]\nrotation = {{ axis = {AXIS:?}, degrees = {DEGREES:?} }}\nvelocity = [0, 0, {3:?}]\n",
@@ -82,7 +82,7 @@ fn scene(choice: &Choice) -> Outcome<String> {
 fn measure(run: &Run, _: &Choice) -> Outcome<Values> {
     let probes = run.table("probes.csv")?;
     let (mut velocities, mut spins) = (Vec::new(), Vec::new());
-    for (k, _) in phases() {
+    for (k, _) in apart() {
         velocities.extend(at(&probes, &format!("v{k}.z"), &[END])?);
         for component in ["x", "y", "z"] {
             spins.extend(at(&probes, &format!("w{k}.{component}"), &[END])?);
@@ -93,5 +93,5 @@ fn measure(run: &Run, _: &Choice) -> Outcome<Values> {
 
 fn closed(_: &Run, _: &Choice) -> Outcome<Values> {
     let (velocity, spin) = impact().after();
-    Ok(vec![phases().map(|_| velocity).collect(), phases().flat_map(|_| spin).collect()])
+    Ok(vec![apart().map(|_| velocity).collect(), apart().flat_map(|_| spin).collect()])
 }

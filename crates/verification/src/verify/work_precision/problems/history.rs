@@ -50,9 +50,14 @@ pub fn parts(count: u32, end: f64) -> Vec<f64> {
     (1..=count).map(|k| end * f64::from(k) / f64::from(count)).collect()
 }
 
-/// Bodies that are in the same phase of flight, but for where in a step they meet what they hit: numbers and shifts in steps, at least two apart, so that no two meet it in one step.
+/// Phases of the step in which four bodies meet what they hit: their numbers, and parts of a step.
 pub fn phases() -> impl Iterator<Item = (usize, f64)> {
-    (0..4).map(|k: u32| (k as usize, 2.0 * f64::from(k) + (f64::from(k) + 0.5) / 4.0))
+    [0.125, 0.375, 0.625, 0.875].into_iter().enumerate()
+}
+
+/// The same in steps, two more for each, so that no two meet it in one step.
+pub fn apart() -> impl Iterator<Item = (usize, f64)> {
+    phases().map(|(k, phase)| (k, 2.0 * k as f64 + phase))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 mod bar_impact;
 mod beam;
+mod belt;
 mod block_impact;
 mod bouncing;
 mod bowl;
@@ -25,6 +26,7 @@ mod rolling;
 mod sliding_block;
 mod spinning_bar;
 mod tied_bars;
+mod trebuchet;
 mod yielding_tube;
 
 use super::campaign::Problem;
@@ -55,6 +57,8 @@ pub const PROBLEMS: &[&Problem] = &[
     &inflated_sphere::PROBLEM,
     &yielding_tube::PROBLEM,
     &creep::PROBLEM,
+    &trebuchet::PROBLEM,
+    &belt::PROBLEM,
 ];
 
 #[cfg(test)]

@@ -19,8 +19,7 @@ const BEST: Choice = Choice {
 pub const PROBLEM: Problem = Problem {
     name: "sliding-block",
     title: "Blocks that slide to rest",
-    about: "Four rigid blocks 1 x 1 x 0.2 (mass 1) slide with the speed 1 and a little more, so that each stops in another phase of the step, on a floor with Coulomb friction (mu 0.25, gravity 10). What is hard: slip ends \
-            anywhere in a step. Values: ways until they rest, ways at 0.2 while all slide.",
+    about: "Four rigid blocks 1 x 1 x 0.2 (mass 1) slide with the speed 1 and a little more, on a floor with Coulomb friction (mu 0.25, gravity 10), each of which stops in another phase of the step. What is hard: slip ends anywhere in a step. Values: ways until they rest, ways at 0.2 while all slide.",
     quantities: &["way to rest", "way while sliding"],
     reference: Reference::Closed { source: "v^2 / (2 mu g), and v t - mu g t^2 / 2", values: closed },
     scene,
@@ -38,16 +37,16 @@ pub const PROBLEM: Problem = Problem {
     quick: 4,
 };
 
-const END: f64 = 0.9;
+const END: f64 = 0.6;
 const FRICTION: f64 = 0.25;
 const GRAVITY: f64 = 10.0;
 /// All slide until then.
-const SLIDING: f64 = 0.3;
+const SLIDING: f64 = 0.2;
 
-/// Speeds at the start: those of one that stops after 0.4, and a few steps later.
+/// Speeds at the start: those of blocks that stop after 0.4 and parts of a step.
 fn speeds(choice: &Choice) -> Vec<f64> {
     let step = END / f64::from(choice.steps);
-    phases().map(|(_, shift)| FRICTION * GRAVITY * (0.4 + shift * step)).collect()
+    phases().map(|(_, phase)| FRICTION * GRAVITY * (0.4 + phase * step)).collect()
 }
 
 fn scene(choice: &Choice) -> Outcome<String> {
