@@ -53,7 +53,7 @@ fn scene(choice: &Choice) -> Outcome<String> {
     let wide = 1.0 / f64::from(*mesh);
     let mut text = choice.head("Bar against a wall", TIMES[1]);
     text.push_str(&format!(
-        "[[body]]\nname = \"bar\"\n{}mesh = {{ generator = \"block\", size = [{wide:?}, {wide:?}, 1], divisions = [1, 1, {mesh}] }}\nposition = [0, 0, {:?}]\n\
+        "[[body]]\nname = \"bar\"\n{}mesh = {{ generator = \"block\", min = [0, 0, 0], max = [{wide:?}, {wide:?}, 1], divisions = [1, 1, {mesh}] }}\nposition = [0, 0, {:?}]\n\
          material = {{ law = \"saint-venant-kirchhoff\", young = 1.0, poisson = 0.0 }}\ndensity = 1.0\nvelocity = [0, 0, {:?}]\n",
         choice.cell_keys(),
         SPEED * TIMES[0],

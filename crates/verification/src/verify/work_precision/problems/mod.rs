@@ -6,6 +6,7 @@ mod belt;
 mod block_impact;
 mod bouncing;
 mod bowl;
+mod cantilever_stop;
 mod cattaneo_mindlin;
 mod cook;
 mod corner_impact;
@@ -19,6 +20,7 @@ mod inflated_sphere;
 mod ironing;
 mod parts;
 mod patch;
+mod plane;
 mod plastic_tube;
 mod press_fit;
 mod relaxation;
@@ -59,6 +61,7 @@ pub const PROBLEMS: &[&Problem] = &[
     &creep::PROBLEM,
     &trebuchet::PROBLEM,
     &belt::PROBLEM,
+    &cantilever_stop::PROBLEM,
 ];
 
 #[cfg(test)]
