@@ -139,37 +139,6 @@ def cook(kind, n):
     return seconds, memory, [distance(found["displacements", 1.0][corner][:2], reference("cook")["displacement of the corner"])]
 
 
-def plastic_tube(kind, n):
-    angle = math.radians(2)
-
-    def place(x, y, z):
-        r, a = 100 + 100 * x, angle * y
-        # Straight between the two sides, as in the problem.
-        return [r * ((1 - y) + y * math.cos(angle)), r * y * math.sin(angle), 5 * z]
-
-    mesh = Mesh([n, 1, 1], place, kind.startswith("C3D20"))
-    bore = next(number for number, x in mesh.place.items() if max(abs(a - b) for a, b in zip(x, (100, 0, 0))) < 1e-9)
-    lines = [*mesh.deck(kind, "E"), *node_set("ALL", sorted(mesh.place)), *node_set("FRONT", mesh.side(1, 0)), *node_set("BACK", mesh.side(1, 1)),
-             *node_set("P", [bore]), "*MATERIAL, NAME=M", "*ELASTIC", "210000., 0.4999", "*PLASTIC", "240., 0.", "*SOLID SECTION, ELSET=E, MATERIAL=M",
-             "*TRANSFORM, NSET=BACK, TYPE=R", f"{math.cos(angle):.15g}, {math.sin(angle):.15g}, 0., {-math.sin(angle):.15g}, {math.cos(angle):.15g}, 0.",
-             "*BOUNDARY", "ALL, 3, 3", "FRONT, 2, 2", "BACK, 2, 2",
-             *step(0.05, ["*DLOAD", "1, P6, 180."])]
-    seconds, memory, found = calculix(lines)
-    pressure = lambda c: 480 / math.sqrt(3) * (math.log(c / 100) + 0.5 * (1 - (c / 200) ** 2))
-
-    def widening(p):
-        if p < pressure(100):
-            return p * 100 / (2 / 3 * 210e3 * 0.75)
-        low, high = 100.0, 200.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if pressure(middle) < p else (low, middle)
-        return math.sqrt(3) * 240 * low * low / (2 * 210e3 * 100)
-
-    times = [0.5, 0.7, 0.9, 1.0]
-    return seconds, memory, [distance([found["displacements", t][bore][0] for t in times], [widening(180 * t) for t in times])]
-
-
 def tied_bars(kind, n):
     finer = n + (n + 1) // 2
     quadratic = kind.startswith("C3D20")
@@ -224,7 +193,6 @@ def bar_impact(kind, n):
 PROBLEMS = [
     ("bar-impact", bar_impact, ["C3D8"], [8, 16, 32]),
     ("cook", cook, ["C3D8", "C3D8I", "C3D20R", "C3D20"], [2, 4, 8, 16]),
-    ("plastic-tube", plastic_tube, ["C3D8", "C3D8I", "C3D20R", "C3D20"], [2, 4, 8, 16]),
     ("tied-bars", tied_bars, ["C3D8I", "C3D20R", "C3D20"], [1, 2, 4]),
 ]
 

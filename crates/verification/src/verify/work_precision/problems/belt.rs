@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::verify::Run;
 use crate::verify::multibody::pulley::{WEIGHT, laid_over};
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, last};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, last, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice =
@@ -19,6 +19,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["pull", "force on the pulley"],
     reference: Reference::Closed { source: "exp(mu pi) times the weight; the sum of both ends", values: closed },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: &["statics"],

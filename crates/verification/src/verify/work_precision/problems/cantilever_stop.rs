@@ -3,7 +3,7 @@
 use super::history::{METHODS, SCHEMES, at, parts, probe};
 use super::plane;
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice = Choice {
@@ -28,6 +28,7 @@ pub const PROBLEM: Problem = Problem {
     quantities: &["deflection", "momentum"],
     reference: Reference::Converged { by: FINE, coarser: Choice { steps: 120, ..FINE } },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: SCHEMES,

@@ -21,9 +21,7 @@ mod ironing;
 mod parts;
 mod patch;
 mod plane;
-mod plastic_tube;
 mod press_fit;
-mod relaxation;
 mod rolling;
 mod sliding_block;
 mod spinning_bar;
@@ -35,33 +33,31 @@ use super::campaign::Problem;
 
 /// All problems, in the order of the page.
 pub const PROBLEMS: &[&Problem] = &[
-    &spinning_bar::PROBLEM,
-    &free_top::PROBLEM,
-    &beam::PROBLEM,
-    &bar_impact::PROBLEM,
-    &block_impact::PROBLEM,
-    &bouncing::PROBLEM,
-    &corner_impact::PROBLEM,
-    &rolling::PROBLEM,
-    &sliding_block::PROBLEM,
-    &plastic_tube::PROBLEM,
-    &relaxation::PROBLEM,
     &patch::PROBLEM,
     &press_fit::PROBLEM,
     &hertz_cylinder::PROBLEM,
     &hertz_ball::PROBLEM,
     &cattaneo_mindlin::PROBLEM,
     &ironing::PROBLEM,
-    &cube_general::PROBLEM,
     &bowl::PROBLEM,
+    &cube_general::PROBLEM,
     &tied_bars::PROBLEM,
     &cook::PROBLEM,
     &inflated_sphere::PROBLEM,
     &yielding_tube::PROBLEM,
     &creep::PROBLEM,
-    &trebuchet::PROBLEM,
+    &beam::PROBLEM,
     &belt::PROBLEM,
+    &bar_impact::PROBLEM,
+    &block_impact::PROBLEM,
     &cantilever_stop::PROBLEM,
+    &bouncing::PROBLEM,
+    &corner_impact::PROBLEM,
+    &rolling::PROBLEM,
+    &sliding_block::PROBLEM,
+    &spinning_bar::PROBLEM,
+    &free_top::PROBLEM,
+    &trebuchet::PROBLEM,
 ];
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use stoss_reference_cases::multibody::trebuchet::{Points, Trebuchet};
 
 use super::history::{SCHEMES, at, parts, probe};
 use crate::verify::Run;
-use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values};
+use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
 const BEST: Choice = Choice {
@@ -29,6 +29,7 @@ pub const PROBLEM: Problem = Problem {
         values: closed,
     },
     scene,
+    files: no_files,
     measure,
     best: BEST,
     schemes: SCHEMES,
