@@ -12,7 +12,7 @@ const BEST: Choice = Choice {
     method: "nts",
     cell: "hex8",
     mesh: 32,
-    steps: 96,
+    steps: 192,
     solver: "direct",
     tolerance: 1e-9,
 };
