@@ -49,7 +49,7 @@ pub const PROBLEM: Problem = Problem {
     solvers: &["direct", "iterative"],
     tolerances: &[1e-4, 1e-6, 1e-9],
     claims: &[],
-    quick: 3,
+    quick: 2,
 };
 
 fn scene(choice: &Choice) -> Outcome<String> {

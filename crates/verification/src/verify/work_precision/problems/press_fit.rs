@@ -39,7 +39,7 @@ pub const PROBLEM: Problem = Problem {
         Claim { line: "mesh", quantity: "pressure", at_least: 1.5 },
         Claim { line: "mesh", quantity: "displacement", at_least: 2.0 },
     ],
-    quick: 3,
+    quick: 2,
 };
 
 const BEST: Choice = Choice {
