@@ -13,7 +13,7 @@ mod stored;
 mod text;
 
 use super::super::check::{Bound, Check};
-use super::super::launch::launch;
+use super::super::launch::launch_within;
 use super::super::report::{Grid, Section};
 use super::super::side_by_side::side_by_side;
 use super::super::{Bench, Findings};
@@ -22,6 +22,7 @@ use crate::workspace::{Outcome, write};
 use case::Case;
 use cell::{Found, Record, WORDS, Word};
 use std::fmt::Write;
+use std::time::Duration;
 
 /// Where scenes and results go, below the folder of `verify`.
 const FOLDER: &str = "maps";
@@ -34,6 +35,9 @@ const DOCUMENT: &str = "docs/verification/stability.md";
 /// Lines of the document between which the summary is written.
 const MARKS: [&str; 2] = ["<!-- maps: written by `cargo xtask verify stability` -->", "<!-- maps: end -->"];
 
+/// Time after which a run counts as one that does not end, on a machine that does other things as well.
+const LIMIT: Duration = Duration::from_secs(900);
+
 /// Quick mode runs the last but one cell of every so many rows.
 const EVERY: usize = 2;
 
@@ -42,7 +46,8 @@ pub fn measure(bench: &Bench) -> Outcome<Findings> {
     let cases = if bench.quick { some(axes::cases()) } else { axes::cases() };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let run = |case: &Case| -> Result<Found, String> {
-        let launched = launch(bench, FOLDER, &case.name(), case.problem.text.text(), &[]).map_err(|e| e.to_string())?;
+        let (name, scene) = (case.name(), case.problem.text.text());
+        let launched = launch_within(bench, FOLDER, &name, scene, &[], LIMIT).map_err(|error| error.to_string())?;
         cell::read(case, &launched).map_err(|error| format!("{}: {error}", case.name()))
     };
     let mut found = side_by_side(&cases, threads, run).into_iter().collect::<Result<Vec<Found>, String>>()?;
