@@ -90,9 +90,9 @@ pub struct Case {
 }
 
 impl Case {
-    /// Name of the run.
+    /// Name of the run, without dots: they would end the name of its log.
     pub fn name(&self) -> String {
-        let name = format!("{}-{}-{}", self.map, self.axis, self.value);
-        name.chars().map(|c| if c.is_ascii_alphanumeric() || ".+-".contains(c) { c } else { '-' }).collect()
+        let name = format!("{}-{}-{}", self.map, self.axis, self.value).replace('.', "_");
+        name.chars().map(|c| if c.is_ascii_alphanumeric() || "_+-".contains(c) { c } else { '-' }).collect()
     }
 }

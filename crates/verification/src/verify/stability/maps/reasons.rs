@@ -2,8 +2,11 @@
 
 use super::cell::Record;
 
+/// See the page.
+const PULLED: &str = "a flat block that is pulled and that only general contact carries, where no node lies above an edge of the other mesh: the cause is not found; name the contact";
+
 /// Map (empty: any), a part of the axis, what the error or the findings contain, and the explanation.
-const REASONS: [(&str, &str, &str, &str); 7] = [
+const REASONS: [(&str, &str, &str, &str); 9] = [
     (
         "general",
         "overlap",
