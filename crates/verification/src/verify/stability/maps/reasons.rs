@@ -31,6 +31,8 @@ const REASONS: [(&str, &str, &str, &str); 9] = [
         "singular",
         "a stiffness ratio above 1e6 under loads alone: the layer is too soft beside the stiff body before surfaces are pressed",
     ),
+    ("general", "statics: friction", "singular", PULLED),
+    ("general", "statics: units", "singular", PULLED),
     (
         "",
         "flight: step",
