@@ -50,7 +50,7 @@ pub fn launch_within(
     if folder.exists() {
         std::fs::remove_dir_all(&folder)?;
     }
-    let log = folder.with_extension("log");
+    let log = place.join(format!("{name}.log"));
     let program = bench.program()?;
     let (ending, hung) = run(bench, program.executable(), &path, &folder, &log, limit)?;
     bench.count(&format!("{home}/{name}"), ending);

@@ -8,6 +8,7 @@ mod check;
 mod conservation;
 mod conserved;
 mod convergence;
+mod curve;
 mod derivatives;
 mod elements;
 mod facade;

@@ -8,11 +8,11 @@ use stoss_materials::NeoHooke;
 use stoss_mesh::generate::Block;
 use stoss_reference_element::{CellKind, Integration};
 
-use super::curve::{Curve, Point, relative_distance, timed};
 use super::{LEVEL, REFERENCE_SHARE};
 use crate::plot::{self, Labels, Series};
 use crate::verify::Findings;
 use crate::verify::check::{Bound, Check, number};
+use crate::verify::curve::{Curve, Point, relative_distance, timed};
 use crate::verify::elements::equilibrium::{Equilibrium, Load};
 use crate::verify::elements::manufactured::{RATES, at_points};
 use crate::verify::elements::{keys, name};

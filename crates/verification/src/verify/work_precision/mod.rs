@@ -2,12 +2,11 @@
 
 mod campaign;
 mod cells;
-pub(super) mod curve;
 mod problems;
 mod solids;
 mod springs;
 
-use curve::{Case, TARGETS};
+use super::curve::{self, Case, TARGETS};
 
 use super::check::{Bound, Check, number};
 use super::report::{Grid, Section};

@@ -1,6 +1,6 @@
 //! Work and precision of finite-element bodies: free flight, cantilever, impacts without and with friction.
 
-use super::curve::{Case, Curve, Point, relative_distance, timed};
+use crate::verify::curve::{Case, Curve, Point, relative_distance, timed};
 use crate::workspace::Outcome;
 use std::path::Path;
 use stoss_integrators::SCHEMES;

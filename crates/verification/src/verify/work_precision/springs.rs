@@ -1,6 +1,6 @@
 //! Work and precision of the soft and the stiff spring (theory/integrators#spring).
 
-use super::curve::{Case, Curve, Point, relative_distance, timed};
+use crate::verify::curve::{Case, Curve, Point, relative_distance, timed};
 use crate::workspace::Outcome;
 use stoss_integrators::{SCHEMES, Scheme, scheme};
 use stoss_model_problems::{Effort, ModelError, SpringPendulum, simulate};

@@ -55,6 +55,20 @@ pub fn words(problem: &Problem, record: &Record) -> String {
     words.join(", ")
 }
 
+/// A duration in words.
+pub fn seconds(seconds: f64) -> String {
+    if seconds < 0.1 { format!("{:.0} ms", 1e3 * seconds) } else { format!("{} s", short(seconds)) }
+}
+
+/// Two digits.
+fn short(value: f64) -> String {
+    if value >= 10.0 {
+        format!("{value:.0}")
+    } else {
+        format!("{value:.2}").trim_end_matches('0').trim_end_matches('.').to_owned()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -19,9 +19,9 @@ pub use problem::{Claim, Problem, Reference, Values, no_files};
 
 use std::time::Duration;
 
-use super::curve::relative_distance;
 use crate::table::Table;
 use crate::verify::check::{Bound, Check};
+use crate::verify::curve::relative_distance;
 use crate::verify::launch::launch_within;
 use crate::verify::side_by_side::side_by_side;
 use crate::verify::{Bench, Findings};
@@ -34,7 +34,7 @@ use stored::Store;
 const FOLDER: &str = "work-precision";
 
 /// A run that takes longer is stopped and listed.
-const LIMIT: Duration = Duration::from_secs(60);
+const LIMIT: Duration = Duration::from_secs(240);
 
 /// An order is that of so many of the finest runs.
 const FINEST: usize = 4;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::front::{TARGETS, cheapest, finished, front, words};
+use super::front::{TARGETS, cheapest, finished, front, seconds, words};
 use super::lines::{Axis, Line, lines};
 use super::order::order;
 use super::peers::{self, Peer};
@@ -93,20 +93,6 @@ fn anchor(title: &str) -> String {
         .filter(|c| c.is_ascii_alphanumeric() || *c == ' ' || *c == '-')
         .collect::<String>();
     kept.replace(' ', "-")
-}
-
-/// A duration in words.
-pub fn seconds(seconds: f64) -> String {
-    if seconds < 0.1 { format!("{:.0} ms", 1e3 * seconds) } else { format!("{} s", short(seconds)) }
-}
-
-/// Two digits.
-fn short(value: f64) -> String {
-    if value >= 10.0 {
-        format!("{value:.0}")
-    } else {
-        format!("{value:.2}").trim_end_matches('0').trim_end_matches('.').to_owned()
-    }
 }
 
 fn figure((_, figures): (&Record, &Figures)) -> String {

@@ -76,7 +76,7 @@ pub fn table(peers: &[&Peer], quantity: &str) -> String {
             "| {name} | {} | {} | {} | {:.0} |",
             joined(|peer| peer.mesh.to_string()),
             joined(|peer| format!("{:.1e}", peer.error)),
-            super::page::seconds(last.cpu_seconds),
+            super::front::seconds(last.cpu_seconds),
             last.memory
         );
     }
