@@ -111,6 +111,23 @@ impl Masses {
         self.parts.iter().fold(bodies, |sum, mass| sum + mass.kinetic_energy(v))
     }
 
+    /// Kinetic energies of `count` groups of bodies and parts at the velocities `v`: of each body and of each part `groups` has its group. What has no such number is in none.
+    pub fn kinetic_energies(&self, v: &[f64], groups: [&[u32]; 2], count: usize) -> Vec<f64> {
+        let mut sums = vec![0.0; count];
+        for (mass, &group) in self.bodies.iter().zip(groups[0]) {
+            if let Some(sum) = sums.get_mut(group as usize) {
+                *sum += mass.kinetic_energy(v);
+            }
+        }
+        self.shares.sum_all(&mut sums);
+        for (mass, &group) in self.parts.iter().zip(groups[1]) {
+            if let Some(sum) = sums.get_mut(group as usize) {
+                *sum += mass.kinetic_energy(v);
+            }
+        }
+        sums
+    }
+
     /// Linear momentum.
     pub fn linear_momentum(&self, v: &[f64]) -> [f64; 3] {
         let parts = self.parts.iter().map(|mass| mass.linear_momentum(v));

@@ -7,21 +7,22 @@ fn phases() -> impl Iterator<Item = f64> {
     (0..10).map(|k| (f64::from(k) + 0.5) / 10.0)
 }
 
-fn head(end: f64, step: f64) -> String {
+pub(crate) fn head(end: f64, step: f64) -> String {
     format!(
         "[scene]\ntitle = \"impact\"\nkind = \"dynamic\"\n[time]\nend = {end:?}\nstep = {step:?}\nintegrator = {{ scheme = \"energy-momentum\" }}\n"
     )
 }
 
-const FLOOR: &str = "[[rigid]]\nname = \"floor\"\nshape = { kind = \"plane\", size = [10, 10] }\nfixed = true\n";
+pub(crate) const FLOOR: &str =
+    "[[rigid]]\nname = \"floor\"\nshape = { kind = \"plane\", size = [10, 10] }\nfixed = true\n";
 
-fn rigid(name: &str, size: [f64; 3], position: [f64; 3], more: &str) -> String {
+pub(crate) fn rigid(name: &str, size: [f64; 3], position: [f64; 3], more: &str) -> String {
     format!(
         "[[rigid]]\nname = \"{name}\"\nshape = {{ kind = \"box\", size = {size:?} }}\nposition = {position:?}\ndensity = 1.0\n{more}"
     )
 }
 
-fn contact(slave: &str, master: &str, more: &str) -> String {
+pub(crate) fn contact(slave: &str, master: &str, more: &str) -> String {
     format!("[[contact]]\nslave = \"{slave}\"\nmaster = \"{master}\"\n{more}")
 }
 
@@ -30,7 +31,7 @@ fn books(balance: &Balance) -> f64 {
 }
 
 /// Runs to the end; the largest change of the books beside the largest energy must be round-off.
-fn run(run: &mut Simulation) -> f64 {
+pub(crate) fn run(run: &mut Simulation) -> f64 {
     let (first, mut worst, mut largest) = (books(run.balance()), 0.0_f64, run.balance().largest_energy);
     while !run.finished() {
         let balance = run.advance().unwrap_or_else(|e| panic!("{e}")).balance;

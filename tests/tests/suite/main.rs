@@ -25,6 +25,7 @@ mod general_sizes;
 mod general_start;
 mod general_table;
 mod impacts;
+mod impacts_apart;
 mod increments;
 mod inelastic;
 mod inelastic_cases;

@@ -5,36 +5,30 @@
 
 mod complementarity;
 mod friction;
+mod groups;
 mod law;
 mod response;
 mod rows;
 mod sliding;
+mod velocities;
 
 use super::Simulation;
 use crate::StepError;
 use crate::iterate::Iterate;
-use complementarity::{DenseCompliance, OperatorCompliance};
-use friction::{Cone, with_friction};
-use law::{EnergyOnLine, Impulses, Rates, impulses};
+use groups::{Group, Groups};
 use response::Response;
 use rows::Row;
 use sliding::Sliding;
 use stoss_integrators::{State, StepRule};
-use stoss_linalg::vector;
+use stoss_linalg::{NONE, vector};
 use stoss_term::{GradientRule, SlotKind, StepConfiguration, Work};
+use velocities::{Event, Law, Targets, Velocities};
 
 /// Closed slots of deformable bodies whose rate is below this part of the largest one of a closing so far are at rest: facets that turn change it in the second order.
 const AT_REST: f64 = 1e-3;
 
 /// Part of the largest velocity below which closed slots of rigid bodies are at rest.
 const RIGID_AT_REST: f64 = 1e-12;
-
-/// Up to so many slots `W` is computed by its columns, each of which takes a solution; the iteration for more of them takes about as many.
-const DENSE_SLOTS: usize = 96;
-
-/// Number of equations up to which a solution costs less than the rest, and the number of slots up to which `W` is then computed by its columns.
-const FEW_EQUATIONS: usize = 2000;
-const DENSE_SLOTS_OF_FEW: usize = 600;
 
 /// Energy beside the largest of the run that is round-off.
 const ROUND_OFF: f64 = 1e-13;
@@ -110,14 +104,21 @@ struct Held {
     is_driven: Vec<bool>,
 }
 
-/// Velocities with the impulses of the rows that made them from those of the step.
-#[derive(Clone, Debug)]
-struct Velocities {
-    v: Vec<f64>,
-    slots: Vec<f64>,
-    /// Two for each slot with friction.
-    sliding: Vec<f64>,
-    held: Vec<f64>,
+impl Closed {
+    /// Keeps the slots that `keeps` has.
+    fn retain(&mut self, keeps: &[bool]) {
+        fn retain<T>(list: &mut Vec<T>, keeps: &[bool]) {
+            let mut keeps = keeps.iter();
+            list.retain(|_| keeps.next().copied().unwrap_or(false));
+        }
+        retain(&mut self.rows, keeps);
+        retain(&mut self.slots, keeps);
+        retain(&mut self.impulses, keeps);
+        retain(&mut self.restitution, keeps);
+        retain(&mut self.settling, keeps);
+        retain(&mut self.is_new, keeps);
+        retain(&mut self.is_deformable, keeps);
+    }
 }
 
 impl Simulation {
@@ -152,34 +153,61 @@ impl Simulation {
             // Nothing that is closed has been set in motion by an impact.
             return Ok(None);
         }
-        let closed = self.closed(iterate, rule.constraint.weight * dt, dt, &next.q)?;
-        if closed.rows.is_empty() {
-            return Ok(None);
-        }
-        let new = closed.is_new.contains(&true);
+        let mut closed = self.closed(iterate, rule.constraint.weight * dt, dt, &next.q)?;
         let speed = |row: &Row, v: &[f64]| row.dot(v).abs() / row.norm();
-        let moves = |rows: &[Row], than: f64| rows.iter().any(|row| speed(row, &next.v) > than);
+        let moves = |row: &Row, than: f64| speed(row, &next.v) > than;
         let round_off = RIGID_AT_REST * vector::norm_inf(&next.v).max(vector::norm_inf(&self.state.v));
-        if !new && !rigid && (largest == 0.0 || !moves(&closed.rows, AT_REST * largest)) {
+        let slot_moves = |row: &Row| match rigid {
+            true => moves(row, round_off),
+            false => largest > 0.0 && moves(row, AT_REST * largest),
+        };
+        if closed.rows.is_empty() || !rigid && !closed.is_new.contains(&true) && !closed.rows.iter().any(slot_moves) {
             return Ok(None);
         }
         let held = self.held(iterate, &next.q)?;
-        if !new && rigid && !moves(&closed.rows, round_off) && !moves(&held.rows, round_off) {
+        let mut groups = self.groups(&closed, &held);
+        let acts = |group: &Group| {
+            group.is_new
+                || group.slots.iter().any(|&k| slot_moves(&closed.rows[k]))
+                || rigid && group.held.iter().any(|&k| moves(&held.rows[k], round_off))
+        };
+        let acting: Vec<bool> = groups.groups.iter().map(acts).collect();
+        if acting.contains(&false) {
+            let keeps: Vec<bool> = groups.of_slots.iter().map(|&group| acting[group as usize]).collect();
+            closed.retain(&keeps);
+            groups = self.groups(&closed, &held);
+        }
+        if closed.rows.is_empty() {
             return Ok(None);
         }
         let of_new = closed.rows.iter().zip(&closed.is_new).filter(|(_, new)| **new);
         let largest_rate = of_new.map(|(row, _)| speed(row, &self.state.v)).fold(largest, f64::max);
-        let closings = self.closing_work(iterate, of_pairs, rule, &next.q)?;
-        // Where nothing closes only what alternates along the normals is taken out.
-        let sliding = if new { self.sliding(iterate, &closed, rule, dt, &next.q)? } else { Vec::new() };
+        let mut closings = self.closing_work(iterate, of_pairs, rule, &next.q)?;
+        closings.iter_mut().zip(&groups.of_pairs).filter(|(_, of)| **of == NONE).for_each(|(work, _)| *work = 0.0);
+        let mut sliding = Vec::new();
+        if closed.is_new.contains(&true) {
+            sliding = self.sliding(iterate, &closed, rule, dt, &next.q)?;
+            // Where nothing closes only what alternates along the normals is taken out.
+            sliding.retain(|of| groups.groups[groups.of_slots[of.slot] as usize].is_new);
+        }
         let slipped: Vec<f64> = of_pairs.iter().map(|work| work.dissipated).collect();
         let v_1 = next.v.clone();
-        let works = (closings, slipped, new);
-        let (mut impact, last) = self.after(&closed, &sliding, held.rows, &held.is_driven, works, rule, next)?;
+        let Held { rows, slots, is_driven } = held;
+        self.impacts.response.prepare(&self.system, rows)?;
+        let (mut impact, last) =
+            self.after((&closed, &sliding, &groups), &is_driven, (closings, slipped), rule, &v_1)?;
+        next.v.copy_from_slice(&last.v);
+        self.model.embedding.follow(&mut next.v);
         let change: Vec<f64> = next.v.iter().zip(&v_1).map(|(v, v_1)| v - v_1).collect();
-        let rows = (&closed, &sliding[..], &held.slots[..]);
+        let rows = (&closed, &sliding[..], &slots[..]);
         impact.mean = self.mean(iterate, rows, (&last, &change), rule.constraint.weight * dt);
         Ok(Some(Impact { largest_rate, ..impact }))
+    }
+
+    fn groups(&self, closed: &Closed, held: &Held) -> Groups {
+        let equation = &self.system.matrix.numbering.equation;
+        let is_free = |component: u32| equation[component as usize] != NONE;
+        Groups::new(&self.model, &self.system.inertia.masses, &is_free, closed, &held.rows)
     }
 
     /// Whether a slot that has the law is closed.
@@ -359,253 +387,87 @@ impl Simulation {
         Mean { pressures, forces, reactions }
     }
 
-    /// Sets the velocities after the impact. Also the impulses of the rows that made them from those of the step.
+    /// The velocities after the impact, with the impulses of the rows that made them from those of the step, and what it did to the energy.
     fn after(
         &mut self,
-        closed: &Closed,
-        sliding: &[Sliding],
-        held: Vec<Row>,
+        (closed, sliding, groups): (&Closed, &[Sliding], &Groups),
         is_driven: &[bool],
-        (closings, slipped, new): (Vec<f64>, Vec<f64>, bool),
+        (closings, slipped): (Vec<f64>, Vec<f64>),
         rule: &StepRule,
-        next: &mut State,
+        v_1: &[f64],
     ) -> Result<(Impact, Velocities), StepError> {
-        let v_1 = &next.v;
-        let of_rows = |rows: &[Row], v: &[f64]| -> Vec<f64> { rows.iter().map(|row| row.dot(v)).collect() };
-        let rates_held = of_rows(&held, v_1);
         let Self { impacts, system, state, ledger, stage, .. } = &mut *self;
-        impacts.response.prepare(system, held)?;
-        let response = &mut impacts.response;
         let (masses, free) = (&system.inertia.masses, &system.matrix.numbering.free[..]);
-        let m = closed.rows.len();
-        // Impulses of the slots, then of their friction.
-        let along = || sliding.iter().flat_map(|of| &of.rows);
-        // Rates of sliding: on a surface that moves beside its mesh they are zero where the slave goes along with it.
-        let slid = |v: &[f64]| -> Vec<f64> {
-            let rows = sliding.iter().flat_map(|of| of.rows.iter().zip(of.carried));
-            rows.map(|(row, carried)| row.dot(v) - carried).collect()
-        };
-        let force_of = |j: &[f64]| -> Vec<f64> {
-            let mut force = vec![0.0; v_1.len()];
-            closed.rows.iter().chain(along()).zip(j).for_each(|(row, &j)| row.add_to(j, &mut force));
-            force
-        };
-        // The end of the step without the impulses of the closed slots, on the bilateral constraints.
-        let of_friction = || sliding.iter().flat_map(|of| of.impulses);
-        let without: Vec<f64> = closed.impulses.iter().copied().chain(of_friction()).map(|j| -j).collect();
-        let to_constraints: Vec<f64> =
-            rates_held.iter().zip(is_driven).map(|(rate, driven)| if *driven { 0.0 } else { -rate }).collect();
-        let (change, of_held) = response.velocities((masses, free), &force_of(&without), Some(&to_constraints))?;
-        let v: Vec<f64> = v_1.iter().zip(&change).map(|(v, change)| v + change).collect();
-        let free_end = Velocities { v, slots: without[..m].to_vec(), sliding: without[m..].to_vec(), held: of_held };
-        // In a step without an impact only what alternates is taken out.
-        let no_restitution = vec![0.0; m];
-        let before = of_rows(&closed.rows, &state.v);
-        let rates = Rates {
-            before: &before,
-            free: &of_rows(&closed.rows, &free_end.v),
-            least: &closed.settling,
-            restitution: if new { &closed.restitution } else { &no_restitution },
-        };
-        let is_dense = m <= DENSE_SLOTS || m <= DENSE_SLOTS_OF_FEW && free.len() <= FEW_EQUATIONS;
-        let found: Impulses = if is_dense {
-            let mut columns = Vec::with_capacity(m * m);
-            for row in &closed.rows {
-                let mut force = vec![0.0; v_1.len()];
-                row.add_to(1.0, &mut force);
-                let (velocity, _) = response.velocities((masses, free), &force, None)?;
-                columns.extend(closed.rows.iter().map(|row| row.dot(&velocity)));
-            }
-            let mut w = DenseCompliance::new(m, columns);
-            let Ok(found) = impulses(&mut w, &rates);
-            found
-        } else {
-            let mass = masses.diagonal(v_1.len());
-            let own = |row: &Row| -> f64 {
-                let terms = row.entries.iter().map(|&(c, g)| (mass[c as usize], g * g));
-                terms.filter(|(mass, _)| *mass > 0.0).map(|(mass, square)| square / mass).sum()
-            };
-            let diagonal = closed.rows.iter().map(own).collect();
-            let mut w = OperatorCompliance::new(diagonal, |j: &[f64], out: &mut [f64]| -> Result<(), StepError> {
-                let (velocity, _) = response.velocities((masses, free), &force_of(j), None)?;
-                out.iter_mut().zip(&closed.rows).for_each(|(out, row)| *out = row.dot(&velocity));
-                Ok(())
-            });
-            impulses(&mut w, &rates)?
-        };
-        let with = |response: &mut Response, j: &[f64]| -> Result<Velocities, StepError> {
-            let (change, held) = response.velocities((masses, free), &force_of(j), None)?;
-            let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
-            Ok(Velocities {
-                v: sum(&free_end.v, &change),
-                slots: sum(&free_end.slots, &j[..m]),
-                sliding: match j.len() > m {
-                    true => sum(&free_end.sliding, &j[m..]),
-                    false => free_end.sliding.clone(),
-                },
-                held: sum(&free_end.held, &held),
-            })
-        };
-        let plastic = with(response, &found.plastic)?;
-        let elastic = if found.all == found.plastic { None } else { Some(with(response, &found.all)?) };
-        // Energy without the work of supports and drives: that of the step, and the work of the impulses since.
-        let first = masses.kinetic_energy(v_1);
-        let rates_1 = of_rows(&closed.rows, v_1);
-        let sliding_1 = slid(v_1);
-        let energy = |response: &Response, of: &Velocities| -> f64 {
-            let slots = closed.rows.iter().zip(&of.slots).zip(&rates_1);
-            let by_slots: f64 = slots.map(|((row, j), rate)| j * (rate + row.dot(&of.v))).sum();
-            let of_sliding = slid(&of.v).into_iter().zip(&of.sliding).zip(&sliding_1);
-            let by_sliding: f64 = of_sliding.map(|((now, j), rate)| j * (rate + now)).sum();
-            let held = response.rows().iter().zip(&of.held).zip(&rates_held).zip(is_driven);
-            let not_driven = held.filter(|(_, driven)| !**driven);
-            let by_held: f64 = not_driven.map(|(((row, j), rate), _)| j * (rate + row.dot(&of.v))).sum();
-            first + 0.5 * (by_slots + by_sliding + by_held)
-        };
-        let closing: f64 = closings.iter().sum();
-        // Backward Euler takes the energy of the jump of the velocity itself, more or less of it as the gap closes late or early.
-        let has_mean_velocity = rule.velocity.velocity == -1.0;
+        let event = Event { closed, sliding, groups, is_driven, v_n: &state.v, v_1, masses, free };
+        let mut law = Law::new(&event, &mut impacts.response)?;
         let mut has_friction = vec![false; closings.len()];
         sliding.iter().for_each(|of| has_friction[closed.slots[of.slot].0] = true);
-        let by_friction: f64 = has_friction.iter().zip(&slipped).filter(|(has, _)| **has).map(|(_, work)| work).sum();
-        let target = if has_mean_velocity { first + closing + by_friction } else { energy(response, &free_end) };
-        let round_off = ROUND_OFF * ledger.balance.largest_energy.max(target);
-        let of_plastic = energy(response, &plastic);
-        let mut excess = 0.0;
-        let between = |from: &[f64], to: &[f64], s: f64| -> Vec<f64> {
-            from.iter().zip(to).map(|(from, to)| from + s * (to - from)).collect()
-        };
-        let mix = |from: &Velocities, to: &Velocities, s: f64| Velocities {
-            v: between(&from.v, &to.v, s),
-            slots: between(&from.slots, &to.slots, s),
-            sliding: between(&from.sliding, &to.sliding, s),
-            held: between(&from.held, &to.held, s),
-        };
-        let of_step = || Velocities {
-            v: v_1.clone(),
-            slots: vec![0.0; m],
-            sliding: vec![0.0; 2 * sliding.len()],
-            held: vec![0.0; rates_held.len()],
-        };
-        let difference = |from: &[f64], to: &[f64]| -> f64 {
-            let change: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
-            masses.kinetic_energy(&change)
-        };
-        let last = if of_plastic > target + round_off {
-            // The law may not add energy: as far from the velocities of the step as there is energy.
-            excess = of_plastic - target;
-            let line = EnergyOnLine { start: first, end: of_plastic, curvature: difference(v_1, &plastic.v) };
-            let s = line.reaches(target).filter(|s| (0.0..=1.0).contains(s)).unwrap_or(line.lowest());
-            mix(&of_step(), &plastic, s)
-        } else if let Some(elastic) = elastic {
-            let line = EnergyOnLine {
-                start: of_plastic,
-                end: energy(response, &elastic),
-                curvature: difference(&plastic.v, &elastic.v),
-            };
-            let to_be_had = target - of_plastic;
-            let s = match found.uniform {
-                Some(e) => line.reaches(of_plastic + e * e * to_be_had).unwrap_or(1.0),
-                None if line.end > target => line.reaches(target).unwrap_or(line.lowest()).min(1.0),
-                None => 1.0,
-            };
-            mix(&plastic, &elastic, s)
+        // Backward Euler takes the energy of the jump of the velocity itself, more or less of it as the gap closes late or early.
+        let energies = if rule.velocity.velocity == -1.0 {
+            let by_friction =
+                groups.sums(has_friction.iter().zip(&slipped).map(|(has, work)| if *has { *work } else { 0.0 }));
+            let works = groups.sums(closings.iter().copied()).into_iter().zip(by_friction);
+            law.first().iter().zip(works).map(|(first, (closing, by_friction))| first + closing + by_friction).collect()
         } else {
-            plastic
+            law.energies(law.free_end())
         };
-        // Normal rates that the law without friction gives are those of the law with it; impulses of both are found together.
-        let last = if sliding.is_empty() {
-            last
-        } else {
-            let mut columns = Vec::new();
-            for k in 0..m + 2 * sliding.len() {
-                let mut one = vec![0.0; m + 2 * sliding.len()];
-                one[k] = 1.0;
-                let (velocity, _) = response.velocities((masses, free), &force_of(&one), None)?;
-                columns.extend(closed.rows.iter().chain(along()).map(|row| row.dot(&velocity)));
-            }
-            let w = DenseCompliance::new(m + 2 * sliding.len(), columns);
-            let start: Vec<f64> = last.slots.iter().zip(&closed.impulses).map(|(j, p)| j + p).collect();
-            let largest = start.iter().copied().fold(0.0, f64::max);
-            let rates = of_rows(&closed.rows, &last.v);
-            let least = (0..m).map(|i| if start[i] > RIGID_AT_REST * largest { rates[i] } else { closed.settling[i] });
-            let coefficients: Vec<(usize, f64)> = sliding.iter().map(|of| (of.slot, of.coefficient)).collect();
-            let mut free_rates = of_rows(&closed.rows, &free_end.v);
-            free_rates.extend(slid(&free_end.v));
-            let with_least = |response: &mut Response, least: &[f64]| -> Result<Velocities, StepError> {
-                let cone = Cone { least, free: &free_rates, sliding: &coefficients };
-                let start: Vec<f64> = start.iter().copied().chain(vec![0.0; 2 * sliding.len()]).collect();
-                with(response, &with_friction(&w, &cone, &start))
-            };
-            let found = with_least(response, &least.collect::<Vec<f64>>())?;
-            if energy(response, &found) <= target + round_off {
-                found
-            } else {
-                // Newton's restitution at single slots can add energy: as far from the result without it as there is some.
-                let plastic = with_least(response, &closed.settling)?;
-                let of_plastic = energy(response, &plastic);
-                let line = |from: &Velocities, to: &Velocities| EnergyOnLine {
-                    start: energy(response, from),
-                    end: energy(response, to),
-                    curvature: difference(&from.v, &to.v),
-                };
-                if of_plastic <= target + round_off {
-                    let s = line(&plastic, &found).reaches(target).filter(|s| (0.0..=1.0).contains(s)).unwrap_or(0.0);
-                    mix(&plastic, &found, s)
-                } else {
-                    excess += of_plastic - target;
-                    let line = line(&of_step(), &plastic);
-                    let s = line.reaches(target).filter(|s| (0.0..=1.0).contains(s)).unwrap_or(line.lowest());
-                    mix(&of_step(), &plastic, s)
-                }
-            }
-        };
-        let of_last = energy(response, &last);
+        let largest = ledger.balance.largest_energy;
+        let round_off = energies.iter().map(|target| ROUND_OFF * largest.max(*target)).collect();
+        let targets = Targets { energies, round_off };
+        let (last, mut excess) = law.without_friction(&targets)?;
+        let last = law.with_friction(last, &targets, &mut excess)?;
+        let of_last = law.energies(&last);
         let is_carried = sliding.iter().any(|of| of.carried != [0.0; 2]);
         let moves =
             is_driven.contains(&true) || is_carried || stage.prescribed.iter().any(|&(c, ..)| v_1[c as usize] != 0.0);
-        let kinetic = masses.kinetic_energy(&last.v);
-        let (mut loss, external) = if moves { (target - of_last, kinetic - of_last) } else { (target - kinetic, 0.0) };
+        let kinetic = groups.kinetic_energies(masses, &last.v);
+        let left = if moves { &of_last } else { &kinetic };
+        let mut loss: Vec<f64> = targets.energies.iter().zip(left).map(|(target, left)| target - left).collect();
+        let external =
+            if moves { kinetic.iter().zip(&of_last).map(|(kinetic, last)| kinetic - last).sum() } else { 0.0 };
         // What friction takes of it.
         let mut friction = vec![0.0; closings.len()];
-        let mut of_slot = sliding.iter().zip(last.sliding.chunks_exact(2));
-        of_slot.by_ref().for_each(|(of, changes)| {
+        for (of, changes) in sliding.iter().zip(last.sliding.chunks_exact(2)) {
             let taken = (0..2).map(|i| {
                 let j = changes[i] + of.impulses[i];
-                -0.5 * j * (of.rows[i].dot(&free_end.v) + of.rows[i].dot(&last.v) - 2.0 * of.carried[i])
+                -0.5 * j * (of.rows[i].dot(&law.free_end().v) + of.rows[i].dot(&last.v) - 2.0 * of.carried[i])
             });
             friction[closed.slots[of.slot].0] += taken.sum::<f64>();
-        });
-        let all_friction: f64 = friction.iter().sum();
-        let part = if all_friction > loss.max(0.0) { loss.max(0.0) / all_friction } else { 1.0 };
-        for (c, work) in friction.iter_mut().enumerate() {
-            *work = part * work.max(0.0);
-            loss -= *work;
-            *work -= if has_friction[c] { slipped[c] } else { 0.0 };
+        }
+        let all_friction = groups.sums(friction.iter().copied());
+        let parts = all_friction
+            .iter()
+            .zip(&loss)
+            .map(|(all, loss)| if *all > loss.max(0.0) { loss.max(0.0) / all } else { 1.0 });
+        let parts: Vec<f64> = parts.collect();
+        for (c, work) in friction.iter_mut().enumerate().filter(|(c, _)| has_friction[*c]) {
+            let group = groups.of_pairs[c] as usize;
+            *work = parts[group] * work.max(0.0);
+            loss[group] -= *work;
+            *work -= slipped[c];
         }
         let mut losses = vec![0.0; closings.len()];
-        let approach = last.slots.iter().zip(&closed.impulses).zip(&before).map(|((j, p), u)| (j + p) * (-u).max(0.0));
-        let shares: Vec<f64> = approach.map(|share| share.max(0.0)).collect();
-        let all: f64 = shares.iter().sum();
         let mut deformable = 0.0;
-        for (k, &(c, _)) in closed.slots.iter().enumerate() {
-            let part = loss * if all > 0.0 { shares[k] / all } else { 1.0 / m as f64 };
-            losses[c] += part;
-            deformable += if closed.is_deformable[k] { part } else { 0.0 };
+        for (group, loss) in groups.groups.iter().zip(&loss) {
+            // By impulse times rate of approach.
+            let share = |&k: &usize| ((last.slots[k] + closed.impulses[k]) * (-law.before()[k]).max(0.0)).max(0.0);
+            let all: f64 = group.slots.iter().map(share).sum();
+            for k in &group.slots {
+                let part = loss * if all > 0.0 { share(k) / all } else { 1.0 / group.slots.len() as f64 };
+                losses[closed.slots[*k].0] += part;
+                deformable += if closed.is_deformable[*k] { part } else { 0.0 };
+            }
         }
-        next.v.copy_from_slice(&last.v);
-        self.model.embedding.follow(&mut next.v);
-        let closed = closed.is_new.iter().filter(|new| **new).count() as u64;
         let impact = Impact {
-            loss,
+            loss: loss.iter().sum(),
             losses,
             deformable,
-            closing,
+            closing: closings.iter().sum(),
             closings,
             external,
             friction,
-            closed,
-            excess,
+            closed: closed.is_new.iter().filter(|new| **new).count() as u64,
+            excess: excess.iter().sum(),
             ..Impact::default()
         };
         Ok((impact, last))

@@ -23,6 +23,13 @@ pub(super) struct Sliding {
     pub carried: [f64; 2],
 }
 
+impl Sliding {
+    /// Rates of sliding at the velocities `v`: on a surface that moves beside its mesh they are zero where the slave goes along with it.
+    pub fn rates(&self, v: &[f64]) -> [f64; 2] {
+        [0, 1].map(|i| self.rows[i].dot(v) - self.carried[i])
+    }
+}
+
 /// Two directions normal to a unit vector and to each other.
 fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
     let cross =
