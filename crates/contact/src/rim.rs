@@ -3,7 +3,7 @@
 use crate::position;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
-use stoss_geometry::Patch;
+use stoss_geometry::{Aabb, BoundingVolumeTree, Patch};
 use stoss_reference_element::FacetNodes;
 
 /// Angle between neighbouring facets, in rad, from which on there is an edge of the body.
@@ -64,9 +64,10 @@ pub fn beside_rims(
         }
     }
     let rim: Vec<Vector3<f64>> = rim.into_iter().map(|node| position(reference, node)).collect();
+    let tree = BoundingVolumeTree::build(&rim.iter().map(|x| Aabb { min: *x, max: *x }).collect::<Vec<Aabb>>());
     let is_near = |g: usize| {
         let mut corners = boundary[g].iter().map(|&node| position(reference, node));
-        corners.any(|x| rim.iter().any(|y| (x - y).norm() <= reach))
+        corners.any(|x| tree.nearest(&x, f64::INFINITY, |k, nearest| nearest.min((x - rim[k]).norm())) <= reach)
     };
     while let Some(f) = next.pop() {
         if std::mem::replace(&mut found[f], true) {
@@ -112,5 +113,70 @@ mod tests {
         // The floor of a notch ends at its walls, which it does not turn away from.
         let inside: Vec<FacetNodes> = facets.iter().map(|f| [f[3], f[2], f[1], f[0]].into()).collect();
         assert_eq!(beside_rims(&inside[..1], &inside, &reference, 5.0, |_, _| true).len(), 0);
+    }
+
+    /// The sides of a box with lines at random heights and places: what the surface at its bottom gets is what a search among all facets gives.
+    #[test]
+    fn sides_of_a_random_box_are_those_that_all_pairs_of_nodes_give() {
+        let mut state = 7_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (around, up, mut partial) = (24_u32, 6_u32, 0);
+        for _ in 0..20 {
+            // Corners of a box, and points at random places between them.
+            let mut angles: Vec<f64> =
+                (0..around).map(|k| f64::from(k / 6) + if k % 6 == 0 { 0.0 } else { next() }).collect();
+            angles.sort_by(f64::total_cmp);
+            let mut heights: Vec<f64> = (0..=up).map(|k| if k == 0 { 0.0 } else { 3.0 * next() }).collect();
+            heights.sort_by(f64::total_cmp);
+            let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
+            let ring = |s: f64| {
+                let (k, part) = (s as usize, s.fract());
+                [0, 1].map(|i| corners[k][i] + part * (corners[k + 1][i] - corners[k][i]))
+            };
+            let mut reference: Vec<f64> = Vec::new();
+            for z in &heights {
+                angles.iter().for_each(|&s| reference.extend(ring(s).into_iter().chain([*z])));
+            }
+            let middle = around * (up + 1);
+            reference.extend([0.5, 0.5, 0.0]);
+            let node = |k: u32, l: u32| k % around + around * l;
+            let bottom: Vec<FacetNodes> = (0..around).map(|k| [node(k + 1, 0), node(k, 0), middle].into()).collect();
+            let quad = |k: u32, l: u32| -> FacetNodes {
+                [node(k, l), node(k + 1, l), node(k + 1, l + 1), node(k, l + 1)].into()
+            };
+            let places: Vec<[u32; 2]> = (0..up).flat_map(|l| (0..around).map(move |k| [k, l])).collect();
+            let sides = places.iter().map(|&[k, l]| quad(k, l));
+            let all: Vec<FacetNodes> = bottom.iter().copied().chain(sides).collect();
+            let reach = 1.5 * next();
+            let found = beside_rims(&bottom, &all, &reference, reach, |_, _| true);
+            // A facet is near or not, and is reached from the rim along its own column or from beside, on the same side.
+            let near = |[k, l]: [u32; 2]| {
+                let of_facet = [node(k, l), node(k + 1, l), node(k + 1, l + 1), node(k, l + 1)];
+                let mut pairs = of_facet.into_iter().flat_map(|a| (0..around).map(move |b| [a, b]));
+                pairs.any(|[a, b]| (position(&reference, a) - position(&reference, b)).norm() <= reach)
+            };
+            let mut expected: BTreeSet<[u32; 2]> = (0..around).map(|k| [k, 0]).collect();
+            loop {
+                let touches = |&[k, l]: &[u32; 2]| {
+                    let beside =
+                        [[(k + 1) % around, l], [(k + around - 1) % around, l], [k, l + 1], [k, l.wrapping_sub(1)]];
+                    beside.into_iter().any(|other| other[0] / 6 == k / 6 && expected.contains(&other))
+                };
+                let more: Vec<[u32; 2]> =
+                    places.iter().filter(|at| !expected.contains(*at) && touches(at) && near(**at)).copied().collect();
+                if more.is_empty() {
+                    break;
+                }
+                expected.extend(more);
+            }
+            let expected: Vec<FacetNodes> =
+                places.iter().filter(|at| expected.contains(*at)).map(|&[k, l]| quad(k, l)).collect();
+            assert_eq!(found, expected);
+            partial += usize::from(found.len() > around as usize && found.len() < places.len());
+        }
+        assert!(partial > 5, "{partial}");
     }
 }
