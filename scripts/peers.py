@@ -101,7 +101,8 @@ def calculix(lines):
             rows[int(words[0])] = [float(word) for word in words[1:]]
     if status or not found:
         raise RuntimeError("ccx did not end well")
-    return user + system, memory / 1024, found
+    # The clock has two digits.
+    return max(user + system, 0.01), memory / 1024, found
 
 
 def neo_hooke(mu, bulk):
@@ -159,7 +160,7 @@ def tied_bars(kind, n):
              *neo_hooke(young / 2 / (1 + nu), young / 3 / (1 - 2 * nu)), "*SOLID SECTION, ELSET=R, MATERIAL=M", "*SOLID SECTION, ELSET=A, MATERIAL=M",
              "*TIE, NAME=T, POSITION TOLERANCE=0.01", "SLAVE, MASTER", "*BOUNDARY", "LEFT, 1, 3", "FRONT, 2, 2", *step(0.25, loads)]
     seconds, memory, found = calculix(lines)
-    return seconds, memory, [distance(found["displacements", 1.0][tip], reference("tied-bars")["displacement of the tip"])]
+    return seconds, memory, [distance(found["displacements", 1.0][tip][::2], reference("tied-bars")["displacement of the tip"])]
 
 
 def bar_impact(kind, n):
