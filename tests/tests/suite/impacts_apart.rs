@@ -3,7 +3,7 @@
 use crate::impacts::{FLOOR, contact, head, rigid, run};
 use crate::support::simulation;
 
-/// Bodies far apart that land in the same step do not know of each other: one box, a box with another restitution, two boxes on a hinge, and a box that lies there.
+/// Bodies far apart that land in the same step do not know of each other: one box, a box with another restitution, two boxes on a hinge, and a box that slides there.
 #[test]
 fn bodies_that_do_not_touch_land_as_each_alone() {
     let (dt, floor) = (0.01, FLOOR.replace("[10, 10]", "[400, 10]"));
@@ -26,7 +26,7 @@ fn bodies_that_do_not_touch_land_as_each_alone() {
                 + joint
                 + &on_floor("c", 1.0, "friction = { law = \"coulomb\", mu = 0.2 }\n"),
         ),
-        (vec!["e"], rigid("e", [1.0; 3], [150.0, 0.0, 0.5], "") + &on_floor("e", 1.0, "")),
+        (vec!["e"], rigid("e", [1.0; 3], [150.0, 0.0, 0.5], "velocity = [1, 0, 0]\n") + &on_floor("e", 1.0, "")),
     ];
     let after = |of: &[usize]| {
         let texts: String = of.iter().map(|&k| all[k].1.as_str()).collect();
