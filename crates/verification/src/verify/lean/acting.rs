@@ -3,7 +3,7 @@
 use stoss_scene::Scene;
 use stoss_solver::{Model, Simulation};
 
-use super::parts::{Comparison, compare, flags};
+use super::comparison::{Comparison, Item, compare, flags};
 
 /// Terms by what they are, and state beyond positions and velocities.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,7 +25,7 @@ pub struct Acting {
 }
 
 impl Acting {
-    fn items(self) -> Vec<(&'static str, String)> {
+    fn items(self) -> Vec<Item> {
         let Self { unilateral, general, bilateral, parts, friction, damping, inner_state } = self;
         flags(&[
             ("contact of pairs", unilateral),

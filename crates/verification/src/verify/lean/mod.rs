@@ -1,6 +1,7 @@
 //! What a scene does not ask for is neither linked nor allocated nor called.
 
 mod acting;
+mod comparison;
 mod linked;
 mod parts;
 mod samples;
@@ -13,8 +14,8 @@ use super::report::{Grid, Section};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
 use acting::Acting;
+use comparison::Comparison;
 use linked::{Tree, abilities};
-use parts::Comparison;
 use samples::Sample;
 
 /// Crates, structures and kernels of scenes against what the scenes ask for, and the facade's feature sets.
