@@ -306,7 +306,9 @@ mod tests {
         let body = "[[body]]\nname = \"a\"\nmesh = { generator = \"block\", size = [1, 1, 1], divisions = [1, 1, 1] }\n\
                     material = { law = \"neo-hooke\", young = 1, poisson = 0 }\ndensity = 1\n";
         let second = body.replace("\"a\"", "\"b\"");
-        stoss_scene::parse(&format!("{start}{text}\n{body}{second}"), "t").unwrap()
+        // Two bodies are in general contact if nothing is said.
+        let apart = "[general_contact]\nenabled = false\n";
+        stoss_scene::parse(&format!("{start}{text}\n{body}{second}{apart}"), "t").unwrap()
     }
 
     fn dynamic(integrator: &str, rest: &str) -> Parts {
