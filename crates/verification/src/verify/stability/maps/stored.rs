@@ -74,7 +74,7 @@ mod tests {
             worst,
             error: String::new(),
         };
-        let text = write(&[record.clone()]);
+        let text = write(std::slice::from_ref(&record));
         assert!(text.ends_with(",0,sound,,12,3,2.35,<1e-10,force,1.2e-2,5.0e-2,\n"), "{text}");
         assert_eq!(results(&text), BTreeMap::from([(record.key, Word::Cuts)]));
     }

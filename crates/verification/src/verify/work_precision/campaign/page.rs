@@ -45,9 +45,7 @@ pub fn all(store: &Store, problems: &[&Problem]) -> Outcome<Vec<(String, String)
     let mut page = HEAD.to_owned();
     page.push_str("\n| problem | runs | cheapest for 10 % | 1 % | 0.1 % |\n|---|---|---|---|---|\n");
     for (problem, records) in &stored {
-        let targets = TARGETS
-            .map(|target| cheapest(records, target).map_or_else(|| "-".into(), |found| figure(found)))
-            .join(" | ");
+        let targets = TARGETS.map(|target| cheapest(records, target).map_or_else(|| "-".into(), figure)).join(" | ");
         let _ = writeln!(
             page,
             "| [{}](#{}) | {} | {targets} |",
