@@ -1,5 +1,6 @@
 //! The Pareto front of a problem, and the cheapest run for an error.
 
+use super::ABOVE_REFERENCE;
 use super::problem::Problem;
 use super::record::{Figures, Record, Records};
 
@@ -11,9 +12,15 @@ pub fn finished(records: &Records) -> impl Iterator<Item = (&Record, &Figures)> 
     records.rows.iter().filter_map(|row| Some((row, row.result.as_ref().ok()?)))
 }
 
-/// Those among them that a user may take: the watch does not call them wrong.
+/// The iterative solver factorises smaller systems: such a run is one of the direct solver.
+const ITERATIVE_FROM: u64 = 1000;
+
+/// Those among them that a user may take: the watch calls them sound, and they are what their words say.
 fn usable(records: &Records) -> impl Iterator<Item = (&Record, &Figures)> {
-    finished(records).filter(|(_, figures)| figures.verdict != "wrong")
+    let is_iterative = |record: &Record| record.choice[5] == "iterative";
+    finished(records).filter(move |(record, figures)| {
+        figures.verdict == "sound" && (!is_iterative(record) || figures.unknowns >= ITERATIVE_FROM)
+    })
 }
 
 /// Usable runs of which no other one has a smaller error of the first quantity in the same time, cheapest first.
@@ -29,11 +36,11 @@ pub fn front(records: &Records) -> Vec<(&Record, &Figures)> {
     all
 }
 
-/// The usable run with the least time whose error of the first quantity is not above `target`.
+/// The usable run with the least time whose error of the first quantity is not above `target`; none where the reference does not tell such an error from its own.
 pub fn cheapest(records: &Records, target: f64) -> Option<(&Record, &Figures)> {
-    usable(records)
-        .filter(|(_, figures)| figures.errors[0] <= target)
-        .min_by(|a, b| a.1.cpu_seconds.total_cmp(&b.1.cpu_seconds))
+    let is_told = target >= ABOVE_REFERENCE * records.reference_errors[0];
+    let reached = usable(records).filter(|(_, figures)| is_told && figures.errors[0] <= target);
+    reached.min_by(|a, b| a.1.cpu_seconds.total_cmp(&b.1.cpu_seconds))
 }
 
 /// What distinguishes a run from others of the problem, in words.
@@ -100,5 +107,7 @@ mod tests {
         assert_eq!(names, ["a", "c"]);
         assert_eq!(cheapest(&records, 0.15).unwrap().0.choice[0], "a");
         assert_eq!(cheapest(&records, 0.001), None);
+        let uncertain = Records { reference_errors: vec![0.1], ..records };
+        assert_eq!(cheapest(&uncertain, 0.15), None, "the reference is off by a tenth");
     }
 }

@@ -30,7 +30,8 @@ runs of each problem: an order that falls by 0.3, an error or a number of iterat
 Each problem has a choice that the others are varied from. The full product of schemes and contact methods is run; cells, meshes, steps, solvers and tolerances are varied alone. Errors are relative, `|a - b| / |b|`
 over all values of a quantity. CPU seconds are those of a whole run of the program with one thread, two runs side by side on two shared cores: differences below a quarter say nothing. Memory is the peak of the
 process in MB. Orders are slopes by least squares of the logarithms of the four finest runs, with their 95 % interval; errors below three times that of the reference are left out of them. A run is on the front if no other one has a smaller error in
-its time; runs that the watch calls wrong are on none, and are listed.
+its time; runs that the watch does not call sound are on none, and are listed. A cheapest run is named where the target is at least three times the reference's own error. The iterative solver factorises systems of fewer than 1000
+equations: such runs stand in the tables of orders alone.
 ";
 
 /// Paths from the root of the repository, and texts. Problems that were never run are left out.
