@@ -55,8 +55,9 @@ pub fn words(problem: &Problem, record: &Record) -> String {
     say(problem.schemes.len() > 1, scheme.clone());
     say(problem.methods.len() > 1, method.clone());
     say(problem.cells.len() > 1, cell.clone());
-    say(problem.meshes.len() > 1, format!("{mesh} elements"));
-    say(problem.steps.len() > 1, format!("{steps} steps"));
+    let counted = |count: &str, what: &str| format!("{count} {what}{}", if count == "1" { "" } else { "s" });
+    say(problem.meshes.len() > 1, counted(mesh, "element"));
+    say(problem.steps.len() > 1, counted(steps, "step"));
     say(*solver != problem.best.solver, solver.clone());
     say(*tolerance != format!("{:e}", problem.best.tolerance), format!("tolerance {tolerance}"));
     words.join(", ")

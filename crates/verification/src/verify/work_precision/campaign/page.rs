@@ -241,6 +241,8 @@ fn charts(problem: &Problem, records: &Records, peers: &[&Peer]) -> [(&'static s
                     .filter_map(|choice| records.figures(choice).map(|figures| (x(choice, figures), figures.errors[0])))
                     .collect(),
             })
+            // A line without runs has no place in the legend.
+            .filter(|series: &Series| !series.points.is_empty())
             .collect()
     };
     let y = format!("error of {}", problem.quantities[0]);

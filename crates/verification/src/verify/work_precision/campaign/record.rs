@@ -162,3 +162,34 @@ impl Records {
         Ok(records)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::verify::work_precision::problems::PROBLEMS;
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let problem = PROBLEMS[0];
+        let errors = vec![1.5e-3; problem.quantities.len()];
+        let figures = Figures {
+            unknowns: 12,
+            cuts: 1,
+            iterations: 34,
+            cpu_seconds: 0.25,
+            memory: 30.5,
+            verdict: "sound".into(),
+            errors: errors.clone(),
+        };
+        let other = Choice { mesh: 77, ..problem.best };
+        let failed = Record { choice: words(&other), result: Err("no; 'this' fails".into()) };
+        let rows = vec![Record { choice: words(&problem.best), result: Ok(figures) }, failed];
+        let records = Records { reference_errors: errors, rows };
+        let text = records.text(problem);
+        assert_eq!(Records::parse(&text, problem).unwrap(), records);
+        assert_eq!(records.figures(&problem.best).unwrap().iterations, 34);
+        assert_eq!((records.figures(&other), plain("a, \"b\"")), (None, "a; 'b'".to_owned()));
+        let damaged = text.replacen(",12,", ",x,", 1);
+        assert!(Records::parse(&damaged, problem).unwrap_err().to_string().starts_with("line 3"));
+    }
+}
