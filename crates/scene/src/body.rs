@@ -1,15 +1,16 @@
 //! `[[body]]`: mesh, placement, material, density, initial velocity.
 
-#[cfg(feature = "schema")]
-use crate::Dimension;
-use crate::names::{known, named};
+use crate::names::named;
+use crate::read::{Node, Setting, Table, Value};
 use crate::{Material, MeshSource};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 #[cfg(feature = "schema")]
 use std::borrow::Cow;
 use stoss_reference_element::CellKind;
+use stoss_scene_derive::table;
+use toml::de::DeValue;
 
 named! {
     /// Mass matrix of a body.
@@ -22,8 +23,8 @@ named! {
 }
 
 /// Element type into which a mesh can be converted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(into = "String", try_from = "String")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
 pub enum Cell {
     /// A kind of the table of cells.
     Kind(CellKind),
@@ -59,11 +60,9 @@ impl From<Cell> for String {
     }
 }
 
-impl TryFrom<String> for Cell {
-    type Error = String;
-
-    fn try_from(name: String) -> Result<Self, String> {
-        Self::from_name(&name).ok_or_else(|| known(&name, Self::names().collect::<Vec<_>>()))
+impl<C> Value<C> for Cell {
+    fn read(node: &Node<'_>, _: &C) -> Option<Self> {
+        node.choice(&Self::names().collect::<Vec<_>>(), Self::from_name)
     }
 }
 
@@ -116,111 +115,82 @@ named! {
 }
 
 /// A surface of linear elements whose nodes lie on a cylinder or a sphere.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "{ set = \"outer\", surface = \"cylinder\" }")]
 pub struct RoundSurface {
     /// Set of facets of the body, without the name of the body.
+    #[key(example = "\"outer\"")]
     pub set: String,
     /// What its nodes lie on; where, follows from them.
+    #[key(example = "\"cylinder\"")]
     pub surface: RoundShape,
 }
 
 /// `[[body]]`: a deformable body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(context(Setting<'_>), check = body)]
 pub struct Body {
     /// Name, unique among all parts: letters, digits, `-` and `_`. Sets of the body are written `name.set`.
+    #[key(example = "\"ball\"", name)]
     pub name: String,
     /// Mesh: a generator with its parameters, or a file.
+    #[key(example = "{ generator = \"block\", size = [1, 1, 1], divisions = [4, 4, 4] }")]
     pub mesh: MeshSource,
     /// Translation of the mesh, after the rotation (a length each).
-    #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(default, dimension = Length)]
     pub position: [f64; 3],
     /// Rotation of the mesh, or a list of rotations that are applied one after the other; none if left out.
-    #[serde(default, skip_serializing_if = "Rotations::is_empty")]
+    #[key(default, skip)]
     pub rotation: Rotations,
     /// Element type to which the mesh is converted: hexahedra to any type, wedges to tetrahedra, linear elements to quadratic ones. Curved boundaries stay curved.
     /// If left out the elements of the mesh are used.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<Cell>,
     /// Surfaces of linear elements that are round: general contact and node-to-surface contact then see their true positions, and not the flat facets, which are a part of a clearance or a press fit off.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[key(default, skip)]
     pub round: Vec<RoundSurface>,
     /// Integration rule for stress and stiffness: `full` if left out.
-    #[serde(default = "Body::default_integration", skip_serializing_if = "Body::is_full")]
+    #[key(default = Integration::Full, skip)]
     pub integration: Integration,
     /// Interpolation of the volume change: `mixed` for nearly incompressible materials and for such that yield; if left out `mixed` of a material with `plasticity`, else `displacement`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub volumetric: Option<Volumetric>,
     /// Hyperelastic law with its parameters.
+    #[key(example = "{ law = \"neo-hooke\", young = 2250.0, poisson = 0.3 }")]
     pub material: Material,
     /// Density: mass per reference volume, positive. Required in dynamic scenes, and with gravity.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Density)))]
+    #[key(dimension = Density, with = |node, setting, _| setting.mass_value(node))]
     pub density: Option<f64>,
     /// Mass matrix: `consistent` if left out, or `lumped`.
-    #[serde(default = "Body::default_mass")]
+    #[key(default = Mass::Consistent)]
     pub mass: Mass,
     /// Mass- and stiffness-proportional (Rayleigh) damping; none if left out. Dynamic scenes only; it acts in dynamic stages.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
     /// Initial velocity `v0` (length per time) in `v(X) = v0 + omega x (X - c) + G (X - c)`, where `X` is the reference position after placement.
     /// Zero if left out. Dynamic scenes only.
-    #[serde(default, skip_serializing_if = "is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
+    #[key(default, skip, dimension = Velocity)]
     pub velocity: [f64; 3],
     /// Initial angular velocity `omega` (radians per time); zero if left out. Dynamic scenes only.
-    #[serde(default, skip_serializing_if = "is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::AngularVelocity)))]
+    #[key(default, skip, dimension = AngularVelocity)]
     pub angular_velocity: [f64; 3],
     /// Initial velocity gradient `G`, three rows (1/time); zero if left out. Dynamic scenes only.
-    #[serde(default, skip_serializing_if = "is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Rate)))]
+    #[key(default, skip, dimension = Rate)]
     pub velocity_gradient: [[f64; 3]; 3],
     /// Point `c` about which `angular_velocity` and `velocity_gradient` act; the origin if left out.
-    #[serde(default, skip_serializing_if = "is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(default, skip, dimension = Length)]
     pub velocity_about: [f64; 3],
 }
 
 /// Damping of a body (Rayleigh): for small strains the force `(mass M + stiffness K) v`. A mode with the angular frequency `w` has the damping ratio
 /// `mass / (2 w) + stiffness w / 2`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "{ mass = 0.1, stiffness = 1e-4 }", check_all = damping)]
+#[derive(Copy, Default)]
 pub struct Damping {
     /// Factor of the mass matrix, not negative (1/time); 0 if left out. It also damps rigid motions.
-    #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Rate)))]
+    #[key(default, dimension = Rate, not_negative)]
     pub mass: f64,
     /// Factor of the stiffness at small strains, not negative (a time); 0 if left out. It is a viscous stress in the material frame and changes neither rigid motions nor momenta.
-    #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
+    #[key(default, dimension = Time, not_negative)]
     pub stiffness: f64,
 }
 
-/// Zero velocities are not serialised, because a quasi-static scene must not have the keys.
-pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
-
 impl Body {
-    fn default_mass() -> Mass {
-        Mass::Consistent
-    }
-
-    fn default_integration() -> Integration {
-        Integration::Full
-    }
-
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands over references")]
-    fn is_full(integration: &Integration) -> bool {
-        *integration == Integration::Full
-    }
-
     /// Interpolation of the volume change. Plastic flow keeps the volume, so that displacement elements lock in it whatever Poisson's ratio is.
     pub fn volumetric(&self) -> Volumetric {
         let yields = self.material.inelasticity.plasticity.is_some();
@@ -241,24 +211,22 @@ impl Body {
 }
 
 /// A rotation of a mesh about an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table]
+#[derive(Copy)]
 pub struct Rotation {
     /// Direction of the axis, of any length but zero.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, example = "[0, 0, 1]", direction)]
     pub axis: [f64; 3],
     /// Angle in degrees, positive by the right-hand rule.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Angle)))]
+    #[key(dimension = Angle, example = "90")]
     pub degrees: f64,
     /// A point on the axis; the origin of the coordinates of the mesh if left out.
-    #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(default, dimension = Length)]
     pub about: [f64; 3],
 }
 
 /// One value or a list of them; see [`OneOrMany::as_slice`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "{T}s"))]
 #[serde(untagged)]
 pub enum OneOrMany<T> {
@@ -266,6 +234,15 @@ pub enum OneOrMany<T> {
     One(T),
     /// Several, in their order.
     Many(Vec<T>),
+}
+
+impl<C, T: Value<C>> Value<C> for OneOrMany<T> {
+    fn read(node: &Node<'_>, context: &C) -> Option<Self> {
+        match node.value {
+            DeValue::Array(_) => node.list(|node| T::read(node, context)).map(Self::Many),
+            _ => T::read(node, context).map(Self::One),
+        }
+    }
 }
 
 impl<T> Default for OneOrMany<T> {
@@ -291,6 +268,23 @@ impl<T> OneOrMany<T> {
 
 /// Rotations in the order in which they are applied.
 pub type Rotations = OneOrMany<Rotation>;
+
+/// Keys that have a meaning only with inertia.
+const MOTION: [&str; 5] = ["velocity", "angular_velocity", "velocity_gradient", "velocity_about", "damping"];
+
+fn body(_: &mut BodyKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+    let mass = setting.demand_mass(table, "density", "density = 10.0");
+    setting.at_rest(table, &MOTION)?;
+    mass
+}
+
+fn damping<C>(damping: &Damping, table: &Table<'_>, _: &C) -> Option<()> {
+    if *damping == Damping::default() {
+        let remedy = "write { mass = 0.1, stiffness = 1e-4 } or one of them, or remove it";
+        return table.node.fail("has only factors of zero", remedy);
+    }
+    Some(())
+}
 
 #[cfg(test)]
 mod tests {

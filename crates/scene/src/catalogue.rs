@@ -2,14 +2,16 @@
 
 #[cfg(feature = "schema")]
 use crate::Dimension;
-use serde::{Deserialize, Serialize};
+#[cfg(feature = "schema")]
+use schemars::{JsonSchema, SchemaGenerator};
+use serde::Serialize;
 use std::collections::BTreeMap;
 use stoss_registry::Given;
 #[cfg(feature = "schema")]
 use stoss_registry::{Row, Unit};
 
 /// A parameter that is given for a row of a catalogue.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Parameter {
     /// `key = 1.0`
@@ -27,6 +29,15 @@ pub fn given(parameters: &BTreeMap<String, Parameter>) -> impl Iterator<Item = (
         };
         (name.as_str(), given)
     })
+}
+
+/// Keys of a table with their schemas.
+#[cfg(feature = "schema")]
+pub(crate) fn properties<T: JsonSchema>(generator: &mut SchemaGenerator) -> serde_json::Map<String, serde_json::Value> {
+    match T::json_schema(generator).get("properties") {
+        Some(serde_json::Value::Object(properties)) => properties.clone(),
+        _ => serde_json::Map::new(),
+    }
 }
 
 /// The schema of a law with its parameters, and with further properties, none of which is needed.

@@ -1,9 +1,9 @@
 //! Rows of tables that a scene chooses by their names.
 
-use crate::names::known;
+use crate::read::{Node, Value};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Serialize, Serializer};
 #[cfg(feature = "schema")]
 use std::borrow::Cow;
 use std::fmt;
@@ -81,11 +81,9 @@ impl<T: Rows> Serialize for Chosen<T> {
     }
 }
 
-impl<'de, T: Rows> Deserialize<'de> for Chosen<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        Self::from_name(&name)
-            .ok_or_else(|| serde::de::Error::custom(format!("`{name}`: {}", known(&name, Self::names()))))
+impl<C, T: Rows> Value<C> for Chosen<T> {
+    fn read(node: &Node<'_>, _: &C) -> Option<Self> {
+        node.choice(&Self::names(), Self::from_name)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The methods of `[[contact]]` as rows: what a scene can say of each. What builds them is the facade's.
 
-use crate::chosen::{Chosen, Rows};
+use crate::chosen::{Chosen, Rows, of_which};
 
 /// A row of the table of contact methods.
 #[derive(Debug)]
@@ -22,6 +22,12 @@ pub struct MethodEntry {
 }
 
 impl MethodEntry {
+    /// What is wrong with a key that it has not.
+    pub(crate) fn lacks(&self, key: &str) -> String {
+        let methods = of_which::<Self>(|method| method.has(key));
+        format!("is for contact by {methods}, not by `{}`", self.name)
+    }
+
     /// Whether it has a key that not every method has.
     pub fn has(&self, key: &str) -> bool {
         self.keys.contains(&key)
@@ -50,7 +56,7 @@ pub const METHODS: &[MethodEntry] = &[
         name: "cat",
         about: "Node to surface by coordinate augmentation (theory/coordinate-augmentation): the convective coordinates of the projection are unknowns of each contact. For statics, backward Euler, \
                 generalised-alpha and midpoint; with `energy-momentum` the solids conserve energy, and the contact follows the midpoint rule.",
-        keys: &["constraint", "reduction", "drop_gap_term", "drop_gap_slope"],
+        keys: &["constraint", "reduction"],
         enforcements: &[],
         takes_lines: false,
         integrates: false,
@@ -59,7 +65,7 @@ pub const METHODS: &[MethodEntry] = &[
     MethodEntry {
         name: "mortar",
         about: "Mortar: weighted gaps and pressures on the overlap of the facets (theory/mortar#eq-gap), whose integrals move with the positions.",
-        keys: &["surface_velocity", "surface_mass", "multipliers", "quadrature", "integrals", "nearness", "slip"],
+        keys: &["surface_velocity", "surface_mass", "multipliers", "integrals", "slip"],
         enforcements: &["penalty"],
         takes_lines: false,
         integrates: true,

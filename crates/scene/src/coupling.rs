@@ -1,9 +1,9 @@
 //! Kinematic and distributing coupling of sets of deformable bodies to a reference point; `[[coupling]]`.
 
 use crate::names::named;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use crate::read::{Node, World, part_name, set_reference};
+use crate::{PartKind, split_set};
+use stoss_scene_derive::table;
 
 named! {
     /// Coupling of a set of a deformable body to its reference point.
@@ -29,16 +29,40 @@ named! {
 /// set = "plate.hole"
 /// rigid = "hub"
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(context(World<'_>))]
 pub struct SetCoupling {
     /// Unique name.
+    #[key(example = "\"hub\"", name)]
     pub name: String,
     /// Kind of the coupling.
+    #[key(example = "\"kinematic\"")]
     pub kind: Coupling,
     /// Set of a deformable body, `body.set`. A distributing coupling needs three nodes that are not on a line.
+    #[key(example = "\"plate.hole\"", with = |node, world, _| coupled_set(node, world))]
     pub set: String,
     /// Name of the rigid body.
+    #[key(example = "\"hub\"", with = |node, world, _| reference_body(node, world))]
     pub rigid: String,
+}
+
+fn coupled_set(node: &Node<'_>, world: &World<'_>) -> Option<String> {
+    let text = set_reference(node, world)?;
+    match split_set(&text).and_then(|(part, _)| world.part(part)) {
+        Some(part) if part.kind != PartKind::Body => node.fail(
+            format!("is a set of {}: a coupling takes nodes of deformable bodies", part.kind.noun()),
+            "use a [[joint]] between such parts",
+        ),
+        _ => Some(text),
+    }
+}
+
+fn reference_body(node: &Node<'_>, world: &World<'_>) -> Option<String> {
+    let name = part_name(node, world)?;
+    match world.part(&name) {
+        Some(part) if part.kind != PartKind::Rigid => node.fail(
+            format!("is {}, not a rigid body", part.kind.noun()),
+            "name a [[rigid]]; it needs neither mass nor surface",
+        ),
+        _ => Some(name),
+    }
 }

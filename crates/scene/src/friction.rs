@@ -1,16 +1,19 @@
 //! Friction of a contact (theory/friction).
 
-use crate::catalogue::{Parameter, given};
-use crate::names::named;
+use crate::ContactMethod;
 #[cfg(feature = "schema")]
-use crate::{Dimension, catalogue};
+use crate::catalogue;
+use crate::catalogue::Parameter;
+use crate::names::named;
+use crate::read::{Node, Table, Value, World, law_parameters, of_row};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 #[cfg(feature = "schema")]
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use stoss_contact::friction::{FrictionEntry, LAWS, entry};
+use stoss_scene_derive::table;
 
 named! {
     /// Enforcement of stick.
@@ -25,42 +28,25 @@ named! {
 }
 
 named! {
-    /// Friction traction in the equations of the midpoint schemes (theory/friction#midpoint). Other schemes use the traction at the end of the step.
-    MidpointFriction {
-        /// Return mapping over the step, its result used in the equations: in slip exactly the law, whatever the pressure does from step to step; damps stick. The default.
-        B = "b",
-        /// Mean of the tractions at both ends of the step, second order where the pressure is smooth; too small where it alternates from step to step.
-        C = "c",
-    }
-}
-
-named! {
     /// Measure of the slip in a step of mortar contact (theory/friction#mortar).
     Slip {
         /// From invariants of gap vector and facet under rigid motions; momenta and work are exact. The default.
         Objective = "objective",
         /// From the change of the gap vector, as in the thesis: a rotation with an open gap counts as slip, and angular momentum is not exact.
         Direct = "direct",
-        /// From the change of the mortar integrals (Yang, Laursen and Meng): statics and backward Euler only.
-        Yang = "yang",
     }
 }
 
 /// Keys of stick, for laws with stick.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[table]
+#[derive(Copy, Default)]
 pub struct Sticking {
     /// Tangential stiffness (traction per length), positive; not with `stick = "multiplier"`. Ten times Young's modulus of the softer body over an edge length if left
     /// out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
+    #[key(dimension = StressPerLength, positive)]
     pub penalty: Option<f64>,
     /// Enforcement of stick; `multiplier` if left out, or `penalty` if a `penalty` is given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stick: Option<Stick>,
-    /// Friction traction of the midpoint schemes, with `stick = "penalty"` only; `b` if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub midpoint: Option<MidpointFriction>,
 }
 
 impl Sticking {
@@ -70,14 +56,9 @@ impl Sticking {
         self.stick.unwrap_or(left_out)
     }
 
-    /// Which traction the midpoint schemes take.
-    pub fn midpoint(&self) -> MidpointFriction {
-        self.midpoint.unwrap_or(MidpointFriction::B)
-    }
-
     /// One of the keys that is given, if any is.
     pub fn key(&self) -> Option<&'static str> {
-        [("penalty", self.penalty.is_some()), ("stick", self.stick.is_some()), ("midpoint", self.midpoint.is_some())]
+        [("penalty", self.penalty.is_some()), ("stick", self.stick.is_some())]
             .into_iter()
             .find_map(|(key, given)| given.then_some(key))
     }
@@ -88,8 +69,7 @@ impl Sticking {
 ///
 /// # How to add one
 /// A row of that table; nothing here.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "AnyFriction")]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Friction {
     /// Name of the law.
     pub law: String,
@@ -97,7 +77,7 @@ pub struct Friction {
     #[serde(flatten)]
     pub given: Sticking,
     /// Measure of the slip, for `mortar` only; `objective` if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub slip: Option<Slip>,
     /// Parameters of the law by key.
     #[serde(flatten)]
@@ -131,30 +111,41 @@ impl Friction {
     }
 }
 
-/// A law of friction before it is known that the parameters fit a law of the catalogue.
-#[derive(Deserialize)]
-struct AnyFriction {
-    law: String,
-    #[serde(flatten)]
-    given: Sticking,
-    slip: Option<Slip>,
-    #[serde(flatten)]
-    parameters: BTreeMap<String, Parameter>,
+impl Friction {
+    /// Friction of a contact by a method, if that is known.
+    pub(crate) fn of(node: &Node<'_>, method: Option<ContactMethod>, world: &World<'_>) -> Option<Self> {
+        let table = node.table_like("{ law = \"coulomb\", mu = 0.3 }")?;
+        let mut names: Vec<&str> = Self::names().collect();
+        names.extend_from_slice(world.own_friction);
+        let law = table.required("law", "law = \"coulomb\"", |n| {
+            n.choice(&names, |name| names.contains(&name).then(|| name.to_owned()))
+        });
+        // Without a law it is not known which other keys are right.
+        let law = law?;
+        let slip = table.optional("slip", |n| match method.filter(|method| !method.has("slip")) {
+            Some(method) => n.fail(method.lacks("slip"), "remove it, or choose another `method`"),
+            None => Slip::read(n, world),
+        });
+        let entry = entry(&law);
+        let sticks = entry.is_none_or(FrictionEntry::sticks);
+        let given = if sticks { keys_of_stick(&table) } else { Some(Sticking::default()) };
+        let parameters = match entry {
+            Some(entry) => of_row(&table, &entry.law),
+            None => law_parameters(&table),
+        };
+        table.finish();
+        Some(Self { law, given: given?, slip: slip?, parameters: parameters? })
+    }
 }
 
-impl TryFrom<AnyFriction> for Friction {
-    type Error = String;
-
-    fn try_from(friction: AnyFriction) -> Result<Self, String> {
-        let AnyFriction { law, given: sticking, slip, parameters } = friction;
-        if let Some(entry) = entry(&law) {
-            entry.law.with(given(&parameters)).map_err(|refusal| format!("law {law}: {refusal}"))?;
-            if let (false, Some(key)) = (entry.sticks(), sticking.key()) {
-                return Err(format!("law {law}: {key}: belongs to stick, and the law has none; remove it"));
-            }
-        }
-        Ok(Self { law, given: sticking, slip, parameters })
+/// The keys of stick among others.
+fn keys_of_stick(table: &Table<'_>) -> Option<Sticking> {
+    let given = StickingKeys::read(table, &()).build()?;
+    if given.stick() == Stick::Multiplier && given.penalty.is_some() {
+        let message = "has no effect with stick = \"multiplier\", which is exact";
+        return table.fail("penalty", message, "remove it, or set stick = \"penalty\"");
     }
+    Some(given)
 }
 
 #[cfg(feature = "schema")]
@@ -171,12 +162,8 @@ impl JsonSchema for Friction {
             /// Measure of the slip, for `mortar` only; `objective` if left out.
             slip: Option<Slip>,
         }
-        let mut properties = |schema: Schema| match schema.get("properties") {
-            Some(serde_json::Value::Object(properties)) => properties.clone(),
-            _ => serde_json::Map::new(),
-        };
         let [sticking, measure] =
-            [Sticking::json_schema(generator), Measure::json_schema(generator)].map(&mut properties);
+            [catalogue::properties::<Sticking>(generator), catalogue::properties::<Measure>(generator)];
         let laws: Vec<_> = LAWS
             .iter()
             .map(|entry| {

@@ -3,16 +3,16 @@
 #[cfg(feature = "schema")]
 use crate::Dimension;
 use crate::names::named;
+use crate::read::{Node, Table, Value};
 use crate::{Component, OneOrMany, Units};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 #[cfg(feature = "schema")]
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-#[cfg(feature = "schema")]
-use stoss_integrators::SCHEMES;
-use stoss_integrators::SchemeError;
+use stoss_integrators::{SCHEMES, SchemeError};
+use stoss_scene_derive::table;
 
 named! {
     /// Kind of analysis of a scene or a stage.
@@ -70,89 +70,79 @@ named! {
 }
 
 /// `[scene]`: title, kind of analysis and units of the scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table]
 pub struct Header {
     /// Title, for reports.
+    #[key(example = "\"Ball on plate\"")]
     pub title: String,
     /// Kind of analysis: `dynamic` or `quasi-static`.
+    #[key(example = "\"dynamic\"")]
     pub kind: Kind,
     /// What the meshes are sections of: `axisymmetric`, `plane-strain` or `plane-stress`; they are solids if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub section: Option<PlaneSection>,
     /// Planes of symmetry of the whole model, `"x"` for x = 0, `"y"`, `"z"`, or a list of them: deformable bodies are held in them, and faces that lie there are cut faces, no surfaces. Results are those of what is
     /// modelled. None if left out.
-    #[serde(default, skip_serializing_if = "OneOrMany::is_empty")]
+    #[key(default, skip, with = |node, context, _| planes(node, context))]
     pub symmetry: OneOrMany<Component>,
     /// System of units of all numbers in the scene: used for the labels of tables, charts and pictures, and for a warning where densities, moduli, sizes or gravity are unusual. Numbers are not
     /// converted. No labels if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub units: Option<Units>,
     /// Version of the scene format for which the scene is written, at most [`FORMAT`]; the current one if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[key(read = format)]
     pub format: Option<u32>,
 }
 
 /// Version of the scene format that this program reads. It is raised when a valid scene becomes invalid or changes its meaning (keys renamed or removed), not when
 /// keys are added.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 /// `[time]`: interval, step size, scheme and step control. Runs start at time zero.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(context(Clock), check = time)]
 pub struct Time {
     /// End of the run (time), positive.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
+    #[key(dimension = Time, example = "1.0", positive)]
     pub end: f64,
     /// Nominal step size (time), positive, at most `end`. The last step is shortened to meet `end`. With `automatic` it is the largest step.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
+    #[key(dimension = Time, example = "0.01", positive)]
     pub step: f64,
     /// Time-stepping scheme with its parameters; required in dynamic scenes, unless every dynamic stage has its own, not allowed in quasi-static ones.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrator: Option<Integrator>,
     /// Largest number of successive cutbacks (halvings) of a step that fails, 0 to 30, before the run stops: the smallest step is
     /// `step / 2^max_cuts`.
-    #[serde(default = "Time::default_max_cuts")]
+    #[key(default = Self::DEFAULT_MAX_CUTS, range = 0..=30)]
     pub max_cuts: u32,
     /// Number of successful steps after which a halved step is doubled again, at least 1.
-    #[serde(default = "Time::default_grow_after")]
+    #[key(default = Self::DEFAULT_GROW_AFTER)]
     pub grow_after: u32,
     /// Largest increment of the equivalent plastic strain that a point may have in a step, positive; for scenes with a material that yields. A step with more is halved like one that fails, and one with more than half of it is
     /// not followed by a larger one. No limit if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, positive)]
     pub max_plastic_increment: Option<f64>,
     /// Automatic choice of the increments in a quasi-static scene; off if left out. Stages may have their own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[key(with = |node, _, keys| Automatic::below(node, keys.step))]
     pub automatic: Option<Automatic>,
     /// Viscous stabilisation of a quasi-static scene, which vanishes at its end; none if left out. Stages may have their own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stabilise: Option<Stabilise>,
 }
 
 /// Automatic increments of a static run or stage, between `smallest` and `step`: the first one is `initial`; it is doubled after `after` successive easy increments, and halved after
 /// an increment of more than `hard` iterations and after a failure. All increments are `step` over a power of two.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "{ initial = 0.01, smallest = 1e-5 }", check = automatic)]
+#[derive(Copy)]
 pub struct Automatic {
     /// Upper bound of the first increment (time), at most `step`: the first increment is the largest `step` over a power of two below it.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
+    #[key(dimension = Time, example = "0.01", positive)]
     pub initial: f64,
     /// Smallest increment (time); if it fails the run stops. The first increment over 2^10 if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Time)))]
+    #[key(dimension = Time, positive)]
     pub smallest: Option<f64>,
     /// Largest number of Newton iterations of an easy increment, at least 1.
-    #[serde(default = "Automatic::default_easy")]
+    #[key(default = Self::DEFAULT_EASY)]
     pub easy: u32,
     /// Number of successive easy increments after which the next one is doubled, at least 1.
-    #[serde(default = "Automatic::default_after")]
+    #[key(default = Self::DEFAULT_AFTER)]
     pub after: u32,
     /// Number of Newton iterations above which the next increment is halved, but not below the first one. At least `easy`; 10, or `easy` if that is larger, if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hard: Option<u32>,
 }
 
@@ -163,14 +153,6 @@ impl Automatic {
     pub const DEFAULT_AFTER: u32 = 2;
     /// Abaqus has the same limit.
     pub const DEFAULT_HARD: u32 = 10;
-
-    fn default_easy() -> u32 {
-        Self::DEFAULT_EASY
-    }
-
-    fn default_after() -> u32 {
-        Self::DEFAULT_AFTER
-    }
 
     /// Iterations of an increment that do not yet halve the next one.
     pub fn hard(&self) -> u32 {
@@ -189,17 +171,14 @@ impl Automatic {
 
 /// Viscous stabilisation of a static run or stage: a viscous force on the nodes of bodies whose coefficient decreases linearly to zero at the end, so that the last equilibrium is not affected.
 /// Exactly one of the two keys.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "{ fraction = 2e-4 }", check = stabilise)]
+#[derive(Copy)]
 pub struct Stabilise {
     /// Viscous dissipation relative to the strain energy of a bar of the size of the body that is stretched at a constant rate over the run or stage, in (0, 1]; for instance 2e-4.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, read = fraction)]
     pub fraction: Option<f64>,
     /// Viscous coefficient at the start, positive: a force per volume and velocity.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::ForcePerVolumeVelocity)))]
+    #[key(dimension = ForcePerVolumeVelocity, positive)]
     pub coefficient: Option<f64>,
 }
 
@@ -208,19 +187,11 @@ impl Time {
     pub const DEFAULT_MAX_CUTS: u32 = 10;
     /// Successes before regrowth by default: fewer make a step that is too large fail again and again.
     pub const DEFAULT_GROW_AFTER: u32 = 4;
-
-    fn default_max_cuts() -> u32 {
-        Self::DEFAULT_MAX_CUTS
-    }
-
-    fn default_grow_after() -> u32 {
-        Self::DEFAULT_GROW_AFTER
-    }
 }
 
 /// Time-stepping scheme with its parameters, for instance `{ scheme = "generalised-alpha", rho_inf = 0.8 }`. Schemes and their
 /// parameters are those of the table `stoss_integrators::SCHEMES`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Integrator {
     /// Name of the scheme.
     pub scheme: String,
@@ -293,38 +264,202 @@ named! {
 }
 
 /// `[solver]`: settings of the nonlinear and the linear solver.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(check = solver)]
+#[derive(Default)]
 pub struct Solver {
     /// Relative tolerance of Newton's method, in (0, 1): converged when `residual <= absolute_tolerance + relative_tolerance * scale`, where the scale is the
     /// largest norm of inertial, internal, external and contact forces. 1e-9 if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, read = relative_tolerance)]
     pub relative_tolerance: Option<f64>,
     /// Absolute tolerance of Newton's method (a force), not negative, see `relative_tolerance`; 0 if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Force)))]
+    #[key(dimension = Force, not_negative)]
     pub absolute_tolerance: Option<f64>,
     /// Largest number of Newton iterations for one solution, at least 1; 25 if left out, 40 with general contact.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_iterations: Option<u32>,
     /// `true`: one more Newton iteration follows after convergence if it can still reduce the residual, because momenta and energy are conserved only to the accuracy of
     /// the residual. If left out, `true` in dynamics and `false` in statics, where nothing adds up from step to step.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub polish: Option<bool>,
     /// Solver for linear systems: `auto` if left out.
-    #[serde(default)]
+    #[key(default)]
     pub linear: LinearSolver,
     /// What PETSc does, where it solves (`linear = "petsc"`, or `auto` on several ranks): `"direct"` (factorisation by MUMPS), `"multigrid"` (iteration with smoothed aggregation; systems with
     /// multipliers, rigid bodies or beams, and what it cannot solve, are factorised), or options as PETSc writes them, such as `"-ksp_type gmres -pc_type asm -sub_pc_type ilu"`. If left out, multigrid from
     /// 3000 equations on where all of them are of nodes of bodies, else direct.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[key(read = petsc)]
     pub petsc: Option<String>,
     /// Use of factorisations within a step: `reused` if left out.
-    #[serde(default)]
+    #[key(default)]
     pub factors: Factors,
     /// Treatment of elements that are inverted at a corner at the end of a step: `refuse` if left out.
-    #[serde(default)]
+    #[key(default)]
     pub inside_out: InsideOut,
+}
+
+fn planes<C>(node: &Node<'_>, context: &C) -> Option<OneOrMany<Component>> {
+    let planes = OneOrMany::<Component>::read(node, context)?;
+    let all = planes.as_slice();
+    if let Some(k) = (1..all.len()).find(|&k| all[..k].contains(&all[k])) {
+        return node.fail(format!("has {} twice", all[k]), "write each plane once");
+    }
+    Some(planes)
+}
+
+fn format(node: &Node<'_>) -> Option<u32> {
+    let format = node.count()?;
+    if format > FORMAT {
+        let message = format!("is newer than this program, which reads scenes of the format {FORMAT}");
+        return node.fail(message, "use a newer version of Stoss, or write the scene for this format");
+    }
+    Some(format)
+}
+
+/// What `[time]` must know of the scene.
+pub(crate) struct Clock {
+    pub(crate) kind: Option<Kind>,
+    /// Whether there are stages, none of which takes the scheme of `[time]`.
+    pub(crate) own_schemes: bool,
+}
+
+/// More steps than this are a mistake in `step` or `end`.
+pub(crate) const MAX_STEPS: f64 = 1e9;
+
+/// The clock has so many ticks in a step at most.
+const SMALLEST: f64 = 1e9;
+
+fn time(keys: &mut TimeKeys, table: &Table<'_>, clock: &Clock) -> Option<()> {
+    let integrator = match clock.kind {
+        Some(Kind::Dynamic) if !clock.own_schemes && !table.has("integrator") => {
+            table.missing("integrator", "integrator = { scheme = \"energy-momentum\" }")
+        }
+        Some(Kind::QuasiStatic) if table.has("integrator") => table.fail(
+            "integrator",
+            "a quasi-static scene has no integrator",
+            "remove it, or set [scene] kind = \"dynamic\"",
+        ),
+        _ => Some(()),
+    };
+    let mut statics = Some(());
+    for key in ["automatic", "stabilise"].into_iter().filter(|&key| table.has(key)) {
+        if clock.kind == Some(Kind::Dynamic) {
+            statics = table.fail(key, "is for statics", "remove it, or move it into a static [[stage]]");
+        } else if let ("automatic", Some(other)) = (key, ["max_cuts", "grow_after"].into_iter().find(|&k| table.has(k))) {
+            let remedy = "remove it; see `smallest` and `after` of `automatic`";
+            statics = table.fail(other, "cannot be combined with `automatic`", remedy);
+        }
+    }
+    let (end, step) = (keys.end?, keys.step?);
+    if step > end {
+        let message = format!("must not exceed the end of the run, {end}");
+        return table.fail("step", message, "choose a smaller step or a later end");
+    }
+    if end / step > MAX_STEPS {
+        return table.fail("step", format!("gives {:.1e} steps", end / step), "choose a larger step or an earlier end");
+    }
+    integrator.and(statics)
+}
+
+impl Automatic {
+    /// The increments, not above the largest one, if that is known.
+    pub(crate) fn below(node: &Node<'_>, step: Option<f64>) -> Option<Self> {
+        let table = node.table_like("{ initial = 0.01, smallest = 1e-5 }")?;
+        let automatic = Self::from_table(&table, &())?;
+        match step {
+            Some(step) if automatic.initial > step * (1.0 + 1e-12) => {
+                let message = format!("must not exceed the largest increment, `step` = {step}");
+                table.fail("initial", message, "choose a smaller one")
+            }
+            Some(step) if step / automatic.initial > SMALLEST => {
+                let message = format!("is more than {SMALLEST:e} times smaller than `step` = {step}");
+                table.fail("initial", message, "choose a larger one, or a smaller step")
+            }
+            _ => Some(automatic),
+        }
+    }
+}
+
+fn automatic<C>(keys: &mut AutomaticKeys, table: &Table<'_>, _: &C) -> Option<()> {
+    let smallest = match (keys.smallest.flatten(), keys.initial) {
+        (Some(smallest), Some(initial)) if smallest > initial => {
+            table.fail("smallest", format!("must not exceed `initial` = {initial}"), "choose a smaller one")
+        }
+        _ => Some(()),
+    };
+    match (keys.hard.flatten(), keys.easy) {
+        (Some(hard), Some(easy)) if hard < easy => {
+            table.fail("hard", format!("must not be less than `easy` = {easy}"), "choose a larger one")
+        }
+        _ => smallest,
+    }
+}
+
+fn fraction(node: &Node<'_>) -> Option<f64> {
+    let fraction = node.positive()?;
+    if fraction > 1.0 {
+        return node.fail("must not be larger than 1", "write for instance 2e-4");
+    }
+    Some(fraction)
+}
+
+fn stabilise<C>(_: &mut StabiliseKeys, table: &Table<'_>, _: &C) -> Option<()> {
+    match ["fraction", "coefficient"].map(|key| table.has(key)) {
+        [true, true] => {
+            table.fail("coefficient", "cannot be combined with `fraction`", "give either `fraction` or `coefficient`")
+        }
+        [false, false] => table.missing("fraction", "fraction = 2e-4"),
+        _ => Some(()),
+    }
+}
+
+impl<C> Value<C> for Integrator {
+    fn read(node: &Node<'_>, _: &C) -> Option<Self> {
+        let table = node.table()?;
+        let names: Vec<&str> = SCHEMES.iter().map(|entry| entry.name).collect();
+        let entry =
+            table.required("scheme", "scheme = \"energy-momentum\"", |n| n.choice(&names, stoss_integrators::entry));
+        let Some(entry) = entry else {
+            // Which parameters there are is not known: nothing to say about them.
+            return None;
+        };
+        let mut parameters = BTreeMap::new();
+        let mut good = true;
+        for parameter in entry.parameters {
+            let (low, high) = parameter.range;
+            let value = table.optional(parameter.name, |n| {
+                let value = n.number()?;
+                if value < low || value > high {
+                    return n.fail(format!("is outside [{low}, {high}]"), format!("it is the {}", parameter.about));
+                }
+                Some(value)
+            });
+            good &= value.is_some();
+            parameters.extend(value.flatten().map(|value| (parameter.name.to_owned(), value)));
+        }
+        table.finish();
+        good.then(|| Self { scheme: entry.name.to_owned(), parameters })
+    }
+}
+
+fn relative_tolerance(node: &Node<'_>) -> Option<f64> {
+    let value = node.positive()?;
+    if value >= 1.0 {
+        return node.fail("must be smaller than 1", "write for instance 1e-9");
+    }
+    Some(value)
+}
+
+fn petsc(node: &Node<'_>) -> Option<String> {
+    let text = node.string()?;
+    if !(["direct", "multigrid"].contains(&text.as_str()) || text.starts_with('-')) {
+        let remedy = "write \"direct\", \"multigrid\", or options that begin with -, such as \"-ksp_type gmres -pc_type asm\"";
+        return node.fail("is neither a set of options of PETSc nor such options", remedy);
+    }
+    Some(text)
+}
+
+fn solver<C>(keys: &mut SolverKeys, table: &Table<'_>, _: &C) -> Option<()> {
+    let is_other = keys.linear.is_some_and(|linear| !matches!(linear, LinearSolver::Auto | LinearSolver::Petsc));
+    if is_other && matches!(keys.petsc, Some(Some(_))) {
+        return table.fail("petsc", "has no effect with another solver than PETSc", "remove it, or write linear = \"petsc\"");
+    }
+    Some(())
 }

@@ -1,10 +1,6 @@
 //! `[gravity]`.
 
-#[cfg(feature = "schema")]
-use crate::Dimension;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use stoss_scene_derive::table;
 
 /// `[gravity]`: a constant acceleration that acts on everything with mass.
 ///
@@ -15,11 +11,10 @@ use serde::{Deserialize, Serialize};
 ///
 /// In a scene with gravity every body, beam and string, and every rigid body whose motion is not prescribed, needs a density or mass, also if the scene is
 /// quasi-static. There zero is allowed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "{ acceleration = [0, 0, -9.81] }")]
+#[derive(Copy)]
 pub struct Gravity {
     /// Acceleration (length per time squared), not zero.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Acceleration)))]
+    #[key(dimension = Acceleration, example = "[0, 0, -9.81]", direction)]
     pub acceleration: [f64; 3],
 }

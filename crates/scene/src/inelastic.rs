@@ -1,15 +1,12 @@
 //! What materials of bodies have beside an elastic law: plasticity, Maxwell branches, softening, fibres (theory/inelastic).
 
-#[cfg(feature = "schema")]
-use crate::Dimension;
 use crate::names::named;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use crate::read::Table;
 use stoss_materials::{
     FibreFamilies, Fibres as GivenFibres, Hardening as Curve, Moduli as Given, Mullins as Softening, Overstress,
     Plasticity as Yielding,
 };
+use stoss_scene_derive::table;
 
 named! {
     /// What the moduli of a law with `prony` are.
@@ -31,90 +28,76 @@ impl From<Moduli> for Given {
 }
 
 /// Von Mises plasticity. The yield stress is that of the Kirchhoff stress, plastic strains are logarithmic.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "{ yield_stress = 400.0, hardening_modulus = 100.0 }", check_all = |found: &Self, table, _| found.fits(table))]
 pub struct Plasticity {
     /// Yield stress of the virgin material, positive (stress). Not together with `hardening`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    #[key(dimension = Stress, positive)]
     pub yield_stress: Option<f64>,
     /// Isotropic hardening as a table of points `[plastic strain, yield stress]`, from the strain 0 on; linear between the points, constant behind the last one. In place of `yield_stress`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::Number, Dimension::Stress])))]
+    #[key(default, skip, dimension = [Number, Stress])]
     pub hardening: Vec<[f64; 2]>,
     /// Slope of linear isotropic hardening (stress); 0 if left out.
-    #[serde(default, skip_serializing_if = "crate::body::is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    #[key(default, skip, dimension = Stress)]
     pub hardening_modulus: f64,
     /// Yield stress that exponential hardening tends to (Voce), positive (stress); together with `saturation_rate`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    #[key(dimension = Stress, positive)]
     pub saturation_stress: Option<f64>,
     /// How fast it does: `1 - exp(-saturation_rate a)` of the way at the plastic strain `a`; positive.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, positive)]
     pub saturation_rate: Option<f64>,
     /// Slope of linear kinematic hardening in uniaxial stress, not negative (stress); 0 if left out.
-    #[serde(default, skip_serializing_if = "crate::body::is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    #[key(default, skip, dimension = Stress, not_negative)]
     pub kinematic_modulus: f64,
     /// Overstress that grows with the rate; none if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<Rate>,
 }
 
 /// Overstress `stress (a' / rate)^exponent` above the yield stress, of the rate `a'` of the equivalent plastic strain.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "{ stress = 200.0, rate = 1e4, exponent = 0.3 }")]
+#[derive(Copy)]
 pub struct Rate {
     /// Overstress at the rate `rate`, positive (stress).
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    #[key(dimension = Stress, example = "200.0", positive)]
     pub stress: f64,
     /// Rate of the equivalent plastic strain, positive (1/time).
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Rate)))]
+    #[key(dimension = Rate, example = "1e4", positive)]
     pub rate: f64,
     /// Exponent, positive.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, example = "0.3", positive)]
     pub exponent: f64,
 }
 
 /// Softening of filled rubber below the largest energy so far (Ogden and Roxburgh).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "{ r = 1.5, m = 0.3 }")]
+#[derive(Copy)]
 pub struct Mullins {
     /// Above 1: the stress goes down to `1 - 1/r` of that of the virgin material.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, example = "1.5", positive)]
     pub r: f64,
     /// Energy per volume over which it does, positive (stress).
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    #[key(dimension = Stress, example = "0.3", positive)]
     pub m: f64,
     /// Part of the largest energy that is added to `m`, not negative; 0 if left out.
-    #[serde(default, skip_serializing_if = "crate::body::is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(default, skip, dimension = Number, not_negative)]
     pub beta: f64,
 }
 
 impl Plasticity {
-    /// The key that does not fit the others, what is wrong with it, and what to do.
-    pub(crate) fn misfit(&self) -> Option<[&'static str; 3]> {
+    /// Reports a key that does not fit the others.
+    fn fits(&self, table: &Table<'_>) -> Option<()> {
         let voce = [self.saturation_stress, self.saturation_rate];
-        let table = !self.hardening.is_empty();
-        if table && (self.yield_stress.is_some() || voce.iter().any(Option::is_some) || self.hardening_modulus != 0.0) {
+        let has_table = !self.hardening.is_empty();
+        if has_table && (self.yield_stress.is_some() || voce.iter().any(Option::is_some) || self.hardening_modulus != 0.0) {
             let remedy = "remove the table, or yield_stress, hardening_modulus, saturation_stress and saturation_rate";
-            return Some(["hardening", "has all of isotropic hardening, and other keys say it too", remedy]);
+            return table.fail("hardening", "has all of isotropic hardening, and other keys say it too", remedy);
         }
-        if !table && self.yield_stress.is_none() {
-            return Some(["yield_stress", "is missing", "add it, for instance `yield_stress = 400.0`"]);
+        if !has_table && self.yield_stress.is_none() {
+            return table.missing("yield_stress", "yield_stress = 400.0");
         }
         match voce {
-            [Some(_), None] => Some(["saturation_rate", "is missing", "add it, for instance `saturation_rate = 17.0`"]),
-            [None, Some(_)] => {
-                Some(["saturation_stress", "is missing", "add it, for instance `saturation_stress = 700.0`"])
-            }
-            _ => None,
+            [Some(_), None] => table.missing("saturation_rate", "saturation_rate = 17.0"),
+            [None, Some(_)] => table.missing("saturation_stress", "saturation_stress = 700.0"),
+            _ => Some(()),
         }
     }
 
@@ -144,38 +127,31 @@ impl From<Mullins> for Softening {
 
 /// Fibres of Holzapfel, Gasser and Ogden: `k1/(2 k2) (exp(k2 <E>^2) - 1)` for each family, with `E = dispersion (J^(-2/3) I1 - 3) + (1 - 3 dispersion) (I4 - 1)`
 /// and the square `I4` of the isochoric stretch along the fibres. They carry tension only. Directions are given in one of three ways: `direction`, `field`, or `axis`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "{ k1 = 1.0, k2 = 10.0, direction = [1, 0, 0] }", check_all = |found: &Self, table, _| found.fits(table))]
 pub struct Fibres {
     /// Stiffness, positive (stress).
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    #[key(dimension = Stress, example = "1.0", positive)]
     pub k1: f64,
     /// How fast they stiffen, positive.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, example = "10.0", positive)]
     pub k2: f64,
     /// How far they scatter about their direction, from 0 (not at all, if left out) to 1/3 (in all directions alike).
-    #[serde(default, skip_serializing_if = "crate::body::is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(default, skip, dimension = Number, range = 0.0..=1.0 / 3.0)]
     pub dispersion: f64,
     /// Direction of one family, everywhere the same, in the axes of the scene, of the undeformed body in its place.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, direction)]
     pub direction: Option<[f64; 3]>,
     /// Names of vectors of the cells in the mesh file (VTU), a family each; they turn with the `rotation` of the body.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[key(default, skip)]
     pub field: Vec<String>,
     /// Axis of a cylinder: two families around it, which rise along the axis by plus and minus `angle`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, direction)]
     pub axis: Option<[f64; 3]>,
     /// A point of the axis (three lengths); the origin if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(dimension = Length)]
     pub point: Option<[f64; 3]>,
     /// Angle of the fibres with the circumference in degrees, from 0 to 90; with `axis`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Angle)))]
+    #[key(dimension = Angle, range = 0.0..=90.0)]
     pub angle: Option<f64>,
 }
 
@@ -192,27 +168,30 @@ impl Fibres {
         FibreFamilies { fibres, directions }
     }
 
-    /// Key, message and remedy where keys do not fit each other.
-    pub(crate) fn misfit(&self) -> Option<[&'static str; 3]> {
+    /// Reports a key that does not fit the others.
+    fn fits(&self, table: &Table<'_>) -> Option<()> {
         const REMEDY: &str = "give one of them";
         let ways = [self.direction.is_some(), !self.field.is_empty(), self.axis.is_some()];
         match ways.iter().filter(|has| **has).count() {
-            0 => return Some(["direction", "is missing, and so are `field` and `axis`", "add direction = [1, 0, 0]"]),
+            0 => {
+                let message = "is missing, and so are `field` and `axis`";
+                return table.fail("direction", message, "add direction = [1, 0, 0]");
+            }
             1 => {}
             _ => {
                 let key = if self.direction.is_some() { "direction" } else { "field" };
-                return Some([key, "directions are given twice, by `direction`, `field` or `axis`", REMEDY]);
+                return table.fail(key, "directions are given twice, by `direction`, `field` or `axis`", REMEDY);
             }
         }
         if self.axis.is_some() && self.angle.is_none() {
-            return Some(["angle", "is missing", "add angle = 45.0, in degrees from the circumference"]);
+            return table.fail("angle", "is missing", "add angle = 45.0, in degrees from the circumference");
         }
         if self.axis.is_none() && self.angle.is_some() {
-            return Some(["angle", "has no effect without `axis`", "remove it, or give the axis"]);
+            return table.fail("angle", "has no effect without `axis`", "remove it, or give the axis");
         }
         if self.axis.is_none() && self.point.is_some() {
-            return Some(["point", "has no effect without `axis`", "remove it, or give the axis"]);
+            return table.fail("point", "has no effect without `axis`", "remove it, or give the axis");
         }
-        None
+        Some(())
     }
 }

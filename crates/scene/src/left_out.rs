@@ -1,9 +1,7 @@
 //! `[[left_out]]`: what a deck has, and the scene that was made from it has not.
 
 use crate::names::named;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use stoss_scene_derive::table;
 
 named! {
     /// What it means for the results that the scene does not have something of its deck.
@@ -18,18 +16,18 @@ named! {
 }
 
 /// `[[left_out]]`: something that a deck has and the scene has not, written by `stoss import`. `stoss check` and `stoss run` repeat it. Remove an entry when the scene has what it names.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table]
 pub struct LeftOut {
     /// Consequence for the results: `missing`, `changed` or `note`.
+    #[key(example = "\"missing\"")]
     pub severity: Omission,
     /// Keyword of the deck, for instance `*COUPLING`.
+    #[key(example = "\"*COUPLING\"")]
     pub keyword: String,
     /// File and line of the deck, for instance `part.inp:12`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<String>,
     /// What it changes, and what to do.
+    #[key(example = "\"its nodes are not coupled\"")]
     pub text: String,
 }
 

@@ -17,15 +17,17 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod acting;
 mod beam;
 mod body;
 mod catalogue;
 mod chosen;
-mod conditions;
+mod contact;
 mod contact_method;
 mod coupling;
 mod equation;
 mod event;
+mod expect;
 mod expression;
 mod friction;
 mod general;
@@ -34,18 +36,24 @@ mod gravity;
 mod inelastic;
 mod joint;
 mod left_out;
+mod load;
 mod material;
 mod mesh;
 mod names;
+mod output;
 mod part;
+mod prescribe;
+mod probe;
 mod problem;
+mod quantity;
 mod read;
-mod results;
 mod rigid;
 #[cfg(test)]
 mod samples;
 #[cfg(feature = "schema")]
 mod schema;
+mod series;
+mod set;
 mod set_expression;
 mod source;
 mod string;
@@ -62,16 +70,12 @@ pub use body::{
 };
 pub use catalogue::{Parameter, given};
 pub use chosen::{Chosen, Rows};
-pub use conditions::{
-    BoxRegion, Closing, ClosingFriction, Component, Constraint, Contact, Edges, Enforcement, GapAtClosing, Integrals,
-    Load, LoadKind, OverlapAtStart, PlaneRegion, Prescribe, PrescribedRotation, Quadrature, Reduction, Series,
-    SetDefinition, SurfaceMass, Table, split_set,
-};
+pub use contact::{Closing, ClosingFriction, Constraint, Contact, Edges, Enforcement, GapAtClosing, Integrals, OverlapAtStart, Reduction, SurfaceMass};
 pub use contact_method::{ContactMethod, METHODS, MethodEntry};
 pub use coupling::{Coupling, SetCoupling};
 pub use equation::{Equation, EquationTerm};
 pub use event::{Event, EventCondition, Stage};
-pub use friction::{Friction, MidpointFriction, Slip, Stick, Sticking};
+pub use friction::{Friction, Slip, Stick, Sticking};
 pub use general::{
     Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, PlaneSection, Solver, Stabilise,
     Time,
@@ -79,9 +83,7 @@ pub use general::{
 pub use general_contact::{GeneralContact, GeneralFriction, GeneralPair, Initial};
 pub use gravity::Gravity;
 pub use inelastic::{Fibres, Moduli, Mullins, Plasticity, Rate};
-pub use joint::{
-    ActingOn, GROUND, Joint, JointFriction, JointKind, JointPoint, JointSpring, Motor, Pretension, Spring,
-};
+pub use joint::{GROUND, Joint, JointKind, JointPoint, Spring};
 pub use left_out::{LeftOut, Omission};
 pub use material::{Inelasticity, Material};
 pub use mesh::{
@@ -91,10 +93,15 @@ pub use mesh::{
 pub use names::known;
 pub use part::PartKind;
 pub use problem::{Problem, SceneErrors};
-pub use results::{
-    Expect, ExpectedValue, Extremum, Field, FrameFormat, Frames, Interval, Outcome, Output, Probe, ProbeComponent,
-    Quantity,
-};
+pub use expect::{Expect, ExpectedValue, Interval, Outcome};
+pub use load::{Load, LoadKind};
+pub use acting::{ActingOn, JointFriction, JointSpring, Motor, Pretension};
+pub use output::{FrameFormat, Frames, Output};
+pub use prescribe::{Prescribe, PrescribedRotation};
+pub use probe::Probe;
+pub use quantity::{Extremum, Field, ProbeComponent, Quantity};
+pub use series::{Series, SeriesTable};
+pub use set::{BoxRegion, Component, PlaneRegion, SetDefinition, split_set};
 pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, SphereShape, SurfaceFile};
 #[cfg(feature = "schema")]
 pub use schema::json_schema;
@@ -110,12 +117,12 @@ pub use watch::{OnFault, Verdict, Watch};
 
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use source::Source;
 use std::collections::BTreeMap;
 
 /// A scene, as [`parse`] returns it: complete, and consistent as far as that can be checked without meshes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Scene {

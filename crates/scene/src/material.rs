@@ -1,26 +1,25 @@
 //! Materials of bodies: a law and its parameters (theory/kinematics#laws).
 
 #[cfg(feature = "schema")]
-use crate::Dimension;
-#[cfg(feature = "schema")]
 use crate::catalogue;
 use crate::catalogue::{Parameter, given};
+use crate::read::{Node, Setting, Table, Value, law_parameters, of_row};
 use crate::{Fibres, Moduli, Mullins, Plasticity};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 #[cfg(feature = "schema")]
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use stoss_materials::{History, LAWS, LawEntry};
 use stoss_registry::Refusal;
+use stoss_scene_derive::table;
 
 /// A law with its parameters: of the table `stoss_materials::LAWS`, or a user's own one, registered by the program ([`crate::parse_with`]), which the schema does not have.
 ///
 /// # How to add one
 /// A row of that table; nothing here.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "AnyMaterial")]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Material {
     /// Name of the law.
     pub law: String,
@@ -33,23 +32,30 @@ pub struct Material {
 }
 
 /// What a material has beside an elastic law of the catalogue; each may be left out.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[table(check = inelasticity)]
+#[derive(Default)]
 pub struct Inelasticity {
-    /// Plasticity, of `hencky` only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Von Mises plasticity; none if left out.
     pub plasticity: Option<Plasticity>,
-    /// Maxwell branches, pairs of a share of the shear modulus and a relaxation time.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    /// Maxwell branches: pairs of a share of the shear modulus and a relaxation time. The shares sum up to less than 1. The change of volume stays elastic.
+    #[key(default, skip, dimension = [Number, Time], positive)]
     pub prony: Vec<[f64; 2]>,
     /// What the moduli of the law are, with `prony`: `instantaneous` if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moduli: Option<Moduli>,
-    /// Softening.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Softening of filled rubber; none if left out.
     pub mullins: Option<Mullins>,
-    /// Fibres.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Fibres in the material; none if left out.
     pub fibres: Option<Fibres>,
+}
+
+/// The moduli say something of the branches.
+fn inelasticity<C>(keys: &mut InelasticityKeys, table: &Table<'_>, _: &C) -> Option<()> {
+    match (&keys.moduli, &keys.prony) {
+        (Some(Some(_)), Some(prony)) if prony.is_empty() => {
+            table.fail("moduli", "has no effect without `prony`", "remove it, or add prony = [[0.3, 0.01]]")
+        }
+        _ => Some(()),
+    }
 }
 
 impl Inelasticity {
@@ -77,26 +83,31 @@ impl Material {
     }
 }
 
-/// A material before it is known that the parameters fit a law of the catalogue.
-#[derive(Deserialize)]
-struct AnyMaterial {
-    law: String,
-    #[serde(flatten)]
-    inelasticity: Inelasticity,
-    #[serde(flatten)]
-    parameters: BTreeMap<String, Parameter>,
-}
-
-impl TryFrom<AnyMaterial> for Material {
-    type Error = String;
-
-    fn try_from(AnyMaterial { law, inelasticity, parameters }: AnyMaterial) -> Result<Self, String> {
-        let material = Self { law, inelasticity, parameters };
-        if let Some(entry) = stoss_materials::entry(&material.law) {
-            let refused = |refusal| format!("law {}: {refusal}", material.law);
-            material.inelasticity.check(entry, &material.parameters).map_err(refused)?;
+impl Value<Setting<'_>> for Material {
+    fn read(node: &Node<'_>, setting: &Setting<'_>) -> Option<Self> {
+        let table = node.table()?;
+        let mut names: Vec<&str> = Self::names().collect();
+        names.extend_from_slice(setting.own_materials);
+        let law = table.required("law", "law = \"neo-hooke\"", |n| {
+            n.choice(&names, |name| names.contains(&name).then(|| name.to_owned()))
+        });
+        // Without a law it is not known which other keys are right.
+        let law = law?;
+        let Some(entry) = stoss_materials::entry(&law) else {
+            let parameters = law_parameters(&table);
+            table.finish();
+            return Some(Self { law, inelasticity: Inelasticity::default(), parameters: parameters? });
+        };
+        let mut keys = InelasticityKeys::read(&table, setting);
+        let fits = inelasticity(&mut keys, &table, setting);
+        let parameters = of_row(&table, entry);
+        table.finish();
+        fits?;
+        let (inelasticity, parameters) = (keys.build()?, parameters?);
+        match inelasticity.check(entry, &parameters) {
+            Ok(()) => Some(Self { law, inelasticity, parameters }),
+            Err(refusal) => table.fail(refusal.parameter, refusal.message, refusal.remedy),
         }
-        Ok(material)
     }
 }
 
@@ -107,40 +118,18 @@ impl JsonSchema for Material {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let about = |mut schema: Schema, text: &str| {
-            schema.insert("description".to_owned(), text.into());
-            schema
-        };
-        let mut history = serde_json::Map::new();
-        let branches = json_schema!({
-            "type": "array", "items": {
-                "type": "array", "items": { "type": "number", "format": "double" }, "minItems": 2, "maxItems": 2,
-            },
-            "x-dimension": [Dimension::Number, Dimension::Time],
-            "description": "Maxwell branches: pairs of a share of the shear modulus and a relaxation time. The shares sum up to less than 1. The change of volume stays elastic.",
-        });
-        let moduli = about(
-            generator.subschema_for::<Moduli>(),
-            "What the moduli of the law are, with `prony`: `instantaneous` if left out.",
-        );
-        let mullins = about(generator.subschema_for::<Mullins>(), "Softening of filled rubber; none if left out.");
-        let fibres = about(generator.subschema_for::<Fibres>(), "Fibres in the material; none if left out.");
-        for (key, schema) in [("prony", branches), ("moduli", moduli), ("mullins", mullins), ("fibres", fibres)] {
-            history.insert(key.to_owned(), schema.to_value());
-        }
-        let plasticity = about(generator.subschema_for::<Plasticity>(), "Von Mises plasticity; none if left out.");
+        let keys = catalogue::properties::<Inelasticity>(generator);
         let laws: Vec<_> = LAWS
             .iter()
             .map(|row| {
-                let mut properties = match row.name {
+                let mut keys = keys.clone();
+                match row.name {
                     // Not the sum of a volumetric part and a rest.
-                    "saint-venant-kirchhoff" => serde_json::Map::new(),
-                    _ => history.clone(),
-                };
-                if row.name == "hencky" {
-                    properties.insert("plasticity".to_owned(), plasticity.clone().to_value());
+                    "saint-venant-kirchhoff" => keys.clear(),
+                    "hencky" => {}
+                    _ => drop(keys.remove("plasticity")),
                 }
-                catalogue::schema(row, properties)
+                catalogue::schema(row, keys)
             })
             .collect();
         json_schema!({

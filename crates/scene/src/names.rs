@@ -5,7 +5,7 @@ macro_rules! named {
     ($(#[$meta:meta])* $type:ident { $($(#[$variant_meta:meta])* $variant:ident = $name:literal),+ $(,)? }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        #[derive(serde::Serialize, serde::Deserialize)]
+        #[derive(serde::Serialize)]
         #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         pub enum $type {
             $($(#[$variant_meta])* #[serde(rename = $name)] $variant,)+
@@ -28,6 +28,12 @@ macro_rules! named {
                 match self {
                     $(Self::$variant => $name,)+
                 }
+            }
+        }
+
+        impl<C> crate::read::Value<C> for $type {
+            fn read(node: &crate::read::Node<'_>, _: &C) -> Option<Self> {
+                node.choice(Self::NAMES, Self::from_name)
             }
         }
 

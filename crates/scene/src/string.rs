@@ -1,12 +1,12 @@
 //! `[[string]]` and `[[mass]]`.
 
-#[cfg(feature = "schema")]
-use crate::Dimension;
-use crate::body::{Mass, is_default};
+use crate::Kind;
+use crate::beam::{elements, points};
+use crate::body::Mass;
+use crate::read::{Setting, Table};
+use crate::rigid::joined_name;
 use crate::vector::{norm, sub};
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use stoss_scene_derive::table;
 
 /// `[[string]]`: an elastic string (cable), with axial stiffness only.
 ///
@@ -22,62 +22,52 @@ use serde::{Deserialize, Serialize};
 /// ```
 ///
 /// Sets: `start`, `end`, `all`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(context(Setting<'_>), check = string)]
 pub struct ElasticString {
     /// Name, unique among all parts: letters, digits, `-` and `_`.
+    #[key(example = "\"rope\"", name)]
     pub name: String,
     /// Vertices of the initial polygon, two or more. Either these, or `from` and `to`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(default, skip, dimension = Length, read = points)]
     pub points: Vec<[f64; 3]>,
     /// Start of a straight string.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(dimension = Length)]
     pub from: Option<[f64; 3]>,
     /// End of a straight string.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(dimension = Length)]
     pub to: Option<[f64; 3]>,
     /// Number of elements over the whole length, distributed over the straight pieces by their lengths; at least one for each piece.
+    #[key(example = "10", with = |node, _, keys| elements(node, keys.points.as_deref()))]
     pub elements: u32,
     /// Polynomial degree of the shape functions: 1, 2 or 3; 1 if left out.
-    #[serde(default = "ElasticString::default_order")]
+    #[key(default = ElasticString::DEFAULT_ORDER, range = 1..=3)]
     pub order: u32,
     /// Axial stiffness `E A` (force), positive. Either this, or `young` and `area`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Force)))]
+    #[key(dimension = Force, positive)]
     pub axial: Option<f64>,
     /// Young's modulus (stress), positive.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Stress)))]
+    #[key(dimension = Stress, positive)]
     pub young: Option<f64>,
     /// Area of the cross-section (length^2), positive; for `young` and `density`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Area)))]
+    #[key(dimension = Area, positive)]
     pub area: Option<f64>,
     /// Mass per unstretched length. Either this, or `density` and `area`; one of them is positive and required in dynamic scenes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::LineDensity)))]
+    #[key(dimension = LineDensity, with = |node, setting, _| setting.mass_value(node))]
     pub mass: Option<f64>,
     /// Density: mass per unstretched volume.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Density)))]
+    #[key(dimension = Density, with = |node, setting, _| setting.mass_value(node))]
     pub density: Option<f64>,
     /// Mass matrix: `lumped` if left out, or `consistent`. With the latter what stops a node jerks its neighbours: a rope that falls on a floor is pulled down by it.
-    #[serde(default = "ElasticString::default_mass_matrix")]
+    #[key(default = ElasticString::DEFAULT_MASS_MATRIX)]
     pub mass_matrix: Mass,
     /// Unstretched length of the whole string, positive; the length of the polygon if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(dimension = Length, positive)]
     pub natural_length: Option<f64>,
     /// `true`: the string goes slack, without force in compression. `false` if left out.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[key(default, skip)]
     pub tension_only: bool,
     /// Initial velocity of the whole string (length per time); zero if left out. Dynamic scenes only.
-    #[serde(default, skip_serializing_if = "is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
+    #[key(default, skip, dimension = Velocity)]
     pub velocity: [f64; 3],
 }
 
@@ -85,16 +75,8 @@ impl ElasticString {
     /// The mass matrix if none is given.
     pub const DEFAULT_MASS_MATRIX: Mass = Mass::Lumped;
 
-    fn default_mass_matrix() -> Mass {
-        Self::DEFAULT_MASS_MATRIX
-    }
-
     /// Linear elements.
     pub const DEFAULT_ORDER: u32 = 1;
-
-    fn default_order() -> u32 {
-        Self::DEFAULT_ORDER
-    }
 
     /// Vertices of the initial polygon: `points`, or `from` and `to`.
     pub fn corners(&self) -> Vec<[f64; 3]> {
@@ -130,20 +112,67 @@ impl ElasticString {
 /// mass = 0.5
 /// velocity = [1, 0, 0]
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(context(Setting<'_>), check = mass)]
 pub struct PointMass {
     /// Name, unique among all parts: letters, digits, `-` and `_`. It has the set `name.all`.
+    #[key(example = "\"bob\"", read = joined_name)]
     pub name: String,
     /// Initial position.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(dimension = Length, example = "[0, 0, 0]")]
     pub at: [f64; 3],
     /// Mass, positive.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Mass)))]
+    #[key(dimension = Mass, example = "1.0", not_negative)]
     pub mass: f64,
     /// Initial velocity (length per time); zero if left out. Dynamic scenes only.
-    #[serde(default, skip_serializing_if = "is_default")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Velocity)))]
+    #[key(default, skip, dimension = Velocity)]
     pub velocity: [f64; 3],
+}
+
+fn string(keys: &mut ElasticStringKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+    let axis = match (table.has("points"), table.has("from"), table.has("to")) {
+        (true, false, false) => Some(()),
+        (false, true, true) => match (keys.from, keys.to) {
+            (Some(from), Some(to)) if from == to => {
+                table.fail("to", "is the same point as `from`", "choose another end")
+            }
+            _ => Some(()),
+        },
+        (true, from, _) => {
+            let key = if from { "from" } else { "to" };
+            table.fail(key, "`points` are given too", "remove `points`, or `from` and `to`")
+        }
+        (false, true, false) => table.missing("to", "to = [1, 0, 0]"),
+        (false, false, true) => table.missing("from", "from = [0, 0, 0]"),
+        (false, false, false) => table.missing("points", "points = [[0, 0, 0], [1, 0, 0]]"),
+    };
+    let section = section(table, setting);
+    setting.at_rest(table, &["velocity"]).and(axis).and(section)
+}
+
+fn section(table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+    let [has_axial, has_young, has_area, has_mass, has_density] =
+        ["axial", "young", "area", "mass", "density"].map(|key| table.has(key));
+    match (has_axial, has_young) {
+        (true, true) => return table.fail("young", "`axial` is given too", "remove one of them"),
+        (false, false) => return table.missing("axial", "axial = 1e4` or `young = 1e9, area = 1e-5"),
+        _ => {}
+    }
+    if has_mass && has_density {
+        return table.fail("density", "`mass` is given too", "remove one of them");
+    }
+    if !has_mass && !has_density && setting.needs_mass() {
+        return setting.missing_mass(table, "mass", "mass = 0.2");
+    }
+    match (has_young || has_density, has_area) {
+        (true, false) => table.missing("area", "area = 1e-5"),
+        (false, true) => table.fail("area", "has no effect without `young` or `density`", "remove it"),
+        _ => Some(()),
+    }
+}
+
+fn mass(keys: &mut PointMassKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+    if keys.mass == Some(0.0) && !setting.is_held && setting.kind != Some(Kind::QuasiStatic) {
+        return table.fail("mass", "must be positive", "write a number larger than 0");
+    }
+    setting.at_rest(table, &["velocity"])
 }

@@ -1,11 +1,9 @@
 //! `[[support]]`: elastic foundation, springs and dashpots to the ground.
 
-#[cfg(feature = "schema")]
-use crate::Dimension;
 use crate::names::named;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use crate::read::{Node, Table, World, set_reference};
+use crate::{Kind, PartKind, split_set};
+use stoss_scene_derive::table;
 
 named! {
     /// Reference of stiffness and damping of a support.
@@ -21,27 +19,23 @@ named! {
 const SMALLEST_SINE: f64 = 1e-6;
 
 /// `[[support]]`: springs and dashpots from a set of a deformable body to the ground, without force in the reference configuration.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(context(World<'_>), check_all = support)]
 pub struct Support {
     /// Set of facets, or of nodes with `per = "node"`, `body.set`.
+    #[key(example = "\"block.bottom\"", with = |node, world, _| supported_set(node, world))]
     pub set: String,
     /// Reference of `stiffness` and `damping`: per `area` of facets, or per `node`. `area` if left out.
-    #[serde(default = "Support::default_per")]
+    #[key(default = SupportPer::Area)]
     pub per: SupportPer,
     /// Axes of the springs, by two directions of any length that are not parallel: the first axis, and a direction in the plane of the first and second axis; the third axis is normal to both.
     /// The coordinate axes if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(dimension = Number, direction)]
     pub frame: Option<[[f64; 3]; 2]>,
     /// Stiffness along the three axes, not negative: force per length, and per area or node. Zero if left out.
-    #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::ForcePerVolume, Dimension::ForcePerLength])))]
+    #[key(default, dimension = [ForcePerVolume, ForcePerLength], not_negative)]
     pub stiffness: [f64; 3],
     /// Damping along the three axes, not negative: force per velocity, and per area or node. Zero if left out. It does not act in statics; a quasi-static scene needs stiffness.
-    #[serde(default)]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = [Dimension::ForcePerAreaVelocity, Dimension::ForcePerVelocity])))]
+    #[key(default, dimension = [ForcePerAreaVelocity, ForcePerVelocity], not_negative)]
     pub damping: [f64; 3],
 }
 
@@ -74,8 +68,33 @@ impl Support {
     pub fn part_name(&self, number: usize) -> String {
         format!("support[{number}] of {}", self.set)
     }
+}
 
-    pub(crate) fn default_per() -> SupportPer {
-        SupportPer::Area
+fn support(support: &Support, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+    if support.axes().is_none() {
+        let remedy = "give the first axis and another direction, for instance [[1, 1, 0], [-1, 1, 0]]";
+        return table.fail("frame", "its two directions are parallel", remedy);
+    }
+    if support.stiffness == [0.0; 3] && support.damping == [0.0; 3] {
+        return table.fail("stiffness", "a support needs stiffness or damping", "add `stiffness = [0.0, 0.0, 1e5]`");
+    }
+    if support.stiffness == [0.0; 3] && world.kind == Some(Kind::QuasiStatic) {
+        return table.fail(
+            "damping",
+            "a quasi-static scene has no velocities: dashpots alone exert no force",
+            "add `stiffness`, remove the support, or set [scene] kind = \"dynamic\"",
+        );
+    }
+    Some(())
+}
+
+fn supported_set(node: &Node<'_>, world: &World<'_>) -> Option<String> {
+    let text = set_reference(node, world)?;
+    match split_set(&text).and_then(|(part, _)| world.part(part)) {
+        Some(part) if part.kind != PartKind::Body => node.fail(
+            format!("`{}` is {}: a support acts on deformable bodies", part.name, part.kind.noun()),
+            "use a [[spring]] or a [[joint]] to the ground",
+        ),
+        _ => Some(text),
     }
 }

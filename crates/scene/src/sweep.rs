@@ -1,32 +1,32 @@
 //! `[sweep]`: runs of a scene with many values of its parameters.
 
+use crate::names::known;
+use crate::read::{Node, PARAMETERS, Table, Value};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::collections::BTreeMap;
+use stoss_scene_derive::table;
 
 /// `[sweep]`: the cases of `stoss sweep`. Exactly one of `grid` and `cases`. A run of the scene by itself ignores it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(check = one_of_both, check_all = not_too_many)]
+#[derive(Default)]
 pub struct Sweep {
     /// Values of parameters: each combination is a case. Parameters are in alphabetical order; the last one varies
     /// fastest.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the parameter")))]
+    #[key(default, skip, dimension = "as the parameter", read = |node| entries(node, |node| SweepValues::read(node, &())))]
     pub grid: BTreeMap<String, SweepValues>,
     /// List of cases, each with values of parameters; other parameters keep their value.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the parameter")))]
+    #[key(default, skip, dimension = "as the parameter", read = cases)]
     pub cases: Vec<BTreeMap<String, f64>>,
     /// Columns of result tables whose smallest and largest values are written to `sweep.csv`, as `TABLE.COLUMN`, for instance
     /// `contact.max_pressure`.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[key(default, skip, each = |node, _| extreme(node))]
     pub extremes: Vec<String>,
 }
 
 /// Values of one parameter.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum SweepValues {
@@ -37,17 +37,16 @@ pub enum SweepValues {
 }
 
 /// Equally spaced values.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(example = "[0.0, 0.1, 0.2] or { from = 0.0, to = 1.0, count = 5 }")]
 pub struct SweepRange {
     /// The first value.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the parameter")))]
+    #[key(dimension = "as the parameter", example = "0.0")]
     pub from: f64,
     /// The last value.
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = "as the parameter")))]
+    #[key(dimension = "as the parameter", example = "1.0")]
     pub to: f64,
     /// Number of values, both ends included, at least 2.
+    #[key(example = "5", range = 2..=Sweep::MAX_CASES as u32)]
     pub count: u32,
 }
 
@@ -120,6 +119,86 @@ impl Sweep {
                 .collect();
         }
         cases
+    }
+}
+
+impl<C> Value<C> for SweepValues {
+    fn read(node: &Node<'_>, context: &C) -> Option<Self> {
+        if !node.value.is_array() {
+            return SweepRange::read(node, context).map(Self::Range);
+        }
+        let list = node.list(Node::number)?;
+        if list.is_empty() {
+            return node.fail("has no value", "write for instance [0.0, 0.1]");
+        }
+        Some(Self::List(list))
+    }
+}
+
+fn cases(node: &Node<'_>) -> Option<Vec<BTreeMap<String, f64>>> {
+    let cases = node.list(|n| entries(n, Node::number))?;
+    if cases.is_empty() {
+        return node.fail("has no case", "write for instance [{ mu = 0.1 }, { mu = 0.2 }]");
+    }
+    Some(cases)
+}
+
+fn one_of_both<C>(_: &mut SweepKeys, table: &Table<'_>, _: &C) -> Option<()> {
+    match (table.has("grid"), table.has("cases")) {
+        (true, true) => table.fail("cases", "`grid` is given too", "give one of the two"),
+        (false, false) => table.missing("grid", "grid = { mu = [0.0, 0.1, 0.2] }"),
+        _ => Some(()),
+    }
+}
+
+fn not_too_many<C>(sweep: &Sweep, table: &Table<'_>, _: &C) -> Option<()> {
+    let (count, most) = (sweep.count(), Sweep::MAX_CASES);
+    if count > most {
+        let remedy = "give fewer values, or split the sweep";
+        return table.node.fail(format!("has {count} cases, more than {most}"), remedy);
+    }
+    Some(())
+}
+
+/// A table with parameters of the scene as keys; at least one.
+fn entries<'a, T>(node: &Node<'a>, read: impl Fn(&Node<'a>) -> Option<T>) -> Option<BTreeMap<String, T>> {
+    let table = node.table_like("{ mu = 0.1 }")?;
+    let parameters = &node.report.parameters;
+    let mut good = true;
+    let mut entries = BTreeMap::new();
+    for (name, value) in table.rest() {
+        if !parameters.contains_key(name) {
+            let remedy = if parameters.is_empty() {
+                format!("add `[{PARAMETERS}]` with `{name} = 1.0`, and use it in the scene as \"{name}\"")
+            } else {
+                known(name, parameters.keys().map(String::as_str))
+            };
+            good &= value.fail::<()>("is not a parameter of the scene", remedy).is_some();
+            continue;
+        }
+        match read(&value) {
+            Some(value) => {
+                entries.insert(name.to_owned(), value);
+            }
+            None => good = false,
+        }
+    }
+    if good && entries.is_empty() {
+        return node.fail("names no parameter", "write for instance { mu = 0.1 }");
+    }
+    good.then_some(entries)
+}
+
+/// `TABLE.COLUMN`.
+fn extreme(node: &Node<'_>) -> Option<String> {
+    let text = node.text()?;
+    match text.split_once('.') {
+        Some((table, column)) if Sweep::TABLES.contains(&table) && !column.is_empty() => Some(text),
+        _ => {
+            let table = text.split('.').next().unwrap_or_default();
+            let remedy = known(table, Sweep::TABLES);
+            node.fail("is not a column of a result table", format!("write TABLE.COLUMN; {remedy}"))
+        }
     }
 }
 

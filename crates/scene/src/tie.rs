@@ -1,11 +1,9 @@
 //! Mesh ties.
 
-#[cfg(feature = "schema")]
-use crate::Dimension;
 use crate::names::named;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use crate::read::{Node, Table, World, surface_reference};
+use crate::{PartKind, split_set};
+use stoss_scene_derive::table;
 
 named! {
     /// Form of the constraints of a tie (theory/mortar#eq-tie).
@@ -44,45 +42,52 @@ named! {
 }
 
 /// `[[tie]]`: mesh tie of two surfaces, whose meshes need not match, for the whole run (mortar method).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table(context(World<'_>), check_all = tie)]
 pub struct Tie {
     /// Unique name; `slave+master` if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[key(name)]
     pub name: Option<String>,
     /// Slave surface, `body.set`, whose nodes have the multipliers, except in prescribed components.
+    #[key(example = "\"cap.bottom\"", with = |node, world, _| surface_reference(node, world))]
     pub slave: String,
     /// Master surface, `body.set`; it has no node in common with the slave surface.
+    #[key(example = "\"post.top\"", with = |node, world, _| surface_reference(node, world))]
     pub master: String,
     /// Form of the constraints: `constant` or `frame-invariant`.
-    #[serde(default = "Tie::default_form")]
+    #[key(default = TieForm::Constant)]
     pub form: TieForm,
     /// Treatment of an initial gap: `move`, `keep` or `close`.
-    #[serde(default = "Tie::default_interface")]
+    #[key(default = Interface::Move)]
     pub interface: Interface,
     /// Shape functions of the multipliers: `standard` or `dual`.
-    #[serde(default = "Tie::default_multipliers")]
+    #[key(default = Multipliers::Standard, read = tie_multipliers)]
     pub multipliers: Multipliers,
     /// Largest distance (length) at which facets are tied, positive; the larger of the mean edge lengths of the two surfaces if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Length)))]
+    #[key(dimension = Length, positive)]
     pub reach: Option<f64>,
 }
 
 impl Tie {
-    pub(crate) fn default_form() -> TieForm {
-        TieForm::Constant
-    }
-    pub(crate) fn default_interface() -> Interface {
-        Interface::Move
-    }
-    pub(crate) fn default_multipliers() -> Multipliers {
-        Multipliers::Standard
-    }
-
     /// The given name, or `slave+master`.
     pub fn label(&self) -> String {
         self.name.clone().unwrap_or_else(|| format!("{}+{}", self.slave, self.master))
     }
+}
+
+fn tie_multipliers(node: &Node<'_>) -> Option<Multipliers> {
+    node.choice(&["standard", "dual"], |name| Multipliers::from_name(name).filter(|m| *m != Multipliers::Centred))
+}
+
+fn tie(tie: &Tie, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+    if tie.slave == tie.master {
+        return table.fail("master", "is the slave surface itself", "choose the surface that it is tied to");
+    }
+    let is_rigid = |set: &str| {
+        split_set(set).and_then(|(part, _)| world.part(part)).is_some_and(|part| part.kind == PartKind::Rigid)
+    };
+    if is_rigid(&tie.slave) && is_rigid(&tie.master) {
+        let message = "belongs to a rigid body, as the slave does";
+        return table.fail("master", message, "join them by a [[joint]], kind = \"weld\"");
+    }
+    Some(())
 }

@@ -1,11 +1,7 @@
 //! The table `[watch]`.
 
-#[cfg(feature = "schema")]
-use crate::Dimension;
 use crate::names::named;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use stoss_scene_derive::table;
 
 named! {
     /// Consequence of the verdict `wrong` for the run.
@@ -34,31 +30,23 @@ named! {
 }
 
 /// `[watch]`: the independent check of every run for penetration, inverted elements and violated conservation of momentum and energy.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(deny_unknown_fields)]
+#[table]
 pub struct Watch {
     /// Number of steps from one check of the geometry to the next, at least 1. If left out every step with less than 4000 facets, every second one
     /// with less than 8000, and so on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub every: Option<u32>,
     /// Depth of a node inside another body from which on a run is `wrong`, in edge lengths of the facet there; positive. From a
     /// sixth of it on a run is `doubtful`.
-    #[serde(default = "Watch::default_limit")]
-    #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::Number)))]
+    #[key(default = Self::DEFAULT_LIMIT, dimension = Number, positive)]
     pub limit: f64,
     /// Consequence of the verdict `wrong`: `finish` if left out.
-    #[serde(default)]
+    #[key(default)]
     pub on_fault: OnFault,
 }
 
 impl Watch {
     /// Depths of less than a third of an edge occur with coarse meshes.
     pub const DEFAULT_LIMIT: f64 = 0.3;
-
-    fn default_limit() -> f64 {
-        Self::DEFAULT_LIMIT
-    }
 }
 
 impl Default for Watch {

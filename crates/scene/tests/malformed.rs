@@ -135,7 +135,7 @@ const CASES: &[Case] = &[
     dynamic("\"Hollow ball on plate\"", "7", "title", "scene.title"),
     dynamic("[scene]\n", "[scene]\nauthor = \"x\"\n", "author", "scene.author"),
     dynamic("[output]", "[outputs]", "[outputs]", "outputs"),
-    dynamic("[scene]\n", "[scene]\nformat = 3\n", "format", "scene.format"),
+    dynamic("[scene]\n", "[scene]\nformat = 4\n", "format", "scene.format"),
     dynamic("[scene]\n", "[scene]\nformat = 0\n", "format", "scene.format"),
     dynamic("[scene]\n", "[scene]\nformat = \"new\"\n", "format", "scene.format"),
     dynamic("[scene]\n", "[scene]\nunits = \"mm-kg-min\"\n", "units", "scene.units"),

@@ -8,7 +8,7 @@ use stoss_registry::{Row, Values};
 use toml::de::DeValue;
 
 /// The parameters of a row, if it makes something of them.
-pub(super) fn of_row<T>(table: &Table<'_>, entry: &Row<T>) -> Option<BTreeMap<String, Parameter>> {
+pub(crate) fn of_row<T>(table: &Table<'_>, entry: &Row<T>) -> Option<BTreeMap<String, Parameter>> {
     let read = |n: &Node<'_>, values: Values| match values {
         Values::Any => n.number(),
         Values::Positive => n.positive(),
@@ -55,7 +55,7 @@ pub(super) fn of_row<T>(table: &Table<'_>, entry: &Row<T>) -> Option<BTreeMap<St
 }
 
 /// The keys that nobody asked for, numbers and lists of numbers; which there are is the business of a law that is not in the catalogue.
-pub(super) fn parameters(table: &Table<'_>) -> Option<BTreeMap<String, Parameter>> {
+pub(crate) fn parameters(table: &Table<'_>) -> Option<BTreeMap<String, Parameter>> {
     let parameters: Vec<_> = table
         .rest()
         .map(|(key, node)| {
@@ -70,7 +70,7 @@ pub(super) fn parameters(table: &Table<'_>) -> Option<BTreeMap<String, Parameter
 }
 
 /// Poisson's ratio.
-pub(super) fn poisson(node: &Node<'_>) -> Option<f64> {
+pub(crate) fn poisson(node: &Node<'_>) -> Option<f64> {
     let value = node.number()?;
     if value == 0.5 {
         return node.fail(

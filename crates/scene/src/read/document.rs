@@ -4,28 +4,30 @@ use super::node::is_name;
 use super::sets::Sets;
 use super::table::Table;
 use super::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
-use super::{
-    beam, body, conditions, equation, event, general, general_contact, joint, left_out, parameters, prescribe, results,
-    rigid, string, support, sweep, tie,
-};
+use super::{Value, parameters};
+use crate::event::{have_own_schemes, stages};
+use crate::general::Clock;
 use crate::general_contact::is_default;
 use crate::source::Source;
-use crate::{Beam, Body, Edges, ElasticString, OwnNames, PartKind, PointMass, Rigid, Scene, Stage};
+use crate::{
+    Beam, Body, GROUND, Contact, Edges, ElasticString, Equation, Event, GeneralContact, Header, Joint, JointKind, LeftOut, Load, OwnNames, Kind, PartKind, PointMass, Prescribe, Rigid, Scene, SetCoupling,
+    SetDefinition, Spring, Stage, Support, Tie, Time, equation, probe, rigid,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::DeValue;
 
 type Tables<'a> = Vec<Option<Table<'a>>>;
 
-pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scene> {
-    let (header, kind) = match root.required("scene", "[scene]", super::Node::table) {
-        Some(table) => general::header(&table),
-        None => (None, None),
-    };
+pub(crate) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scene> {
+    let header = root.required("scene", "[scene]", |n| Header::read(n, &()));
+    // The kind is needed even if the rest is bad.
+    let kind = root.get("scene").and_then(|node| node.raw_table()).and_then(|table| raw(&table, "kind"));
+    let kind = kind.and_then(|kind| Kind::from_name(&kind));
     let stage_tables = root.tables("stage");
-    let time = root.required("time", "[time]", super::Node::table);
-    let time = time.and_then(|table| general::time(&table, kind, event::have_own_schemes(&stage_tables)));
-    let solver = root.default("solver", crate::Solver::default(), general::solver);
-    let gravity = root.optional("gravity", event::gravity);
+    let clock = Clock { kind, own_schemes: have_own_schemes(&stage_tables) };
+    let time = root.required("time", "[time]", |n| Time::read(n, &clock));
+    let solver = root.default("solver", crate::Solver::default(), |n| Value::read(n, &()));
+    let gravity = root.optional("gravity", |n| Value::read(n, &()));
     let has_gravity = root.has("gravity");
 
     let contact_tables = root.tables("contact");
@@ -39,10 +41,10 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let load_tables = root.tables("load");
     let event_tables = root.tables("event");
 
-    let setting = Setting { kind, gravity: has_gravity };
+    let setting = Setting { kind, gravity: has_gravity, is_held: false, own_materials: &own_laws.materials };
     let held = held(&prescribe_tables, &event_tables, &stage_tables);
     let moved = equation::moved(&equation_tables, &coupling_tables, &prescribe_tables);
-    let parts = Parts::read(root, setting, [&held, &moved], &own_laws.materials);
+    let parts = Parts::read(root, setting, [&held, &moved]);
     let owners = parts.known.iter().map(|part| (part.name.clone(), part.has_no_sets().then(|| part.kind.noun())));
     let sets = Sets::new(root, owners.collect(), parts.complete);
     let mut world = World {
@@ -72,7 +74,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let mut unique = Unique::new("set");
     let mut regions = Vec::new();
     for table in root.tables("set") {
-        let set = table.as_ref().and_then(|table| conditions::set(table, &world));
+        let set = table.as_ref().and_then(|table| SetDefinition::from_table(table, &world));
         unique.check(table.as_ref(), "name", set.as_ref().map(|set| set.name.as_str()));
         regions.push(set);
     }
@@ -82,7 +84,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let mut unique = Unique::new("contact");
     let mut contacts = Vec::new();
     for table in &contact_tables {
-        let contact = table.as_ref().and_then(|table| conditions::contact(table, &world));
+        let contact = table.as_ref().and_then(|table| Contact::from_table(table, &world));
         let label = contact.as_ref().map(|contact| contact.label());
         label_unique(&mut unique, table.as_ref(), label.as_deref());
         enter(&mut world, table.as_ref(), label, Action::Contact, &mut actions);
@@ -92,7 +94,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let mut unique = Unique::new("tie");
     let mut ties = Vec::new();
     for table in &tie_tables {
-        let tie = table.as_ref().and_then(|table| tie::tie(table, &world));
+        let tie = table.as_ref().and_then(|table| Tie::from_table(table, &world));
         let label = tie.as_ref().map(|tie| tie.label());
         label_unique(&mut unique, table.as_ref(), label.as_deref());
         enter(&mut world, table.as_ref(), label, Action::Tie, &mut Unique::new("tie"));
@@ -113,7 +115,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
                 (Some(name), Some(table)) => {
                     world.actions_complete &= is_name(&name) && name != GRAVITY;
                     if action == Action::Joint {
-                        world.joints.push((name.clone(), joint::raw_kind(table)));
+                        world.joints.push((name.clone(), joint_kind(table)));
                     }
                     if action == Action::Equation {
                         world.equations.push(name.clone());
@@ -126,14 +128,14 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
             }
         }
     }
-    let joints: Vec<_> = joint_tables.iter().map(|table| joint::joint(table.as_ref()?, &world)).collect();
-    let springs: Vec<_> = spring_tables.iter().map(|table| joint::spring(table.as_ref()?, &world)).collect();
+    let joints: Vec<_> = joint_tables.iter().map(|table| Joint::from_table(table.as_ref()?, &world)).collect();
+    let springs: Vec<_> = spring_tables.iter().map(|table| Spring::from_table(table.as_ref()?, &world)).collect();
 
-    let equations: Vec<_> = equation_tables.iter().map(|table| equation::equation(table.as_ref()?, &world)).collect();
+    let equations: Vec<_> = equation_tables.iter().map(|table| Equation::from_table(table.as_ref()?, &world)).collect();
     let mut unique = Unique::new("coupling");
     let mut couplings = Vec::new();
     for table in &coupling_tables {
-        let coupling = table.as_ref().and_then(|table| equation::coupling(table, &world));
+        let coupling = table.as_ref().and_then(|table| SetCoupling::from_table(table, &world));
         unique.check(table.as_ref(), "name", coupling.as_ref().map(|coupling| coupling.name.as_str()));
         couplings.push(coupling);
     }
@@ -141,7 +143,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let mut unique_rigid = Unique::new("prescribed rigid body");
     let mut prescriptions = Vec::new();
     for table in &prescribe_tables {
-        let prescribe = table.as_ref().and_then(|table| prescribe::prescribe(table, &world));
+        let prescribe = table.as_ref().and_then(|table| Prescribe::from_table(table, &world));
         // A name may be misspelt.
         world.actions_complete &= table.as_ref().is_none_or(|table| !table.has_unknown_key());
         if let Some(prescribe) = &prescribe {
@@ -150,13 +152,13 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         prescriptions.push(prescribe);
     }
 
-    let loads: Vec<_> = load_tables.iter().map(|table| conditions::load(table.as_ref()?, &world)).collect();
+    let loads: Vec<_> = load_tables.iter().map(|table| Load::from_table(table.as_ref()?, &world)).collect();
     world.actions_complete &= !load_tables.iter().flatten().any(Table::has_unknown_key);
 
-    let supports: Vec<_> = support_tables.iter().map(|table| support::support(table.as_ref()?, &world)).collect();
+    let supports: Vec<_> = support_tables.iter().map(|table| Support::from_table(table.as_ref()?, &world)).collect();
 
     let mut unique = Unique::new("stage");
-    let stages = event::stages(&stage_tables, &world, time.as_ref(), has_gravity);
+    let stages = stages(&stage_tables, &world, time.as_ref(), has_gravity);
     for (table, stage) in stage_tables.iter().zip(&stages) {
         unique.check(table.as_ref(), "name", stage.as_ref().map(|stage| stage.name.as_str()));
     }
@@ -179,7 +181,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
         }
     }
 
-    let general_contact = root.optional("general_contact", |n| general_contact::general_contact(n, &world));
+    let general_contact = root.optional("general_contact", |n| GeneralContact::read(n, &world));
     let schemes = time.iter().filter_map(|time| time.integrator.as_ref());
     let schemes = schemes.chain(stages.iter().flatten().filter_map(|stage| stage.integrator.as_ref()));
     let surfaces = world.parts.iter().filter(|part| part.has_surface).count();
@@ -198,7 +200,7 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let mut unique = Unique::new("probe");
     let mut probes = Vec::new();
     for table in root.tables("probe") {
-        let (probe, name) = table.as_ref().map_or((None, None), |table| results::probe(table, &world));
+        let (probe, name) = table.as_ref().map_or((None, None), |table| probe::probe(table, &world));
         unique.check(table.as_ref(), "name", name.as_ref().map(|(name, _)| name.as_str()));
         world.probes_complete &= name.is_some();
         world.probes.extend(name);
@@ -208,16 +210,16 @@ pub(super) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let mut unique = Unique::new("event");
     let mut events = Vec::new();
     for table in &event_tables {
-        let event = table.as_ref().and_then(|table| event::event(table, &world));
+        let event = table.as_ref().and_then(|table| Event::from_table(table, &world));
         unique.check(table.as_ref(), "name", event.as_ref().map(|event| event.name.as_str()));
         events.push(event);
     }
-    let output = root.default("output", crate::Output::default(), |n| results::output(n, &world));
-    let watch = root.default("watch", crate::Watch::default(), results::watch);
-    let expect = root.optional("expect", |n| results::expect(n, &world));
-    let left_out: Vec<_> = root.tables("left_out").iter().map(|table| left_out::left_out(table.as_ref()?)).collect();
+    let output = root.default("output", crate::Output::default(), |n| Value::read(n, &world));
+    let watch = root.default("watch", crate::Watch::default(), |n| Value::read(n, &()));
+    let expect = root.optional("expect", |n| Value::read(n, &world));
+    let left_out: Vec<_> = root.tables("left_out").iter().map(|table| LeftOut::from_table(table.as_ref()?, &())).collect();
     let parameters = root.default("parameters", BTreeMap::new(), parameters::values);
-    let sweep = root.optional("sweep", sweep::sweep);
+    let sweep = root.optional("sweep", |n| Value::read(n, &()));
     root.finish();
     if let Some(header) = &header {
         let scene = super::section::Content {
@@ -308,7 +310,7 @@ struct Parts {
 }
 
 impl Parts {
-    fn read(root: &Table<'_>, setting: Setting, [held, moved]: [&BTreeSet<String>; 2], own_laws: &[&str]) -> Self {
+    fn read(root: &Table<'_>, setting: Setting<'_>, [held, moved]: [&BTreeSet<String>; 2]) -> Self {
         let tables = [PartKind::Body, PartKind::Rigid, PartKind::Beam, PartKind::String, PartKind::Mass]
             .map(|kind| root.tables(kind.name()));
         let mut names = PartNames { unique: Unique::new("part"), known: Vec::new(), complete: true };
@@ -326,11 +328,12 @@ impl Parts {
             held.iter().any(|name| !rigid_names.contains(name)) || moved.iter().any(|name| !all_names.contains(name));
         let names_it = |name: String| held.contains(&name) || moved.contains(&name);
         let is_held = |table: &Table<'_>| misnamed || raw(table, "name").is_some_and(names_it);
-        let bodies = names.read(&body_tables, PartKind::Body, |table| body::body(table, setting, own_laws));
-        let rigids = names.read(&rigid_tables, PartKind::Rigid, |table| rigid::rigid(table, setting, is_held(table)));
-        let beams = names.read(&beam_tables, PartKind::Beam, |table| beam::beam(table, setting));
-        let strings = names.read(&string_tables, PartKind::String, |table| string::string(table, setting));
-        let masses = names.read(&mass_tables, PartKind::Mass, |table| string::mass(table, setting, is_held(table)));
+        let bodies = names.read(&body_tables, PartKind::Body, |table| Body::from_table(table, &setting));
+        let of_held = |table: &Table<'_>| Setting { is_held: is_held(table), ..setting };
+        let rigids = names.read(&rigid_tables, PartKind::Rigid, |table| Rigid::from_table(table, &of_held(table)));
+        let beams = names.read(&beam_tables, PartKind::Beam, |table| Beam::from_table(table, &setting));
+        let strings = names.read(&string_tables, PartKind::String, |table| ElasticString::from_table(table, &setting));
+        let masses = names.read(&mass_tables, PartKind::Mass, |table| PointMass::from_table(table, &of_held(table)));
         for string in strings.iter().flatten() {
             let corners = string.corners();
             names.set_ends(&string.name, corners.first().copied().zip(corners.last().copied()).map(<[_; 2]>::from));
@@ -360,11 +363,13 @@ impl PartNames {
         &mut self,
         tables: &Tables<'_>,
         kind: PartKind,
-        read: impl Fn(&Table<'_>) -> (Option<T>, Option<String>),
+        read: impl Fn(&Table<'_>) -> Option<T>,
     ) -> Vec<Option<T>> {
         let mut parts = Vec::new();
         for table in tables {
-            let (part, name) = table.as_ref().map_or((None, None), &read);
+            let part = table.as_ref().and_then(&read);
+            // The name is needed even if the rest is bad.
+            let name = table.as_ref().and_then(|table| raw(table, "name")).filter(|name| is_name(name) && name != GROUND);
             self.complete &= self.unique.check(table.as_ref(), "name", name.as_deref());
             match (table, name) {
                 (Some(table), Some(name)) => {
@@ -402,4 +407,9 @@ fn held(prescriptions: &Tables<'_>, events: &Tables<'_>, stages: &Tables<'_>) ->
         .filter(|table| raw(table, "name").is_none_or(|name| !ending.contains(&name)))
         .filter_map(|table| raw(table, "rigid"))
         .collect()
+}
+
+/// The kind of a joint, if it can be read; nothing is reported.
+fn joint_kind(table: &Table<'_>) -> Option<JointKind> {
+    JointKind::from_name(&raw(table, "kind")?)
 }

@@ -3,42 +3,29 @@
 //! Not serde: it would stop at the first problem. What is read here and what the types' `Deserialize` accepts is held together by
 //! a round trip in the tests.
 
-mod beam;
-mod body;
 mod catalogue;
-mod conditions;
-mod contact_method;
 mod document;
-mod equation;
-mod event;
-mod friction;
-mod general;
-mod general_contact;
-mod inelastic;
-mod joint;
-mod left_out;
-mod material;
-mod mesh;
 mod node;
 mod old;
 mod parameters;
-mod prescribe;
-mod results;
-mod rigid;
 mod section;
 mod set_parser;
 mod sets;
-mod string;
-mod support;
-mod sweep;
 mod table;
-mod tie;
+mod value;
 mod values;
 mod world;
 
+pub(crate) use catalogue::{of_row, parameters as law_parameters, poisson};
+pub(crate) use node::{Node, is_name};
+pub(crate) use table::{Contradiction, Table};
+pub(crate) use value::{Limit, Value, alone, among, beside, divisions};
+pub(crate) use values::TABLE as PARAMETERS;
+pub(crate) use world::{Action, GRAVITY, KnownPart, KnownProbe, Setting, World, action_name, contact_reference, is_line, meshed_part, part_name, raw, set_reference, surface_reference, time_in_run};
+
 use crate::source::Source;
 use crate::{OwnNames, Problem, Scene, SceneErrors};
-use node::{Node, Report};
+use node::Report;
 use std::cell::{Cell, RefCell};
 use toml::de::{DeTable, DeValue};
 

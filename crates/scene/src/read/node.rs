@@ -4,7 +4,7 @@
 
 use super::old;
 use super::values::{self, Parameters};
-pub(super) use crate::names::{known, nearest};
+pub(crate) use crate::names::{known, nearest};
 use crate::source::{Source, element};
 use crate::{Location, Problem};
 use std::cell::{Cell, RefCell};
@@ -12,38 +12,38 @@ use std::ops::{Range, RangeInclusive};
 use toml::de::DeValue;
 
 /// The text, the parameters of its expressions, and the problems found so far.
-pub(super) struct Report<'a> {
-    pub(super) source: &'a Source,
-    pub(super) problems: RefCell<Vec<Problem>>,
-    pub(super) parameters: Parameters,
+pub(crate) struct Report<'a> {
+    pub(crate) source: &'a Source,
+    pub(crate) problems: RefCell<Vec<Problem>>,
+    pub(crate) parameters: Parameters,
     /// Start and value of the expression that was evaluated last.
-    pub(super) evaluated: Cell<Option<(usize, f64)>>,
+    pub(crate) evaluated: Cell<Option<(usize, f64)>>,
 }
 
 impl Report<'_> {
-    pub(super) fn add(&self, location: Location, key: String, value: &str, message: String, remedy: String) {
+    pub(crate) fn add(&self, location: Location, key: String, value: &str, message: String, remedy: String) {
         let problem = Problem::new(&self.source.file, location, key, value, message, remedy);
         self.problems.borrow_mut().push(problem);
     }
 
     /// Removes what was reported of a key that is not there.
-    pub(super) fn withdraw(&self, key: &str) {
+    pub(crate) fn withdraw(&self, key: &str) {
         self.problems.borrow_mut().retain(|problem| problem.key != key);
     }
 }
 
 /// A value with its place and its path.
 #[derive(Clone)]
-pub(super) struct Node<'a> {
-    pub(super) report: &'a Report<'a>,
-    pub(super) value: &'a DeValue<'a>,
-    pub(super) span: Range<usize>,
-    pub(super) key: String,
+pub(crate) struct Node<'a> {
+    pub(crate) report: &'a Report<'a>,
+    pub(crate) value: &'a DeValue<'a>,
+    pub(crate) span: Range<usize>,
+    pub(crate) key: String,
 }
 
 impl<'a> Node<'a> {
     /// Reports a problem of this value; always `None`.
-    pub(super) fn fail<T>(&self, message: impl Into<String>, remedy: impl Into<String>) -> Option<T> {
+    pub(crate) fn fail<T>(&self, message: impl Into<String>, remedy: impl Into<String>) -> Option<T> {
         let source = self.report.source;
         let value = if self.value.is_table() && source.slice(&self.span).starts_with('[') {
             // The span of a table with a header is the header.
@@ -64,11 +64,11 @@ impl<'a> Node<'a> {
     }
 
     /// True for a string, which may be an expression.
-    pub(super) fn is_table(&self) -> bool {
+    pub(crate) fn is_table(&self) -> bool {
         self.value.is_table()
     }
 
-    pub(super) fn is_string(&self) -> bool {
+    pub(crate) fn is_string(&self) -> bool {
         matches!(self.value, DeValue::String(_))
     }
 
@@ -85,17 +85,22 @@ impl<'a> Node<'a> {
     }
 
     /// Reports that this value is something else; always `None`.
-    pub(super) fn wrong_type<T>(&self, expected: &str, example: &str) -> Option<T> {
+    pub(crate) fn wrong_type<T>(&self, expected: &str, example: &str) -> Option<T> {
         let found = self.value.type_str();
         self.fail(format!("must be {expected}, found {}", with_article(found)), format!("write for instance {example}"))
     }
 
+    /// True for the word that says the same as leaving a key out.
+    pub(crate) fn is_auto(&self) -> bool {
+        self.string_value() == Some("auto")
+    }
+
     /// The text of a string; nothing is reported.
-    pub(super) fn string_value(&self) -> Option<&'a str> {
+    pub(crate) fn string_value(&self) -> Option<&'a str> {
         if let DeValue::String(text) = self.value { Some(text.as_ref()) } else { None }
     }
 
-    pub(super) fn string(&self) -> Option<String> {
+    pub(crate) fn string(&self) -> Option<String> {
         match self.value {
             DeValue::String(text) => Some(text.to_string()),
             _ => self.wrong_type("a string", "\"text\""),
@@ -103,7 +108,7 @@ impl<'a> Node<'a> {
     }
 
     /// A string that is not blank.
-    pub(super) fn text(&self) -> Option<String> {
+    pub(crate) fn text(&self) -> Option<String> {
         let text = self.string()?;
         if text.trim().is_empty() {
             return self.fail("must not be empty", "give it a name");
@@ -112,7 +117,7 @@ impl<'a> Node<'a> {
     }
 
     /// A name of letters, digits, `-` and `_`.
-    pub(super) fn name(&self) -> Option<String> {
+    pub(crate) fn name(&self) -> Option<String> {
         let text = self.text()?;
         if !is_name(&text) {
             return self.fail("is not a valid name", "use letters, digits, `-` and `_` only");
@@ -120,7 +125,7 @@ impl<'a> Node<'a> {
         Some(text)
     }
 
-    pub(super) fn boolean(&self) -> Option<bool> {
+    pub(crate) fn boolean(&self) -> Option<bool> {
         match self.value {
             DeValue::Boolean(value) => Some(*value),
             _ => self.wrong_type("true or false", "true"),
@@ -128,7 +133,7 @@ impl<'a> Node<'a> {
     }
 
     /// A number, infinite ones included, NaN not; or an expression.
-    pub(super) fn extended(&self) -> Option<f64> {
+    pub(crate) fn extended(&self) -> Option<f64> {
         let value = match self.value {
             DeValue::String(text) => return self.expression(text),
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
@@ -143,7 +148,7 @@ impl<'a> Node<'a> {
     }
 
     /// A finite number.
-    pub(super) fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         let value = self.extended()?;
         if !value.is_finite() {
             return self.fail("must be finite", "write a finite number below 1e308 in magnitude");
@@ -151,7 +156,7 @@ impl<'a> Node<'a> {
         Some(value)
     }
 
-    pub(super) fn positive(&self) -> Option<f64> {
+    pub(crate) fn positive(&self) -> Option<f64> {
         let value = self.number()?;
         if value <= 0.0 {
             return self.fail("must be positive", "write a number larger than 0");
@@ -159,7 +164,7 @@ impl<'a> Node<'a> {
         Some(value)
     }
 
-    pub(super) fn not_negative(&self) -> Option<f64> {
+    pub(crate) fn not_negative(&self) -> Option<f64> {
         let value = self.number()?;
         if value < 0.0 {
             return self.fail("must not be negative", "write 0 or a larger number");
@@ -167,7 +172,7 @@ impl<'a> Node<'a> {
         Some(value)
     }
 
-    pub(super) fn not_zero(&self) -> Option<f64> {
+    pub(crate) fn not_zero(&self) -> Option<f64> {
         let value = self.number()?;
         if value == 0.0 {
             return self.fail("must not be zero", "write a number other than 0");
@@ -176,7 +181,7 @@ impl<'a> Node<'a> {
     }
 
     /// A whole number in a range.
-    pub(super) fn whole(&self, range: RangeInclusive<u64>) -> Option<u64> {
+    pub(crate) fn whole(&self, range: RangeInclusive<u64>) -> Option<u64> {
         let value = match self.value {
             DeValue::Integer(integer) => i128::from_str_radix(integer.as_str(), integer.radix()).ok(),
             DeValue::String(text) => {
@@ -200,13 +205,37 @@ impl<'a> Node<'a> {
         }
     }
 
+    /// A number in a range.
+    pub(crate) fn within(&self, range: RangeInclusive<f64>) -> Option<f64> {
+        let value = self.number()?;
+        if !range.contains(&value) {
+            let words = format!("from {} to {}", range.start(), range.end());
+            return self.fail(format!("must be {words}"), format!("write a number {words}"));
+        }
+        Some(value)
+    }
+
+    /// A coefficient of restitution.
+    pub(crate) fn restitution(&self) -> Option<f64> {
+        let value = self.not_negative()?;
+        if value > 1.0 {
+            return self.fail("is more than 1", "choose a value from 0 (plastic) to 1 (elastic)");
+        }
+        Some(value)
+    }
+
     /// A whole number from 1 that fits 32 bits.
-    pub(super) fn count(&self) -> Option<u32> {
-        self.whole(1..=u64::from(u32::MAX)).map(|i| i as u32)
+    pub(crate) fn count(&self) -> Option<u32> {
+        self.whole_within(1..=u32::MAX)
+    }
+
+    /// A whole number in a range that fits 32 bits.
+    pub(crate) fn whole_within(&self, range: RangeInclusive<u32>) -> Option<u32> {
+        self.whole(u64::from(*range.start())..=u64::from(*range.end())).map(|i| i as u32)
     }
 
     /// One of a list of names.
-    pub(super) fn choice<T>(&self, names: &[&str], from_name: impl Fn(&str) -> Option<T>) -> Option<T> {
+    pub(crate) fn choice<T>(&self, names: &[&str], from_name: impl Fn(&str) -> Option<T>) -> Option<T> {
         let DeValue::String(name) = self.value else {
             return self.wrong_type("a string", &names.first().map_or_else(String::new, |name| format!("\"{name}\"")));
         };
@@ -238,14 +267,14 @@ impl<'a> Node<'a> {
     }
 
     /// A list of any length; every element is read, also after a bad one.
-    pub(super) fn list<T>(&self, read: impl Fn(&Node<'a>) -> Option<T>) -> Option<Vec<T>> {
+    pub(crate) fn list<T>(&self, read: impl Fn(&Node<'a>) -> Option<T>) -> Option<Vec<T>> {
         let items = self.items("[1.0, 2.0]")?;
         let values: Vec<Option<T>> = items.iter().map(read).collect();
         values.into_iter().collect()
     }
 
     /// A list of `N` elements.
-    pub(super) fn array<T, const N: usize>(&self, read: impl Fn(&Node<'a>) -> Option<T>) -> Option<[T; N]> {
+    pub(crate) fn array<T, const N: usize>(&self, read: impl Fn(&Node<'a>) -> Option<T>) -> Option<[T; N]> {
         let items = self.items(&format!("a list of {N} values"))?;
         if items.len() != N {
             return self.fail(
@@ -259,12 +288,12 @@ impl<'a> Node<'a> {
     }
 
     /// Three finite numbers.
-    pub(super) fn vector(&self) -> Option<[f64; 3]> {
+    pub(crate) fn vector(&self) -> Option<[f64; 3]> {
         self.array(Node::number)
     }
 
     /// Three finite numbers, not all zero.
-    pub(super) fn direction(&self) -> Option<[f64; 3]> {
+    pub(crate) fn direction(&self) -> Option<[f64; 3]> {
         let vector = self.vector()?;
         if vector == [0.0; 3] {
             return self.fail("must not be the zero vector", "give a direction, for instance [0, 0, 1]");
@@ -277,7 +306,7 @@ impl<'a> Node<'a> {
 const EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// True for names of letters, digits, `-` and `_`.
-pub(super) fn is_name(text: &str) -> bool {
+pub(crate) fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_')
 }
 

@@ -46,12 +46,12 @@ const OLD: [Old; 5] = [
 ];
 
 /// Message and remedy for a key that is no more.
-pub(super) fn key(path: &str) -> Option<(&'static str, &'static str)> {
+pub(crate) fn key(path: &str) -> Option<(&'static str, &'static str)> {
     find(path, None)
 }
 
 /// Message and remedy for a word that a key may not have any more.
-pub(super) fn word(path: &str, word: &str) -> Option<(&'static str, &'static str)> {
+pub(crate) fn word(path: &str, word: &str) -> Option<(&'static str, &'static str)> {
     find(path, Some(word))
 }
 

@@ -12,7 +12,7 @@ use toml::de::{DeTable, DeValue};
 const CHAIN: usize = 100;
 
 /// Reads the parameters of a document; those in `overrides` (name, expression) have these values instead.
-pub(super) fn read(report: &Report<'_>, root: &DeTable<'_>, overrides: &[(String, String)]) -> Parameters {
+pub(crate) fn read(report: &Report<'_>, root: &DeTable<'_>, overrides: &[(String, String)]) -> Parameters {
     let mut parameters = Parameters::new();
     let table = match root.get(TABLE) {
         None => None,
@@ -110,7 +110,7 @@ impl Reader<'_> {
 }
 
 /// The values of the table, which [`read`] has evaluated; `None` if one is wrong, which is reported.
-pub(super) fn values(node: &Node<'_>) -> Option<BTreeMap<String, f64>> {
+pub(crate) fn values(node: &Node<'_>) -> Option<BTreeMap<String, f64>> {
     let table = node.table_like("{ radius = 0.5 }")?;
     let parameters = &node.report.parameters;
     table.rest().map(|(name, _)| Some((name.to_owned(), (*parameters.get(name)?)?))).collect()

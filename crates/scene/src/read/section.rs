@@ -10,7 +10,7 @@ use toml::de::DeValue;
 const SPATIAL: [&str; 7] = ["beam", "string", "joint", "spring", "support", "coupling", "general_contact"];
 
 /// What was read of the scene.
-pub(super) struct Content<'a> {
+pub(crate) struct Content<'a> {
     pub bodies: &'a [Option<Body>],
     /// The rigid bodies whose motion is prescribed all the time.
     pub held: &'a BTreeSet<String>,
@@ -25,7 +25,7 @@ fn leaves(series: &Series, across: [bool; 3]) -> bool {
 }
 
 /// Reports what does not go with sections and planes of symmetry, and plane meshes in scenes without a section.
-pub(super) fn check(root: &Table<'_>, header: &Header, gravity: Option<&Gravity>, content: &Content<'_>) -> Option<()> {
+pub(crate) fn check(root: &Table<'_>, header: &Header, gravity: Option<&Gravity>, content: &Content<'_>) -> Option<()> {
     let Content { bodies, held, loads, prescriptions } = *content;
     let (kind, section) = (header.kind, header.section);
     let mut good = Some(());

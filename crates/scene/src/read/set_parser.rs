@@ -7,22 +7,22 @@ use crate::{RegionKind, Relation, SetRegion, known};
 const DEPTH: usize = 64;
 
 /// What the parser must know of the scene.
-pub(super) struct Known<'a> {
+pub(crate) struct Known<'a> {
     /// Names of parts.
-    pub(super) parts: Vec<&'a str>,
+    pub(crate) parts: Vec<&'a str>,
     /// False if there may be others.
-    pub(super) parts_complete: bool,
+    pub(crate) parts_complete: bool,
     /// The part of a name of `[sets]`: `None` if there is no such name, `Some(None)` if it is wrong, which is reported.
-    pub(super) named: &'a dyn Fn(&str) -> Option<Option<String>>,
+    pub(crate) named: &'a dyn Fn(&str) -> Option<Option<String>>,
     /// Names of `[sets]`.
-    pub(super) names: Vec<&'a str>,
+    pub(crate) names: Vec<&'a str>,
     /// Values of parameters.
-    pub(super) parameters: &'a dyn Fn(&str) -> Name,
+    pub(crate) parameters: &'a dyn Fn(&str) -> Name,
 }
 
 /// Why a text is no expression over sets.
 #[derive(Debug, PartialEq)]
-pub(super) enum SetError {
+pub(crate) enum SetError {
     /// Message, remedy, and byte at which it is.
     Wrong(String, String, usize),
     /// An error that is reported elsewhere.
@@ -30,12 +30,12 @@ pub(super) enum SetError {
 }
 
 /// True if a text has to be read as an expression and not as a plain `part.set`.
-pub(super) fn is_expression(text: &str) -> bool {
+pub(crate) fn is_expression(text: &str) -> bool {
     text.contains(['&', '|', '!', '<', '>', '=', '(', ')', '\'']) || text.contains(" - ")
 }
 
 /// The part and the expression of a text.
-pub(super) fn parse(text: &str, known: &Known<'_>) -> Result<(String, SetRegion), SetError> {
+pub(crate) fn parse(text: &str, known: &Known<'_>) -> Result<(String, SetRegion), SetError> {
     let mut parser = Parser { text, at: 0, depth: 0, known, part: None };
     let region = parser.union()?;
     parser.skip_space();

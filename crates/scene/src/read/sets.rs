@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const WORDS: [&str; 6] = ["x", "y", "z", "nearest", "normal", "ground"];
 
 /// The names of `[sets]`, and the expressions found so far: each after those that it uses.
-pub(super) struct Sets<'a> {
+pub(crate) struct Sets<'a> {
     /// Names of the parts, and what those are that have no nodes to choose from.
     parts: Vec<(String, Option<&'static str>)>,
     /// False if there may be others.
@@ -27,7 +27,7 @@ pub(super) struct Sets<'a> {
 
 impl<'a> Sets<'a> {
     /// The table's names, not yet read.
-    pub(super) fn new(root: &Table<'a>, parts: Vec<(String, Option<&'static str>)>, parts_complete: bool) -> Self {
+    pub(crate) fn new(root: &Table<'a>, parts: Vec<(String, Option<&'static str>)>, parts_complete: bool) -> Self {
         let table = root.get("sets").and_then(|node| node.table_like("{ left = \"block.all & x < 0.5\" }"));
         let named = table.iter().flat_map(|table| table.rest()).map(|(name, node)| (name.to_owned(), node)).collect();
         let (done, open, list) = Default::default();
@@ -35,24 +35,24 @@ impl<'a> Sets<'a> {
     }
 
     /// Whether a set of a part is an expression or has its name from `[sets]`.
-    pub(super) fn contains(&self, part: &str, name: &str) -> bool {
+    pub(crate) fn contains(&self, part: &str, name: &str) -> bool {
         self.list.borrow().iter().any(|set| set.part == part && set.name == name)
     }
 
     /// The expressions, each after those that it uses.
-    pub(super) fn into_list(self) -> Vec<SetExpression> {
+    pub(crate) fn into_list(self) -> Vec<SetExpression> {
         self.list.into_inner()
     }
 
     /// The texts of `[sets]`.
-    pub(super) fn texts(&self) -> Option<BTreeMap<String, String>> {
+    pub(crate) fn texts(&self) -> Option<BTreeMap<String, String>> {
         let good = self.done.borrow().values().all(Option::is_some);
         let text = |(name, node): (&String, &Node<'_>)| Some((name.clone(), node.string_value()?.to_owned()));
         if good { self.named.iter().map(text).collect() } else { None }
     }
 
     /// Reads all of `[sets]`; what is wrong is reported once.
-    pub(super) fn read(&self) {
+    pub(crate) fn read(&self) {
         for name in self.named.keys() {
             self.part_of(name);
         }
@@ -100,7 +100,7 @@ impl<'a> Sets<'a> {
     }
 
     /// A reference as the scene keeps it, `part.set`: of an expression the set is its text, of a name of `[sets]` that name.
-    pub(super) fn reference(&self, node: &Node<'_>) -> Option<String> {
+    pub(crate) fn reference(&self, node: &Node<'_>) -> Option<String> {
         let text = node.text()?;
         if let Some(part) = self.part_of(text.trim()) {
             return Some(format!("{}.{}", part?, text.trim()));

@@ -6,8 +6,11 @@ use crate::source::join;
 use std::cell::{Cell, RefCell};
 use toml::de::{DeTable, DeValue};
 
-pub(super) struct Table<'a> {
-    pub(super) node: Node<'a>,
+/// A key, whether others contradict it, what is wrong then, and what to do.
+pub(crate) type Contradiction = (&'static str, bool, &'static str, &'static str);
+
+pub(crate) struct Table<'a> {
+    pub(crate) node: Node<'a>,
     map: &'a DeTable<'a>,
     known: RefCell<Vec<&'static str>>,
     /// True if the remaining keys were read, whatever they are called.
@@ -17,26 +20,31 @@ pub(super) struct Table<'a> {
 }
 
 impl<'a> Node<'a> {
-    pub(super) fn table(&self) -> Option<Table<'a>> {
+    pub(crate) fn table(&self) -> Option<Table<'a>> {
         self.table_like("{ key = value }")
     }
 
-    /// A table; `example` is shown if it is something else.
-    pub(super) fn table_like(&self, example: &str) -> Option<Table<'a>> {
+    /// A table; nothing is reported if it is something else.
+    pub(crate) fn raw_table(&self) -> Option<Table<'a>> {
         match self.value {
             DeValue::Table(map) => Some(Table::new(self.clone(), map)),
-            _ => self.wrong_type("a table", example),
+            _ => None,
         }
+    }
+
+    /// A table; `example` is shown if it is something else.
+    pub(crate) fn table_like(&self, example: &str) -> Option<Table<'a>> {
+        self.raw_table().or_else(|| self.wrong_type("a table", example))
     }
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn new(node: Node<'a>, map: &'a DeTable<'a>) -> Self {
+    pub(crate) fn new(node: Node<'a>, map: &'a DeTable<'a>) -> Self {
         Self { node, map, known: RefCell::default(), exhausted: Cell::new(false), unknown: Cell::new(false) }
     }
 
     /// The value of a key, which is known from now on.
-    pub(super) fn get(&self, key: &'static str) -> Option<Node<'a>> {
+    pub(crate) fn get(&self, key: &'static str) -> Option<Node<'a>> {
         self.known.borrow_mut().push(key);
         self.map.get(key).map(|value| Node {
             report: self.node.report,
@@ -47,7 +55,7 @@ impl<'a> Table<'a> {
     }
 
     /// The values of all keys that nobody asked for so far; none of them is unknown from now on.
-    pub(super) fn rest(&self) -> impl Iterator<Item = (&'a str, Node<'a>)> {
+    pub(crate) fn rest(&self) -> impl Iterator<Item = (&'a str, Node<'a>)> {
         self.exhausted.set(true);
         let map = self.map;
         let known = self.known.borrow().clone();
@@ -63,12 +71,12 @@ impl<'a> Table<'a> {
     }
 
     /// True if the key is there, right or wrong.
-    pub(super) fn has(&self, key: &str) -> bool {
+    pub(crate) fn has(&self, key: &str) -> bool {
         self.map.get(key).is_some()
     }
 
     /// Reports a problem of a key of this table, there or not; always `None`.
-    pub(super) fn fail<T>(
+    pub(crate) fn fail<T>(
         &self,
         key: &'static str,
         message: impl Into<String>,
@@ -86,12 +94,12 @@ impl<'a> Table<'a> {
     }
 
     /// Reports that a key is missing; always `None`.
-    pub(super) fn missing<T>(&self, key: &'static str, example: &str) -> Option<T> {
+    pub(crate) fn missing<T>(&self, key: &'static str, example: &str) -> Option<T> {
         self.fail(key, "is missing", format!("add it, for instance `{example}`"))
     }
 
     /// A key that must be there; `example` is shown if it is not.
-    pub(super) fn required<T>(
+    pub(crate) fn required<T>(
         &self,
         key: &'static str,
         example: &str,
@@ -104,7 +112,7 @@ impl<'a> Table<'a> {
     }
 
     /// A key that may be left out: `Some(None)` then, `None` if it is wrong.
-    pub(super) fn optional<T>(
+    pub(crate) fn optional<T>(
         &self,
         key: &'static str,
         read: impl FnOnce(&Node<'a>) -> Option<T>,
@@ -116,7 +124,7 @@ impl<'a> Table<'a> {
     }
 
     /// A key with a default.
-    pub(super) fn default<T>(
+    pub(crate) fn default<T>(
         &self,
         key: &'static str,
         default: T,
@@ -126,7 +134,7 @@ impl<'a> Table<'a> {
     }
 
     /// Elements of an array of tables (`[[key]]`); none if the key is not there. An element that is not a table is reported.
-    pub(super) fn tables(&self, key: &'static str) -> Vec<Option<Table<'a>>> {
+    pub(crate) fn tables(&self, key: &'static str) -> Vec<Option<Table<'a>>> {
         let Some(node) = self.get(key) else { return Vec::new() };
         if node.value.is_table() {
             let _: Option<()> = node
@@ -144,13 +152,25 @@ impl<'a> Table<'a> {
         elements.into_inner()
     }
 
+    /// Reports contradictions, of each key the first one.
+    pub(crate) fn refuse(&self, contradictions: &[Contradiction]) -> Option<()> {
+        let mut wrong: Vec<&str> = Vec::new();
+        for &(key, contradicts, message, remedy) in contradictions {
+            if contradicts && self.has(key) && !wrong.contains(&key) {
+                wrong.push(key);
+                let _: Option<()> = self.fail(key, message, remedy);
+            }
+        }
+        wrong.is_empty().then_some(())
+    }
+
     /// True if a key is not known, so that it may be meant for one that is not there. Known after [`Self::finish`].
-    pub(super) fn has_unknown_key(&self) -> bool {
+    pub(crate) fn has_unknown_key(&self) -> bool {
         self.unknown.get()
     }
 
     /// Reports every key that nobody asked for. Of a key that is likely meant for one that is not there only this is reported.
-    pub(super) fn finish(&self) {
+    pub(crate) fn finish(&self) {
         if self.exhausted.get() {
             return;
         }

@@ -5,16 +5,16 @@ use crate::names::known;
 use std::collections::BTreeMap;
 
 /// Parameters by name; `None` has a value that is wrong.
-pub(super) type Parameters = BTreeMap<String, Option<f64>>;
+pub(crate) type Parameters = BTreeMap<String, Option<f64>>;
 
 /// The table of the parameters.
-pub(super) const TABLE: &str = "parameters";
+pub(crate) const TABLE: &str = "parameters";
 
 /// A problem of an expression, or nothing to say because it is said elsewhere.
-pub(super) type Complaint = Option<(String, String)>;
+pub(crate) type Complaint = Option<(String, String)>;
 
 /// The value of an expression.
-pub(super) fn evaluate(text: &str, parameters: &Parameters) -> Result<f64, Complaint> {
+pub(crate) fn evaluate(text: &str, parameters: &Parameters) -> Result<f64, Complaint> {
     expression::evaluate(text, &|name| match parameters.get(name) {
         Some(Some(value)) => Name::Value(*value),
         Some(None) => Name::Wrong,
@@ -24,7 +24,7 @@ pub(super) fn evaluate(text: &str, parameters: &Parameters) -> Result<f64, Compl
 }
 
 /// What to say of an expression that has no value.
-pub(super) fn complaint(error: &ExpressionError, parameters: &Parameters) -> Complaint {
+pub(crate) fn complaint(error: &ExpressionError, parameters: &Parameters) -> Complaint {
     match error {
         ExpressionError::Reported => None,
         ExpressionError::UnknownName(name) => {
