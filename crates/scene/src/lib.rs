@@ -11,9 +11,9 @@
 //! it through [`Problem::at`] in the same form.
 //!
 //! # How to add a key
-//! A documented field in the type, one line in the reader under `read/`, and a malformed scene in `tests/malformed.rs`. A
-//! new scheme, quantity, field or contact method is one line in its enumeration: reading, error messages and schema follow. A key that is renamed or removed gets a
-//! line in `read/old.rs`, and [`FORMAT`] grows.
+//! A documented field in the type, and a malformed scene in `tests/malformed.rs`. The attribute `#[key(...)]` of the field says what values it takes, and the function that `#[table(check = ...)]` names, in the
+//! same file, what other keys contradict it (`stoss_scene_derive::table` lists the options). Reader, error messages, schema, reference and completion follow. A
+//! new scheme, quantity, field or contact method is one line in its enumeration or table. A key that is renamed or removed gets a line in `read/old.rs`, and [`FORMAT`] grows.
 //!
 #![doc = include_str!("../README.md")]
 

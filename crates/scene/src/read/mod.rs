@@ -1,7 +1,6 @@
 //! Reads a scene from the document tree and collects all problems on the way.
 //!
-//! Not serde: it would stop at the first problem. What is read here and what the types' `Deserialize` accepts is held together by
-//! a round trip in the tests.
+//! The tables themselves are read by what the attribute `table` writes for their types; here is what they have in common, and what a scene is as a whole. Not serde, which would stop at the first problem.
 
 mod catalogue;
 mod document;
