@@ -303,29 +303,6 @@ fn work_and_stored_energy_of_friction_are_listed_on_their_own() {
 }
 
 #[test]
-fn springs_that_make_too_little_friction_are_noticed() {
-    let told = |warning: &str, friction: &str, scheme: &str| {
-        let contact = format!("method = \"nts\"\nfriction = {{ law = \"coulomb\", mu = 0.3{friction} }}");
-        let folder = folder_with(&changed(&[("method = \"nts\"", &contact), ("scheme = \"energy-momentum\"", scheme)]));
-        let plan = stoss(folder.path(), &["check", "scene.toml"]);
-        assert_eq!(plan.status.code(), Some(0), "{}", stderr(&plan));
-        String::from_utf8_lossy(&plan.stdout).contains(&format!("warning: contact[0].friction.midpoint{warning}"))
-    };
-    let warned = |friction: &str, scheme: &str| told(" = \"c\": springs", friction, scheme);
-    let [conserving, midpoint, dissipative] =
-        ["energy-momentum", "midpoint", "backward-euler"].map(|name| format!("scheme = \"{name}\""));
-    // No default is warned of.
-    assert!(!warned(", penalty = 1e4", &conserving) && !warned(", stick = \"penalty\"", &midpoint));
-    let mean = ", penalty = 1e4, midpoint = \"c\"";
-    assert!(warned(mean, &conserving) && warned(mean, &midpoint) && !warned(mean, &dissipative));
-    let useless = " has no effect";
-    assert!(told(useless, mean, &dissipative) && !told(useless, mean, &conserving));
-    assert!(!warned("", &conserving) && !warned(", penalty = 1e4", &dissipative));
-    assert!(!warned(", penalty = 1e4, midpoint = \"b\"", &conserving));
-    assert!(!warned(", penalty = 1e4, stick = \"augmented\"", &conserving));
-}
-
-#[test]
 fn bodies_in_the_same_place_are_noticed() {
     let folder = folder_with(SCENE);
     let plan = stoss(folder.path(), &["check", "scene.toml"]);

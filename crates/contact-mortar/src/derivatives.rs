@@ -1,6 +1,6 @@
 //! Derivatives of the integrals of a pair.
 
-use crate::{Factors, TriangleRule, for_each_point_with_derivatives};
+use crate::{Factors, for_each_point_with_derivatives};
 use nalgebra::Vector3;
 use stoss_reference_element::{FacePiece, MAX_FACE_NODES, MAX_NODES, Nodal};
 use stoss_segmentation::{LOCAL, Segment, SlaveFrame};
@@ -37,7 +37,6 @@ pub fn pair_derivatives(
     frame: &SlaveFrame,
     master: &Nodal<Vector3<f64>>,
     faces: [Option<&FacePiece>; 2],
-    rule: TriangleRule,
     factors: &Factors,
     out: &mut PairDerivatives,
 ) {
@@ -47,7 +46,7 @@ pub fn pair_derivatives(
             *of = Some(Box::new([[[0.0; LOCAL]; MAX_FACE_NODES]; MAX_NODES]));
         }
     }
-    for_each_point_with_derivatives(segment, frame, master, rule, |p, d| {
+    for_each_point_with_derivatives(segment, frame, master, |p, d| {
         let (mut p, mut d) = (*p, *d);
         factors.apply_with_derivatives(&facing, &mut p, &mut d);
         let (g1, g2) = (frame.kind().shape_gradient(p.slave), master.kind().shape_gradient(p.master));

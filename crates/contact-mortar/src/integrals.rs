@@ -2,7 +2,7 @@
 
 use crate::faces::{FaceBlock, FaceMatrix};
 use crate::local::FacetMatrix;
-use crate::{Faces, Factors, TriangleRule, for_each_point};
+use crate::{Faces, Factors, for_each_point};
 use nalgebra::Vector3;
 use stoss_reference_element::{FacePiece, FaceShape, FacetKind, MAX_FACE_NODES, MAX_NODES, Nodal};
 use stoss_segmentation::FacetSegmentation;
@@ -61,7 +61,6 @@ pub fn facet_integrals(
     corners: impl Fn(u32) -> Nodal<Vector3<f64>>,
     slave_face: Option<&FacePiece>,
     master_faces: &Faces,
-    rule: TriangleRule,
     factors: &Factors,
 ) -> FacetIntegrals {
     let kind = found.frame.kind();
@@ -88,7 +87,7 @@ pub fn facet_integrals(
         let Some(pair) = out.pairs.last_mut() else { continue };
         let master = corners(segment.master_facet);
         let facing = factors.facing_of(&found.frame, &master, false);
-        for_each_point(segment, &found.frame, &master, rule, |p| {
+        for_each_point(segment, &found.frame, &master, |p| {
             let mut p = *p;
             for i in 0..MAX_NODES {
                 out.opposite[i] += facing.value * p.weight * p.slave_shape[i];

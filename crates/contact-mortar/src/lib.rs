@@ -4,13 +4,13 @@
 //! ```text
 //! segment_surfaces(&slave, &master, q, GapRange) -> SurfaceSegmentation      all slave facets
 //! SurfaceSegmentation::check(&master, q, CheckExtent) -> SurfaceCoverage   the invariant of coverage
-//! for_each_point(&segment, &frame, &master corners, TriangleRule, |point| ..)   shapes, weights, gap
+//! for_each_point(&segment, &frame, &master corners, |point| ..)   shapes, weights, gap
 //! for_each_point_with_derivatives(.., |point, variation| ..)   with derivatives
-//! facet_integrals(&FacetSegmentation, corners of master, TriangleRule, &Factors) -> FacetIntegrals   int N_i, N_i N_j, N_i N_k
-//! pair_derivatives(&segment, &frame, &corners, TriangleRule, &Factors, &mut PairDerivatives)   added up
+//! facet_integrals(&FacetSegmentation, corners of master, &Factors) -> FacetIntegrals   int N_i, N_i N_j, N_i N_k
+//! pair_derivatives(&segment, &frame, &corners, &Factors, &mut PairDerivatives)   added up
 //! MultiplierBasis::new(MultiplierSpace, &FacetIntegrals)                 coefficients phi_A = sum_i C_Ai N_i
 //! MultiplierBasis::slave_block / master_block                            D_e = C int N N, M_e = C int N N^(2)
-//! MortarMatrices::assemble(&slave, &master, faces, q, &SurfaceSegmentation, space, TriangleRule) -> D, M
+//! MortarMatrices::assemble(&slave, &master, faces, q, &SurfaceSegmentation, space) -> D, M
 //! ```
 //! With the same points on both sides `sum_K M_AK = sum_J D_AJ` for every slave node `A`
 //! ([`MortarMatrices::imbalance`]): constants are transferred exactly and contact forces have no resultant. Linear
@@ -75,8 +75,7 @@ pub use integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
 pub use matrices::MortarMatrices;
 pub use method::MortarContact;
 pub use multiplier::{MultiplierBasis, MultiplierSpace};
-pub use options::{Integrals, MortarOptions, NEARNESS};
+pub use options::{Integrals, MortarOptions};
 pub use points::{PointVariation, QuadraturePoint, for_each_point, for_each_point_with_derivatives};
-pub use stoss_reference_element::triangle::TriangleRule;
 pub use stoss_segmentation as segmentation;
 pub use surfaces::{CheckExtent, CoverageFault, SurfaceCoverage, SurfaceSegmentation, segment_surfaces};

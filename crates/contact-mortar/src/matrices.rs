@@ -1,6 +1,6 @@
 //! Mortar matrices of a pair of surfaces.
 
-use crate::{Faces, Factors, MultiplierBasis, MultiplierSpace, SurfaceSegmentation, TriangleRule, facet_integrals};
+use crate::{Faces, Factors, MultiplierBasis, MultiplierSpace, SurfaceSegmentation, facet_integrals};
 use stoss_contact::ContactSurface;
 
 /// `D` (slave by slave) and `M` (slave by master) as sparse rows, entries areas. Node numbers are the surfaces' local
@@ -43,7 +43,6 @@ impl MortarMatrices {
         q: &[f64],
         segments: &SurfaceSegmentation,
         space: MultiplierSpace,
-        rule: TriangleRule,
     ) -> Self {
         let count = slave.nodes().len();
         let mut out =
@@ -54,7 +53,7 @@ impl MortarMatrices {
             }
             let (face, of_master) = (faces[0].of(facet as u32), faces[1]);
             let corners = |f| master.patch(f, q).corners;
-            let integrals = facet_integrals(found, corners, face, of_master, rule, &Factors::NONE);
+            let integrals = facet_integrals(found, corners, face, of_master, &Factors::NONE);
             let basis = MultiplierBasis::new(space, &integrals);
             let d = basis.slave_block(&integrals);
             let nodes = slave.local_facets()[facet];

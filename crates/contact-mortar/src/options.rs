@@ -1,9 +1,11 @@
 //! Options of mortar contact.
 
-use crate::{MultiplierSpace, TriangleRule};
+use crate::MultiplierSpace;
 
-/// [`MortarOptions::nearness`] of statics, if none is given.
-pub const NEARNESS: f64 = 12.0;
+/// [`crate::Factors::nearness`] of statics times the length of a slave facet, where a surface has sharp edges. Zero, the plain mean, lets edges sink in by a quarter of a facet, 12 by a ninth; but the
+/// integrand is no polynomial then, and where edges of both surfaces lie on each other its error has a kink that Newton may not pass. So dynamics has the plain mean: its force would have the kinks of its
+/// weights.
+pub(crate) const NEARNESS: f64 = 12.0;
 
 /// Which integrals the weighted gaps of a step have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,15 +23,8 @@ pub enum Integrals {
 pub struct MortarOptions {
     /// Multiplier space of the pressures.
     pub space: MultiplierSpace,
-    /// Rule of the integrals.
-    pub rule: TriangleRule,
     /// Which integrals.
     pub integrals: Integrals,
-    /// Where a surface has sharp edges: how much more near points count than far ones, [`crate::Factors::nearness`] times the length of a slave facet. Zero, the plain
-    /// mean, lets edges sink in by a quarter of a facet, 12 by a ninth; but the integrand is no polynomial then, and where edges of both surfaces lie on each other
-    /// its error has a kink that Newton may not pass. `None`: [`NEARNESS`] in statics, and the plain mean in dynamics, where the force would have the kinks of its weights, at which
-    /// Newton stops where edges of both surfaces lie on each other.
-    pub nearness: Option<f64>,
     /// Whether a weighted gap is held where it is in a step in which it closes and velocities come from the law of impact (theory/impacts#hold), and after how many steps without a break it
     /// comes down. Not with frozen integrals.
     pub hold: Option<u32>,

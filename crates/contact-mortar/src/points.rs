@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use stoss_reference_element::{
     MAX_NODES, Nodal,
-    triangle::{self, TriangleRule},
+    triangle::{self},
 };
 use stoss_segmentation::{Foot, LOCAL, MASTER, PointDerivative, Segment, SlaveFrame};
 
@@ -88,14 +88,13 @@ pub fn for_each_point(
     segment: &Segment,
     frame: &SlaveFrame,
     master: &Nodal<Vector3<f64>>,
-    rule: TriangleRule,
     mut visit: impl FnMut(&QuadraturePoint),
 ) {
     let centroid = segment.centroid();
     let images = master.map(|x| frame.image(&x));
     for edge in segment.fan() {
         let (corners, det) = triangle_of(segment, centroid, edge);
-        for &(eta, w) in rule.points() {
+        for &(eta, w) in &triangle::SEVEN {
             visit(&point_at(segment, frame, master, &images, corners, &triangle::shape(eta), w * det).0);
         }
     }
@@ -106,7 +105,6 @@ pub fn for_each_point_with_derivatives(
     segment: &Segment,
     frame: &SlaveFrame,
     master: &Nodal<Vector3<f64>>,
-    rule: TriangleRule,
     mut visit: impl FnMut(&QuadraturePoint, &PointVariation),
 ) {
     let vertex = segment.vertex_derivatives(frame, master);
@@ -127,7 +125,7 @@ pub fn for_each_point_with_derivatives(
                 - (dq[1][k] - dp[1][k]) * v[0]
                 - u[1] * (dr[0][k] - dp[0][k])
         });
-        for &(eta, w) in rule.points() {
+        for &(eta, w) in &triangle::SEVEN {
             let eta = triangle::shape(eta);
             let parametric_weight = w * det;
             let (point, foot) = point_at(segment, frame, master, &images, ends, &eta, parametric_weight);

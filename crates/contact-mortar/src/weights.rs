@@ -1,5 +1,6 @@
 //! Weights of one slave facet in the gap vectors of its nodes, with derivatives.
 
+use crate::Faces;
 use crate::centres::{Centres, Moments, edge_variation, image, image_of_variation, polygon_moments};
 use crate::derivatives::{PairDerivatives, pair_derivatives};
 use crate::faces::FaceBlock;
@@ -7,7 +8,6 @@ use crate::factors::{Facing, Factors};
 use crate::integrals::{FacetIntegrals, PairIntegrals, facet_integrals};
 use crate::local::{FacetMatrix, NodeMatrix, NodeVector, matrix, rows_of};
 use crate::multiplier::{MultiplierBasis, MultiplierSpace, centres};
-use crate::{Faces, TriangleRule};
 use nalgebra::{Vector2, Vector3};
 use stoss_reference_element::{FacePiece, MAX_FACE_NODES, MAX_NODES, Nodal};
 use stoss_segmentation::{FacetSegmentation, LOCAL, MASTER, Segment, SlaveFrame};
@@ -64,7 +64,6 @@ impl FacetWeights {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Integration {
     pub space: MultiplierSpace,
-    pub rule: TriangleRule,
     pub factors: Factors,
 }
 
@@ -100,7 +99,7 @@ impl Integration {
         want_derivative: bool,
     ) -> FacetWeights {
         let give = hand_over(without);
-        let integrals = facet_integrals(found, &corners, slave_face, master_faces, self.rule, &self.factors);
+        let integrals = facet_integrals(found, &corners, slave_face, master_faces, &self.factors);
         let centres = centres(self.space, found, &corners, &self.factors);
         let basis = MultiplierBasis::with_centres(self.space, &integrals, centres.as_ref());
         let own = integrals.kind.node_count();
@@ -178,7 +177,7 @@ impl Integration {
             }
             let master = corners(segment.master_facet);
             let faces = [behind.slave, behind.master.of(segment.master_facet)];
-            pair_derivatives(segment, &found.frame, &master, faces, self.rule, &self.factors, &mut pairs[at]);
+            pair_derivatives(segment, &found.frame, &master, faces, &self.factors, &mut pairs[at]);
             if let Some(centres) = centres {
                 let facing = self.factors.facing_of(&found.frame, &master, true);
                 CentreVariation::add(centres, (s, segment), &found.frame, &master, &facing, &mut moving[at]);

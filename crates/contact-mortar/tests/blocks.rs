@@ -23,11 +23,14 @@ fn positions(at: [f64; 3]) -> Vec<f64> {
 
 fn method(meshes: [Mesh; 2], walls: bool, dual: bool, q: &[f64]) -> MortarContact {
     let space = if dual { MultiplierSpace::Dual } else { MultiplierSpace::Standard };
-    let options = MortarOptions { space, nearness: Some(0.0), ..MortarOptions::default() };
+    let options = MortarOptions { space, ..MortarOptions::default() };
     let master = [[8, 9, 10, 11], [9, 12, 13, 10]];
     let master = if walls { &master[..] } else { &master[..1] };
-    let mut method =
+    let method =
         MortarContact::new("test", &meshes[0].of(&CUBE), &meshes[1].of(master), &positions([1.0; 3]), options).unwrap();
+    // The plain mean in statics too.
+    let plain = method.factors();
+    let mut method = method.with_factors(plain);
     method.begin(&Step { reach: 0.5, ..Step::quasi_static(q, 0.1) }).unwrap();
     method
 }

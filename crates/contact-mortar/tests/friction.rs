@@ -8,14 +8,12 @@ use crate::sheets::{
 use nalgebra::{Rotation3, Unit, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
-use stoss_contact::friction::{
-    Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
-};
+use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, Regularised, StaticDynamic, Stick, SurfaceVelocity};
 use stoss_contact::{ContactError, position};
 use stoss_contact_mortar::segmentation::GapRange;
 use stoss_contact_mortar::{
     FaceBlock, Faces, Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure,
-    TriangleRule, facet_integrals, segment_surfaces,
+    facet_integrals, segment_surfaces,
 };
 use stoss_term::{At, Fault, GradientRule, Local, Share, Step, StepConfiguration, Term, Unilateral};
 
@@ -35,25 +33,18 @@ fn law(kind: usize) -> Arc<dyn FrictionLaw> {
     }
 }
 
-fn with(
-    surfaces: [Surface; 2],
-    law: Arc<dyn FrictionLaw>,
-    midpoint: MidpointFriction,
-    dual: bool,
-    measure: SlipMeasure,
-) -> MortarContact {
-    with_stick(surfaces, law, Stick::Penalty, midpoint, dual, measure)
+fn with(surfaces: [Surface; 2], law: Arc<dyn FrictionLaw>, dual: bool, measure: SlipMeasure) -> MortarContact {
+    with_stick(surfaces, law, Stick::Penalty, dual, measure)
 }
 
 fn with_stick(
     surfaces: [Surface; 2],
     law: Arc<dyn FrictionLaw>,
     stick: Stick,
-    midpoint: MidpointFriction,
     dual: bool,
     measure: SlipMeasure,
 ) -> MortarContact {
-    let friction = Friction::new(law, PENALTY, stick, midpoint).unwrap();
+    let friction = Friction::new(law, PENALTY, stick).unwrap();
     method(surfaces, options(dual)).with_friction(friction, measure).unwrap()
 }
 
@@ -73,12 +64,8 @@ fn lifted(d: &[f64], lift: f64) -> Vec<f64> {
     q
 }
 
-fn measure(of: usize, rule: GradientRule) -> SlipMeasure {
-    match of {
-        0 => SlipMeasure::Objective,
-        2 if rule == GradientRule::EndPoint => SlipMeasure::Yang,
-        _ => SlipMeasure::Direct,
-    }
+fn measure(objective: bool) -> SlipMeasure {
+    if objective { SlipMeasure::Objective } else { SlipMeasure::Direct }
 }
 
 fn set(p: &[f64]) -> Vec<bool> {
@@ -133,8 +120,7 @@ fn weighted_gap(
     for &facet in slave.facets_around(node) {
         let corners = |f| master.patch(f, q).corners;
         let found = &found.facets[facet as usize];
-        let rule = TriangleRule::default();
-        let integrals = facet_integrals(found, corners, faces[0].of(facet), &faces[1], rule, &method.factors());
+        let integrals = facet_integrals(found, corners, faces[0].of(facet), &faces[1], &method.factors());
         let basis = MultiplierBasis::of_contact(space, &integrals, found, corners, &method.factors());
         let a = slave.local_facets()[facet as usize].iter().position(|&k| k as usize == node).unwrap();
         // Positions of the nodes of a facet's face.
@@ -221,7 +207,7 @@ proptest! {
         let rule = RULES[rule];
         let (q_n, active) = (moved(&d), set(&p));
         let whole = match rough {
-            true => with_stick(surfaces, coulomb(0.3), stick, MidpointFriction::B, true, measure(0, rule)),
+            true => with_stick(surfaces, coulomb(0.3), stick, true, measure(true)),
             false => method(surfaces, options(true)),
         };
         let run = |share: Option<Share>| {
@@ -277,22 +263,21 @@ proptest! {
 
     #[test]
     fn tangents_are_derivatives(
-        surfaces in surfaces(), d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
-        kind in 0usize..4, midpoint in 0usize..2, exact: bool, moves: bool, m in prop::collection::vec(-0.05f64..0.05, 2 * SLAVE),
+        surfaces in surfaces(), d in warp(), e in warp(), f in warp(), p in pressures(), dual: bool, rule in 0usize..3, objective: bool,
+        kind in 0usize..4, exact: bool, moves: bool, m in prop::collection::vec(-0.05f64..0.05, 2 * SLAVE),
         v in warp(), w in prop::collection::vec(-0.1f64..0.1, SLAVE), before in prop_oneof![Just(0.6), Just(1.5)], mirrored: bool,
     ) {
         let rule = RULES[rule];
-        let midpoint = [MidpointFriction::B, MidpointFriction::C][midpoint];
         let stick = if exact { Stick::Multiplier } else { Stick::Penalty };
         // With integrals that move the midpoint rules leave the derivatives of their weights out.
         let integrals = if rule == GradientRule::EndPoint { Integrals::Moving } else { Integrals::Frozen };
         let options = MortarOptions { integrals, ..options(dual) };
-        let friction = Friction::new(law(kind), PENALTY, stick, midpoint).unwrap().with_surface_velocity(belt(moves));
+        let friction = Friction::new(law(kind), PENALTY, stick).unwrap().with_surface_velocity(belt(moves));
         let planes = (0..SLAVE as u32).map(|n| (n, if mirrored { u8::from(n % 3 == 0) + 2 * u8::from(n % 2 == 0) } else { 0 }));
         let mut plain = method(surfaces, options).with_symmetry(planes);
-        let mut method = plain.clone().with_friction(friction, measure(of, rule)).unwrap();
+        let mut method = plain.clone().with_friction(friction, measure(objective)).unwrap();
         let (q_0, q_n) = (moved(&f), moved(&d));
-        // Another pressure before: stepping `C` has a kink where the history lies on the cone.
+        // Another pressure before.
         let p_0: Vec<f64> = p.iter().map(|p| before * p).collect();
         go(&mut method, rule, &q_0, &q_n, &p_0);
         let q = plus(&q_n, 0.3, &e);
@@ -309,14 +294,14 @@ proptest! {
 
     #[test]
     fn forces_have_no_resultant_and_the_objective_ones_no_moment(
-        surfaces in surfaces(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual: bool, rule in 0usize..3, of in 0usize..3,
+        surfaces in surfaces(), d in warp(), e in warp(), lift in -0.3f64..0.5, p in pressures(), dual: bool, rule in 0usize..3, objective: bool,
         kind in 0usize..4,
     ) {
         let rule = RULES[rule];
-        let measure = measure(of, rule);
+        let measure = measure(objective);
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
-        let mut method = with(surfaces, law(kind), MidpointFriction::B, dual, measure);
+        let mut method = with(surfaces, law(kind), dual, measure);
         begin(&mut method, rule, &q_n);
         let r = friction_force(surfaces, &mut method, rule, &q_n, &q, &p, dual);
         let about = if rule == GradientRule::EndPoint { q.clone() } else { plus(&q_n, 0.5, &e) };
@@ -339,7 +324,7 @@ proptest! {
         let q = plus(&q_n, 1.0, &e);
         let mut p = [0.0; SLAVE];
         p[node] = 1.3;
-        let mut method = with(surfaces, law(0), MidpointFriction::B, dual, SlipMeasure::Direct).with_factors(factors(kind));
+        let mut method = with(surfaces, law(0), dual, SlipMeasure::Direct).with_factors(factors(kind));
         begin(&mut method, rule, &q_n);
         let r = friction_force(surfaces, &mut method, rule, &q_n, &q, &p, dual);
         let end = rule == GradientRule::EndPoint;
@@ -356,17 +341,15 @@ proptest! {
 
     #[test]
     fn a_rigid_motion_turns_the_traction(
-        surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), angle in -1.2f64..1.2, dual: bool, rule in 0usize..3, of in 0usize..3,
+        surfaces in surfaces(), d in warp(), e in warp(), p in pressures(), angle in -1.2f64..1.2, dual: bool, rule in 0usize..3,
     ) {
         let rule = RULES[rule];
-        let measure = measure(of, rule);
-        prop_assume!(measure != SlipMeasure::Direct);
         let (q_0, q_1) = (moved(&d), moved(&e));
         let turn = Rotation3::from_axis_angle(&Unit::new_normalize(Vector3::new(0.3, -0.5, 0.8)), angle);
         let rotated = |q: &[f64], shift: Vector3<f64>| -> Vec<f64> {
             q.chunks_exact(3).flat_map(|x| <[f64; 3]>::from(turn * Vector3::new(x[0], x[1], x[2]) + shift)).collect()
         };
-        let mut method = with(surfaces, law(1), MidpointFriction::B, dual, measure);
+        let mut method = with(surfaces, law(1), dual, SlipMeasure::Objective);
         go(&mut method, rule, &q_0, &q_1, &p);
         // A step at rest: the areas are those of `q_1` then.
         go(&mut method, rule, &q_1, &q_1, &p);
@@ -392,12 +375,11 @@ proptest! {
     #[test]
     fn the_work_is_stored_or_dissipated(
         surfaces in surfaces(), walk in prop::collection::vec((warp(), pressures()), 4), dual: bool, energy_momentum: bool,
-        midpoint in 0usize..2, mu in prop_oneof![Just(0.0), 0.05f64..3.0], objective: bool, moves: bool,
+        mu in prop_oneof![Just(0.0), 0.05f64..3.0], objective: bool, moves: bool,
     ) {
         let rule = if energy_momentum { GradientRule::DiscreteGradient } else { GradientRule::Midpoint };
-        let midpoint = [MidpointFriction::B, MidpointFriction::C][midpoint];
-        let measure = if objective { SlipMeasure::Objective } else { SlipMeasure::Direct };
-        let friction = Friction::new(coulomb(mu), PENALTY, Stick::Penalty, midpoint).unwrap();
+        let measure = measure(objective);
+        let friction = Friction::new(coulomb(mu), PENALTY, Stick::Penalty).unwrap();
         let friction = friction.with_surface_velocity(belt(moves));
         let mut method = method(surfaces, options(dual)).with_friction(friction, measure).unwrap();
         let mut stored = 0.0;
@@ -422,7 +404,7 @@ proptest! {
     #[test]
     fn the_report_is_that_of_the_last_accepted_step(surfaces in surfaces(), d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
         let rule = RULES[rule];
-        let mut method = with(surfaces, coulomb(0.5), MidpointFriction::C, false, SlipMeasure::Objective);
+        let mut method = with(surfaces, coulomb(0.5), false, SlipMeasure::Objective);
         let (q_0, q_1, q_2) = (moved(&d), moved(&e), moved(&f));
         go(&mut method, rule, &q_0, &q_1, &p);
         let friction = |m: &MortarContact| -> Vec<_> { m.report(&q_1).unwrap().iter().map(|slot| slot.friction).collect() };
@@ -436,7 +418,7 @@ proptest! {
     #[test]
     fn history_survives_a_checkpoint(surfaces in surfaces(), d in warp(), e in warp(), f in warp(), p in pressures(), rule in 0usize..3) {
         let rule = RULES[rule];
-        let new = || with(surfaces, coulomb(0.5), MidpointFriction::C, false, SlipMeasure::Objective);
+        let new = || with(surfaces, coulomb(0.5), false, SlipMeasure::Objective);
         let (q_0, q_1, q_2) = (moved(&d), moved(&e), moved(&f));
         let mut first = new();
         go(&mut first, rule, &q_0, &q_1, &p);
@@ -463,13 +445,10 @@ proptest! {
 
 #[test]
 fn what_has_no_friction_is_refused() {
-    let friction = || Friction::new(coulomb(0.3), PENALTY, Stick::Penalty, MidpointFriction::B).unwrap();
+    let friction = || Friction::new(coulomb(0.3), PENALTY, Stick::Penalty).unwrap();
     let surfaces = [Surface::Triangles; 2];
     let refused = |error: Fault| matches!(error.cause(), Some(ContactError::FrictionUnavailable { .. }));
-    let mut yang = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Yang).unwrap();
     let q = base();
-    yang.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::EndPoint, 0.1) }).unwrap();
-    assert!(refused(yang.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::Midpoint, 0.1) }).unwrap_err()));
     let mut objective = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Objective).unwrap();
     assert!(refused(
         objective.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::EndPointMean, 0.1) }).unwrap_err()

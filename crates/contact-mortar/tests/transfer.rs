@@ -64,9 +64,9 @@ fn pair_of(
 }
 
 impl Pair {
-    fn matrices(&self, space: MultiplierSpace, quadrature: TriangleRule) -> MortarMatrices {
+    fn matrices(&self, space: MultiplierSpace) -> MortarMatrices {
         let s = segment_surfaces(&self.slave, &self.master, &self.q, GapRange::ALL).unwrap();
-        MortarMatrices::assemble(&self.slave, &self.master, [&Faces::default(); 2], &self.q, &s, space, quadrature)
+        MortarMatrices::assemble(&self.slave, &self.master, [&Faces::default(); 2], &self.q, &s, space)
     }
 
     /// `D^-1 M` applied to the nodal values of a field; slave nodes without support are left out (their row is the
@@ -116,17 +116,15 @@ proptest! {
             let shift = if side == 1 { Vector3::new(shift, 0.0, 0.05) } else { Vector3::zeros() };
             x + d + Vector3::new(0.0, 0.0, 0.1 * x.x * x.x) + shift
         });
-        for quadrature in TriangleRule::ALL {
-            let [standard, dual] = SPACES.map(|space| p.matrices(space, quadrature));
-            for matrices in [&standard, &dual] {
-                prop_assert!(matrices.imbalance() < 1e-13, "{quadrature:?} {}", matrices.imbalance());
-            }
-            // Diagonal entries are the row sums of the other side: that they are right as well is another matter. Both spaces have the integrals of the shape
-            // functions as their weights, the dual one to round-off times the inverse of the smallest eigenvalue that it allows, 1e-7.
-            let largest = standard.weights.iter().fold(f64::MIN_POSITIVE, |m: f64, w| m.max(*w));
-            let apart = standard.weights.iter().zip(&dual.weights).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            prop_assert!(apart < 2e-9 * largest, "{quadrature:?} {}", apart / largest);
+        let [standard, dual] = SPACES.map(|space| p.matrices(space));
+        for matrices in [&standard, &dual] {
+            prop_assert!(matrices.imbalance() < 1e-13, "{}", matrices.imbalance());
         }
+        // Diagonal entries are the row sums of the other side: that they are right as well is another matter. Both spaces have the integrals of the shape
+        // functions as their weights, the dual one to round-off times the inverse of the smallest eigenvalue that it allows, 1e-7.
+        let largest = standard.weights.iter().fold(f64::MIN_POSITIVE, |m: f64, w| m.max(*w));
+        let apart = standard.weights.iter().zip(&dual.weights).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        prop_assert!(apart < 2e-9 * largest, "{}", apart / largest);
         let s = segment_surfaces(&p.slave, &p.master, &p.q, GapRange::ALL).unwrap();
         for extent in [CheckExtent::Near, CheckExtent::Everything] {
             let report = s.check(&p.master, &p.q, extent).unwrap();
@@ -151,13 +149,11 @@ proptest! {
         });
         let slope = Vector3::from(c);
         for space in SPACES {
-            for rule in TriangleRule::ALL {
-                let matrices = p.matrices(space, rule);
-                // Dual functions are only as biorthogonal as the rule integrates the mass matrix that they are made
-                // from: that is the same one.
-                let (got, expected) = p.transfer(&matrices, |x| 0.3 + slope.dot(&x));
-                prop_assert!((got - expected).amax() < 1e-10, "{space:?} {rule:?}");
-            }
+            let matrices = p.matrices(space);
+            // Dual functions are only as biorthogonal as the rule integrates the mass matrix that they are made
+            // from: that is the same one.
+            let (got, expected) = p.transfer(&matrices, |x| 0.3 + slope.dot(&x));
+            prop_assert!((got - expected).amax() < 1e-10, "{space:?}");
         }
     }
 
@@ -172,13 +168,12 @@ proptest! {
         let s = segment_surfaces(&p.slave, &p.master, &p.q, GapRange::ALL).unwrap();
         let found = &s.facets[0];
         let corners = |f| p.master.patch(f, &p.q).corners;
-        let quadrature = TriangleRule::default();
-        let integrals = facet_integrals(found, corners, None, &Faces::default(), quadrature, &Factors::NONE);
+        let integrals = facet_integrals(found, corners, None, &Faces::default(), &Factors::NONE);
         let basis = MultiplierBasis::new(MultiplierSpace::Dual, &integrals);
         let block = basis.slave_block(&integrals);
         let mut direct = [[0.0; MAX_NODES]; MAX_NODES];
         for segment in &found.segments {
-            for_each_point(segment, &found.frame, &corners(segment.master_facet), quadrature, |g| {
+            for_each_point(segment, &found.frame, &corners(segment.master_facet), |g| {
                 for (row, phi) in direct.iter_mut().zip(basis.values(&g.slave_shape)) {
                     for (entry, n) in row.iter_mut().zip(g.slave_shape) {
                         *entry += g.weight * phi * n;
@@ -212,7 +207,6 @@ proptest! {
 
 /// Derivatives of all integrals of one pair of facets against differences, where the segments keep their kind.
 fn check_derivatives(meshes: [Mesh; 2], d: &[[f64; 3]], angle: f64, whole: bool) -> Result<(), TestCaseError> {
-    let quadrature = TriangleRule::SevenPoint;
     let factors = if whole { Factors::NONE } else { Factors { facing: true, deepest: 0.6, nearness: 6.0 } };
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
     let c = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -233,7 +227,7 @@ fn check_derivatives(meshes: [Mesh; 2], d: &[[f64; 3]], angle: f64, whole: bool)
         let facet = segmentation::MasterFacet { id: 0, nodes: Nodal::from_fn(m.kind(), |k| k as u32), corners: m };
         let found = segment_facet(s, &[facet], GapRange::ALL).unwrap();
         let kinds: Vec<_> = found.segments.iter().flat_map(|s| s.vertices().iter().map(|v| v.provenance)).collect();
-        (facet_integrals(&found, |_| m, None, &Faces::default(), quadrature, &factors), kinds)
+        (facet_integrals(&found, |_| m, None, &Faces::default(), &factors), kinds)
     };
     let (base, kinds) = integrate(&x);
     let (s, m) = (corners(0, &x), corners(1, &x));
@@ -242,7 +236,7 @@ fn check_derivatives(meshes: [Mesh; 2], d: &[[f64; 3]], angle: f64, whole: bool)
     segment_pair(&frame, 0, &m, &mut segments).unwrap();
     let mut exact = PairDerivatives::ZERO;
     for segment in &segments {
-        pair_derivatives(segment, &frame, &m, [None; 2], quadrature, &factors, &mut exact);
+        pair_derivatives(segment, &frame, &m, [None; 2], &factors, &mut exact);
     }
     let basis = MultiplierBasis::new(MultiplierSpace::Dual, &base);
     // Where edges cross at small angles derivatives change within 1e-4 of an edge: of fourth order, the difference does not see it.
@@ -303,7 +297,7 @@ fn derivatives_where_edges_cross_at_a_small_angle() {
 fn row_sums_of_a_covered_flat_surface_are_nodal_areas() {
     for (meshes, space) in Mesh::PAIRS.into_iter().flat_map(|m| SPACES.map(|s| (m, s))) {
         let p = pair_of(meshes, 3, 5, 1.3, |side, _, x| x + Vector3::new(0.0, 0.0, 0.1 * side as f64));
-        let m = p.matrices(space, TriangleRule::default());
+        let m = p.matrices(space);
         for (w, a) in m.weights.iter().zip(p.slave.nodal_areas()) {
             assert!((w - a).abs() < 1e-14);
         }
@@ -317,15 +311,13 @@ fn a_constant_pressure_loads_the_master_as_it_should() {
     for (meshes, space) in Mesh::PAIRS.into_iter().flat_map(|m| SPACES.map(|s| (m, s))) {
         let sheared = |x: Vector3<f64>| turn * Vector3::new(60.0 * (x.x + 0.2 * x.y), 60.0 * x.y, 0.0);
         let p = pair_of(meshes, 3, 4, 1.0, |_, _, x| sheared(x));
-        for quadrature in TriangleRule::ALL {
-            let m = p.matrices(space, quadrature);
-            let mut loads = vec![0.0; p.master.nodes().len()];
-            for &(k, v) in m.master.iter().flatten() {
-                loads[k as usize] += v;
-            }
-            for (load, area) in loads.iter().zip(p.master.nodal_areas()) {
-                assert!((load - area).abs() < 1e-10 * area, "{space:?} {quadrature:?} {load} {area}");
-            }
+        let m = p.matrices(space);
+        let mut loads = vec![0.0; p.master.nodes().len()];
+        for &(k, v) in m.master.iter().flatten() {
+            loads[k as usize] += v;
+        }
+        for (load, area) in loads.iter().zip(p.master.nodal_areas()) {
+            assert!((load - area).abs() < 1e-10 * area, "{space:?} {load} {area}");
         }
     }
 }
@@ -341,7 +333,7 @@ fn integrals_do_not_change_in_rigid_motion() {
         let mut segments = Vec::new();
         segment_pair(&frame, 0, &m, &mut segments).unwrap();
         let mut d = PairDerivatives::ZERO;
-        pair_derivatives(&segments[0], &frame, &m, [None; 2], TriangleRule::default(), &Factors::NONE, &mut d);
+        pair_derivatives(&segments[0], &frame, &m, [None; 2], &Factors::NONE, &mut d);
         for axis in 0..3 {
             let unit = Vector3::ith(axis, 1.0);
             for motion in [|u: &Vector3<f64>, _: &Vector3<f64>| *u, |u: &Vector3<f64>, x: &Vector3<f64>| u.cross(x)] {
@@ -385,7 +377,7 @@ fn master_finer_by_20_and_coarser_by_20() {
         if r > 1.0 {
             assert!((report.covered / report.area - 1.0).abs() < 1e-12);
         }
-        assert!(p.matrices(MultiplierSpace::Dual, TriangleRule::default()).imbalance() < 1e-13);
+        assert!(p.matrices(MultiplierSpace::Dual).imbalance() < 1e-13);
     }
 }
 

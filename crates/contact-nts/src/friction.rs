@@ -252,9 +252,9 @@ impl FrictionElement<'_> {
         let resolved = arguments.resolve(self.history, self.friction.share(self.compliance));
         let point = self.point(&resolved);
         let Resolved { foot, old, history, slip, .. } = resolved;
-        let step = self.friction.step(self.at_end, &point);
-        let branch = self.history.iteration.is_reversed().then(|| self.friction.sticking_step(self.at_end, &point));
-        let carried = transport(step.end, &foot, &old).unwrap_or([0.0; 2]);
+        let step = self.friction.step(&point);
+        let branch = self.history.iteration.is_reversed().then(|| self.friction.sticking_step(&point));
+        let carried = transport(step.force, &foot, &old).unwrap_or([0.0; 2]);
         let mismatch = self.mismatch(history, &step);
         let way = [foot[0], foot[1]].map(|e| dot(&e, &self.friction.surface_way()));
         let tau = arguments.covariant(&foot, step.force);

@@ -27,6 +27,6 @@ mod slave;
 mod slot;
 
 pub use arches::Arches;
-pub use augmented::{AugmentedOptions, CoordinateAugmented, Reduction};
+pub use augmented::{CoordinateAugmented, Reduction};
 pub use method::NodeToSurface;
 pub use options::{ConstraintForm, NodeToSurfaceOptions};

@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::ContactError;
-use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
-use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
+use stoss_contact::friction::{Coulomb, Friction, Stick};
+use stoss_contact_nts::{CoordinateAugmented, NodeToSurface, Reduction};
 use stoss_term::check::sharing;
 use stoss_term::{At, Auxiliary, GradientRule, Step, StepConfiguration, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
@@ -26,8 +26,6 @@ struct Path {
     rule: GradientRule,
     /// Coefficient of friction: none, slip for certain, stick for certain.
     mu: Option<f64>,
-    drop_gap_term: bool,
-    drop_gap_slope: bool,
     /// Stick by multipliers, not by springs.
     exact: bool,
     /// Off the foot by so much, and multipliers beside those of the reductions.
@@ -42,14 +40,12 @@ fn path() -> impl Strategy<Value = Path> {
         (-0.15..0.15_f64, -0.15..0.15_f64),
         (prop_oneof![0.05..0.15_f64, 0.9..1.1_f64, 3.9..4.1_f64], 0.05..0.15_f64, -0.25..-0.15_f64),
         (prop::sample::select(&RULES[..]), prop::sample::select(vec![None, Some(0.02), Some(1e3)])),
-        (meshes(), any::<bool>(), any::<bool>(), any::<bool>(), proptest::array::uniform6(-0.2..0.2_f64)),
+        (meshes(), any::<bool>(), proptest::array::uniform6(-0.2..0.2_f64)),
     )
-        .prop_map(
-            |(noise, (x, y, z), (dx, dy), (slide, side, depth), (rule, mu), (meshes, term, slope, exact, off))| {
-                let q = path_of(FACETS, [&noise.0, &noise.1, &noise.2], [x, y, z], [dx, dy], [slide, side, depth]);
-                Path { meshes, q, rule, mu, drop_gap_term: term, drop_gap_slope: slope, exact, off }
-            },
-        )
+        .prop_map(|(noise, (x, y, z), (dx, dy), (slide, side, depth), (rule, mu), (meshes, exact, off))| {
+            let q = path_of(FACETS, [&noise.0, &noise.1, &noise.2], [x, y, z], [dx, dy], [slide, side, depth]);
+            Path { meshes, q, rule, mu, exact, off }
+        })
 }
 
 impl Path {
@@ -59,7 +55,7 @@ impl Path {
             Some(mu) => {
                 let law = Arc::new(Coulomb::new(mu).unwrap());
                 let stick = if self.exact { Stick::Multiplier } else { Stick::Penalty };
-                direct.with_friction(Friction::new(law, 40.0, stick, MidpointFriction::C).unwrap()).unwrap()
+                direct.with_friction(Friction::new(law, 40.0, stick).unwrap()).unwrap()
             }
             None => direct,
         }
@@ -71,9 +67,7 @@ impl Path {
     }
 
     fn augmented(&self, reduction: Reduction) -> CoordinateAugmented {
-        let Self { drop_gap_term, drop_gap_slope, .. } = *self;
-        let options = AugmentedOptions { reduction, drop_gap_term, drop_gap_slope };
-        self.run(CoordinateAugmented::new(self.direct(), options))
+        self.run(CoordinateAugmented::new(self.direct(), reduction))
     }
 
     /// All auxiliaries, those of the first slot off the foot.
@@ -144,7 +138,7 @@ proptest! {
 
     #[test]
     fn reductions_are_schur_complements(path in path()) {
-        let path = Path { drop_gap_slope: false, exact: false, ..path };
+        let path = Path { exact: false, ..path };
         let (full, first, second) =
             (path.augmented(Reduction::None), path.augmented(Reduction::First), path.augmented(Reduction::Second));
         // Off the foot, but with the multipliers that belong to it: found by solving the linear balance of the full system.
@@ -220,7 +214,7 @@ proptest! {
 
 #[test]
 fn other_rules_are_refused() {
-    let mut m = CoordinateAugmented::new(standard(FACETS), AugmentedOptions::default());
+    let mut m = CoordinateAugmented::new(standard(FACETS), Reduction::default());
     let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, -0.1]);
     m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
@@ -233,8 +227,7 @@ fn other_rules_are_refused() {
 #[test]
 fn a_slot_without_a_facet_has_identity_rows() {
     for (reduction, further) in [(Reduction::None, 4), (Reduction::First, 2), (Reduction::Second, 0)] {
-        let mut m =
-            CoordinateAugmented::new(standard(FACETS), AugmentedOptions { reduction, ..AugmentedOptions::default() });
+        let mut m = CoordinateAugmented::new(standard(FACETS), reduction);
         let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 50.0]);
         m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
         let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::Midpoint };
@@ -267,12 +260,11 @@ fn over_an_edge_the_traction_booked_is_that_of_the_equations() {
             positions(&turned, [to, 0.3, surface(&turned, to)]),
         ];
         let law = Arc::new(Coulomb::new(1e6).unwrap());
-        let spring = Friction::new(law, STIFFNESS, Stick::Penalty, MidpointFriction::B).unwrap();
+        let spring = Friction::new(law, STIFFNESS, Stick::Penalty).unwrap();
         let rough = standard(FACETS).with_friction(spring).unwrap();
-        let options = AugmentedOptions { reduction: Reduction::Second, ..AugmentedOptions::default() };
         let rule = GradientRule::Midpoint;
         let [with, without] = [rough, standard(FACETS)]
-            .map(|m| second_step(CoordinateAugmented::new(m, options), &path, rule, STEP, 0.0));
+            .map(|m| second_step(CoordinateAugmented::new(m, Reduction::Second), &path, rule, STEP, 0.0));
         let pressures = [PRESSURE, 0.0, 0.0, 0.0];
         let force = |m: &CoordinateAugmented| {
             let mut out = [0.0; 3];

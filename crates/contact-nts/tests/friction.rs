@@ -4,9 +4,7 @@ use crate::common::{path as path_of, *};
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use std::sync::Arc;
-use stoss_contact::friction::{
-    Coulomb, Friction, FrictionLaw, MidpointFriction, Regularised, StaticDynamic, Stick, SurfaceVelocity,
-};
+use stoss_contact::friction::{Coulomb, Friction, FrictionLaw, Regularised, StaticDynamic, Stick, SurfaceVelocity};
 use stoss_contact::{ContactError, Enforcement};
 use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
@@ -17,7 +15,6 @@ use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 const RULES: [GradientRule; 3] = [GradientRule::EndPoint, GradientRule::Midpoint, GradientRule::DiscreteGradient];
-const STEPPINGS: [MidpointFriction; 2] = [MidpointFriction::B, MidpointFriction::C];
 const FACETS: u32 = 6;
 const SLAVE: usize = 2 * (FACETS as usize + 1);
 const PENALTY: f64 = 40.0;
@@ -26,22 +23,16 @@ const STEP: f64 = 0.1;
 
 const QUADS: [Mesh; 2] = Mesh::PAIRS[0];
 
-fn with_law(meshes: [Mesh; 2], law: Arc<dyn FrictionLaw>, stick: Stick, stepping: MidpointFriction) -> NodeToSurface {
-    rough(standard_on(&divide(meshes), FACETS), law, stick, stepping)
+fn with_law(meshes: [Mesh; 2], law: Arc<dyn FrictionLaw>, stick: Stick) -> NodeToSurface {
+    rough(standard_on(&divide(meshes), FACETS), law, stick)
 }
 
-fn rough(smooth: NodeToSurface, law: Arc<dyn FrictionLaw>, stick: Stick, stepping: MidpointFriction) -> NodeToSurface {
-    on_belt(smooth, law, stick, stepping, false)
+fn rough(smooth: NodeToSurface, law: Arc<dyn FrictionLaw>, stick: Stick) -> NodeToSurface {
+    on_belt(smooth, law, stick, false)
 }
 
-fn on_belt(
-    smooth: NodeToSurface,
-    law: Arc<dyn FrictionLaw>,
-    stick: Stick,
-    stepping: MidpointFriction,
-    moves: bool,
-) -> NodeToSurface {
-    let friction = Friction::new(law, PENALTY, stick, stepping).unwrap();
+fn on_belt(smooth: NodeToSurface, law: Arc<dyn FrictionLaw>, stick: Stick, moves: bool) -> NodeToSurface {
+    let friction = Friction::new(law, PENALTY, stick).unwrap();
     smooth.with_friction(friction.with_surface_velocity(belt(moves))).unwrap()
 }
 
@@ -51,8 +42,8 @@ fn belt(moves: bool) -> SurfaceVelocity {
     SurfaceVelocity::new(rows)
 }
 
-fn with_coulomb(meshes: [Mesh; 2], mu: f64, stepping: MidpointFriction) -> NodeToSurface {
-    with_law(meshes, Arc::new(Coulomb::new(mu).unwrap()), Stick::Penalty, stepping)
+fn with_coulomb(meshes: [Mesh; 2], mu: f64) -> NodeToSurface {
+    with_law(meshes, Arc::new(Coulomb::new(mu).unwrap()), Stick::Penalty)
 }
 
 /// Three configurations of warped, moving facets with a gap: the node closes in the first step, and slides in it and in the second one.
@@ -61,7 +52,6 @@ struct Path {
     meshes: [Mesh; 2],
     q: [Vec<f64>; 3],
     rule: GradientRule,
-    stepping: MidpointFriction,
     /// Pressure of the first step.
     before: f64,
 }
@@ -74,14 +64,12 @@ fn path() -> impl Strategy<Value = Path> {
         (0.4..0.6_f64, 0.2..0.4_f64, 0.1..0.2_f64),
         (-0.15..0.15_f64, -0.15..0.15_f64),
         (prop_oneof![0.05..0.15_f64, 0.9..1.1_f64, 3.9..4.1_f64], 0.05..0.15_f64, -0.25..-0.15_f64),
-        (prop::sample::select(&RULES[..]), prop::sample::select(&STEPPINGS[..]), prop_oneof![Just(1.4), Just(7.0)]),
+        (prop::sample::select(&RULES[..]), prop_oneof![Just(1.4), Just(7.0)]),
     )
-        .prop_map(
-            |((shape, moved, again, meshes), (x, y, z), (dx, dy), (slide, side, depth), (rule, stepping, before))| {
-                let q = path_of(FACETS, [&shape, &moved, &again], [x, y, z], [dx, dy], [slide, side, depth]);
-                Path { meshes, q, rule, stepping, before }
-            },
-        )
+        .prop_map(|((shape, moved, again, meshes), (x, y, z), (dx, dy), (slide, side, depth), (rule, before))| {
+            let q = path_of(FACETS, [&shape, &moved, &again], [x, y, z], [dx, dy], [slide, side, depth]);
+            Path { meshes, q, rule, before }
+        })
 }
 
 impl Path {
@@ -137,7 +125,7 @@ proptest! {
     fn contributions_are_dealt_out_among_ranks(path in path(), exact: bool, ranks in prop::sample::select(vec![1u32, 2, 3, 7])) {
         let stick = if exact { Stick::Multiplier } else { Stick::Penalty };
         let law: Arc<dyn FrictionLaw> = Arc::new(Coulomb::new(0.3).unwrap());
-        let mut direct = path.run(with_law(path.meshes, law, stick, path.stepping));
+        let mut direct = path.run(with_law(path.meshes, law, stick));
         // Slots that found a facet, and one that did not.
         let active = [true; 4];
         let pressures = [3.0, 1.0, 2.0, 0.5];
@@ -155,7 +143,7 @@ proptest! {
         };
         let normal = [Enforcement::Multiplier, Enforcement::Penalty(30.0), Enforcement::Augmented(30.0)][enforcement];
         let plain = enforced_on(&divide(path.meshes), FACETS, normal);
-        let m = path.run(on_belt(plain, law, Stick::Penalty, path.stepping, moves));
+        let m = path.run(on_belt(plain, law, Stick::Penalty, moves));
         let (residual, tangent) = assembled(&m, &path.q[1], &path.q[2], PRESSURE, path.rule, true);
         let n = residual.len();
         let mut at = path.q[2].clone();
@@ -179,7 +167,7 @@ proptest! {
             0 => Arc::new(StaticDynamic::new(0.03, 0.01, 2.0).unwrap()),
             k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
         };
-        let m = on_belt(standard_on(&divide(path.meshes), FACETS), law, Stick::Multiplier, path.stepping, moves);
+        let m = on_belt(standard_on(&divide(path.meshes), FACETS), law, Stick::Multiplier, moves);
         let m = path.run(if compliant { m.with_compliant_stick() } else { m });
         let x: Vec<f64> = path.q[2].iter().chain(&[PRESSURE]).chain(&multiplier).copied().collect();
         let (n, auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
@@ -196,7 +184,7 @@ proptest! {
     #[test]
     fn a_multiplier_is_the_traction_of_the_law(path in path(), mu in 0.01..0.25_f64) {
         let solved = |mu: f64, start: [f64; 2]| {
-            let mut m = path.run(with_law(path.meshes, Arc::new(Coulomb::new(mu).unwrap()), Stick::Multiplier, path.stepping));
+            let mut m = path.run(with_law(path.meshes, Arc::new(Coulomb::new(mu).unwrap()), Stick::Multiplier));
             let mut x: Vec<f64> = path.q[2].iter().chain(&[PRESSURE]).chain(&start).copied().collect();
             let (n, mut auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
             for _ in 0..40 {
@@ -229,7 +217,7 @@ proptest! {
         multiplier in proptest::array::uniform2(-1.0..1.0_f64),
     ) {
         prop_assume!(multiplier[0].hypot(multiplier[1]) > 0.1);
-        let mut m = path.run(with_law(path.meshes, Arc::new(Coulomb::new(1e3).unwrap()), Stick::Multiplier, path.stepping));
+        let mut m = path.run(with_law(path.meshes, Arc::new(Coulomb::new(1e3).unwrap()), Stick::Multiplier));
         let mut x: Vec<f64> = path.q[2].iter().chain(&[pressure]).chain(&multiplier).copied().collect();
         let (n, mut auxiliaries) = (x.len(), vec![0.0; 2 * m.slot_count()]);
         let apart = |r: &[f64]| r[n - 2].hypot(r[n - 1]);
@@ -272,7 +260,7 @@ proptest! {
         turn in proptest::array::uniform3(-1.0..1.0_f64),
         shift in proptest::array::uniform3(-2.0..2.0_f64),
     ) {
-        let make = || with_law(path.meshes, Arc::new(Coulomb::new(coefficient(stick)).unwrap()), Stick::Multiplier, path.stepping);
+        let make = || with_law(path.meshes, Arc::new(Coulomb::new(coefficient(stick)).unwrap()), Stick::Multiplier);
         let rotation = Rotation3::new(Vector3::from(turn));
         let rotate = |v: &[f64], shift: Vector3<f64>| -> Vec<f64> {
             v.chunks_exact(3).flat_map(|x| <[f64; 3]>::from(rotation * Vector3::from_column_slice(x) + shift)).collect()
@@ -299,10 +287,9 @@ proptest! {
 
     #[test]
     fn friction_has_no_resultant_and_no_moment(path in path(), stick: bool) {
-        let m = path.run(with_coulomb(path.meshes, coefficient(stick), path.stepping));
+        let m = path.run(with_coulomb(path.meshes, coefficient(stick)));
         let forces = path.friction(&m);
         let size = forces.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
-        // The two tractions of variant C may cancel.
         prop_assume!(size > 1e-4);
         let (force, moment) = resultants(&forces, &path.q[1], &path.q[2], path.rule);
         prop_assert!(force < 1e-13 * (1.0 + size) && moment < 1e-12 * (1.0 + size), "{force:e} {moment:e}");
@@ -324,7 +311,7 @@ proptest! {
             *rotated = rotate(q, Vector3::from(shift));
         }
         let mu = coefficient(stick);
-        let (a, b) = (path.run(with_coulomb(path.meshes, mu, path.stepping)), other.run(with_coulomb(path.meshes, mu, path.stepping)));
+        let (a, b) = (path.run(with_coulomb(path.meshes, mu)), other.run(with_coulomb(path.meshes, mu)));
         let expected = rotate(&path.friction(&a), Vector3::zeros());
         let found = other.friction(&b);
         let size = expected.iter().fold(1.0_f64, |a, f| a.max(f.abs()));
@@ -348,11 +335,11 @@ proptest! {
             .chunks_exact(3)
             .flat_map(|x| <[f64; 3]>::from(rotation * Vector3::from_column_slice(x) + Vector3::from(shift)))
             .collect();
-        let m = rigid.run(with_coulomb(rigid.meshes, 1e3, rigid.stepping));
+        let m = rigid.run(with_coulomb(rigid.meshes, 1e3));
         let before = {
             let mut at_rest = rigid.clone();
             at_rest.q[2] = at_rest.q[1].clone();
-            let m = at_rest.run(with_coulomb(rigid.meshes, 1e3, rigid.stepping));
+            let m = at_rest.run(with_coulomb(rigid.meshes, 1e3));
             work(&m, &at_rest.q[2], PRESSURE, &ACTIVE)
         };
         let after = work(&m, &rigid.q[2], PRESSURE, &ACTIVE);
@@ -372,7 +359,7 @@ proptest! {
     fn dissipation_is_not_negative_and_the_energy_momentum_balance_is_exact(path in path(), mu in 0.0..2.0_f64, moves: bool) {
         let law = Arc::new(Coulomb::new(mu).unwrap());
         let plain = standard_on(&divide(path.meshes), FACETS);
-        let start = path.run(on_belt(plain, law, Stick::Penalty, path.stepping, moves));
+        let start = path.run(on_belt(plain, law, Stick::Penalty, moves));
         let w = work(&start, &path.q[2], PRESSURE, &ACTIVE);
         // What the released spring held is lost.
         let open = work(&start, &path.q[2], PRESSURE, &OPEN);
@@ -399,7 +386,7 @@ fn flat(at: [f64; 2]) -> Vec<f64> {
 #[test]
 fn on_a_flat_surface_edges_do_not_matter() {
     for rule in RULES {
-        let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::B);
+        let mut m = with_coulomb(QUADS, 0.5);
         let q_0 = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
         m.begin(&Step { reach: 10.0, ..Step::new(&q_0, rule, STEP) }).unwrap();
         let area = m.slot_weight(0);
@@ -436,7 +423,7 @@ fn on_a_flat_surface_edges_do_not_matter() {
 fn traction_turns_with_the_surface_over_edges() {
     for heights in [[0.0, 0.0, -0.5, -1.0, -1.5, -2.0, -2.5], [0.0, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5]] {
         for rule in RULES {
-            let mut m = with_coulomb(QUADS, 1e3, MidpointFriction::C);
+            let mut m = with_coulomb(QUADS, 1e3);
             let on = |x: f64| {
                 let z = if x < 1.0 { 0.0 } else { (x - 1.0) * heights[2] };
                 positions(&heights, [x, 0.3, z])
@@ -464,7 +451,7 @@ fn traction_turns_with_the_surface_over_edges() {
 
 #[test]
 fn a_node_that_comes_back_begins_anew() {
-    let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
+    let mut m = with_coulomb(QUADS, 0.5);
     let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
     let pressures = [PRESSURE, 0.0, 0.0, 0.0];
     m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
@@ -487,7 +474,7 @@ fn a_node_that_comes_back_begins_anew() {
 /// An attempt that fails leaves the report of the last step as it was; the next step that is accepted has its own.
 #[test]
 fn the_report_is_that_of_the_last_accepted_step() {
-    let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
+    let mut m = with_coulomb(QUADS, 0.5);
     let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
     let on = flat([0.42, 0.3]);
     m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
@@ -509,7 +496,7 @@ fn the_report_is_that_of_the_last_accepted_step() {
 
 #[test]
 fn history_goes_through_bytes() {
-    let mut m = with_coulomb(QUADS, 0.5, MidpointFriction::C);
+    let mut m = with_coulomb(QUADS, 0.5);
     m.begin(&Step {
         reach: 1.0,
         ..Step::new(&positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]), GradientRule::Midpoint, STEP)
@@ -519,7 +506,7 @@ fn history_goes_through_bytes() {
     m.repair(&on, &ACTIVE).unwrap();
     m.commit(&At::end(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
     let bytes = m.save_history();
-    let mut other = with_coulomb(QUADS, 0.5, MidpointFriction::C);
+    let mut other = with_coulomb(QUADS, 0.5);
     other.load_history(&bytes).unwrap();
     assert_eq!(other.save_history(), bytes);
     let next = flat([0.52, 0.33]);
@@ -536,8 +523,7 @@ fn history_goes_through_bytes() {
 
 #[test]
 fn what_has_no_friction_says_so() {
-    let friction =
-        || Friction::new(Arc::new(Coulomb::new(0.1).unwrap()), 1.0, Stick::Penalty, MidpointFriction::C).unwrap();
+    let friction = || Friction::new(Arc::new(Coulomb::new(0.1).unwrap()), 1.0, Stick::Penalty).unwrap();
     let modified = method(FACETS, ConstraintForm::Modified, stoss_contact::SearchOptions::default());
     assert!(matches!(modified.with_friction(friction()), Err(ContactError::FrictionUnavailable { .. })));
     let mut m = standard(FACETS).with_friction(friction()).unwrap();
@@ -557,7 +543,7 @@ fn augmented_multipliers_stick_exactly() {
     for rule in RULES {
         for (bound, expected) in [(10.0, 0.4), (1.5, 0.9 - 1.5 / SPRING)] {
             let law = Arc::new(Coulomb::new(bound / PRESSURE).unwrap());
-            let mut m = with_law(QUADS, law, Stick::Augmented, MidpointFriction::C);
+            let mut m = with_law(QUADS, law, Stick::Augmented);
             let (start, target) = (flat([0.4, 0.3]), 0.9);
             m.begin(&Step { reach: 1.0, ..Step::new(&start, rule, STEP) }).unwrap();
             m.repair(&start, &ACTIVE).unwrap();
@@ -592,7 +578,7 @@ fn the_paths_reach_every_kind_of_pairing() {
     let mut runner = TestRunner::deterministic();
     let mut nodes = Vec::new();
     for _ in 0..200 {
-        let m = path().new_tree(&mut runner).unwrap().current().run(with_coulomb(QUADS, 1.0, MidpointFriction::C));
+        let m = path().new_tree(&mut runner).unwrap().current().run(with_coulomb(QUADS, 1.0));
         m.stencils(&ACTIVE, &mut |stencil, _| nodes.push(stencil.len()));
     }
     for kind in [5, 7, 13] {
@@ -621,7 +607,7 @@ fn the_slip_is_that_of_the_coordinates_to_second_order() {
         for (i, d) in [0.8, 0.5, -0.2].iter().enumerate() {
             end[3 * SLAVE + i] += size * d;
         }
-        let mut m = with_coulomb(QUADS, 1e3, MidpointFriction::C);
+        let mut m = with_coulomb(QUADS, 1e3);
         m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, STEP) }).unwrap();
         m.repair(&end, &ACTIVE).unwrap();
         let (residual, _) = assembled(&m, &q, &end, 0.0, GradientRule::EndPoint, false);

@@ -3,12 +3,10 @@
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_contact::friction::{
-    Coulomb, Friction, FrictionEntry, FrictionLaw, FrictionPoint, LAWS, MidpointFriction, Regularised, Sliding,
-    StaticDynamic, Stick,
+    Coulomb, Friction, FrictionEntry, FrictionLaw, FrictionPoint, LAWS, Regularised, Sliding, StaticDynamic, Stick,
 };
 
 const PENALTY: f64 = 40.0;
-const STEPPINGS: [MidpointFriction; 2] = [MidpointFriction::B, MidpointFriction::C];
 
 /// The largest traction over pressure of a row with the examples as parameters.
 fn largest(entry: &FrictionEntry) -> Option<f64> {
@@ -39,28 +37,22 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
-    fn derivatives_of_the_step(point in point(), law in 0..LAWS.len(), stepping in 0..3_usize) {
+    fn derivatives_of_the_step(point in point(), law in 0..LAWS.len()) {
         let law = Arc::clone(&laws()[law]);
         let friction =
-            Friction::new(law, PENALTY, Stick::Penalty, *STEPPINGS.get(stepping).unwrap_or(&MidpointFriction::C)).unwrap();
-        let at_end = stepping == 2;
-        let step = friction.step(at_end, &point);
+            Friction::new(law, PENALTY, Stick::Penalty).unwrap();
+        let step = friction.step(&point);
         const H: f64 = 1e-6;
         let kink = std::cell::Cell::new(false);
         let difference = |change: &dyn Fn(&mut FrictionPoint, f64)| -> [f64; 2] {
             let at = |h: f64| {
                 let mut moved = point;
                 change(&mut moved, h);
-                friction.step(at_end, &moved)
+                friction.step(&moved)
             };
             let (ahead, behind) = (at(H), at(-H));
-            // Neither the end nor the start of variant C may change its branch between the three points.
-            let start = |p: &FrictionPoint| {
-                let at = Sliding { pressure: p.pressure, slip: norm(p.slip), step_size: p.step_size, slid: p.slid };
-                norm(p.history) <= friction.law().coefficient(&at).value * p.pressure
-            };
-            let starts = [-4.0 * H, 4.0 * H].map(|h| { let mut p = point; change(&mut p, h); start(&p) });
-            let here = at(4.0 * H).sticks != at(-4.0 * H).sticks || starts[0] != starts[1] || point.pressure.abs() < 1e-5;
+            // The branch may not change between the three points.
+            let here = at(4.0 * H).sticks != at(-4.0 * H).sticks || point.pressure.abs() < 1e-5;
             kink.set(kink.get() || here);
             std::array::from_fn(|i| (ahead.force[i] - behind.force[i]) / (2.0 * H))
         };
@@ -86,38 +78,36 @@ proptest! {
     fn a_path_never_gains_energy(
         path in proptest::collection::vec((vector(0.1), -0.5..5.0_f64), 1..30),
         law in 0..LAWS.len(),
-        stepping in 0..3_usize,
     ) {
         let largest = largest(&LAWS[law]);
         let law = Arc::clone(&laws()[law]);
         let friction =
-            Friction::new(law, PENALTY, Stick::Penalty, *STEPPINGS.get(stepping).unwrap_or(&MidpointFriction::C)).unwrap();
-        let at_end = stepping == 2;
+            Friction::new(law, PENALTY, Stick::Penalty).unwrap();
         let mut history = [0.0; 2];
         for (slip, pressure) in path {
             let before = friction.stored(history);
-            let step = friction.step(at_end, &FrictionPoint { history, slip, pressure, step_size: 0.05, slid: 0.0, stiffening: 1.0, yielded: [0.0; 2] });
+            let step = friction.step(&FrictionPoint { history, slip, pressure, step_size: 0.05, slid: 0.0, stiffening: 1.0, yielded: [0.0; 2] });
             let scale = before + step.stored + step.work.abs();
             prop_assert!(step.dissipated >= -1e-15 * scale, "dissipated {:e} of {scale:e}", step.dissipated);
             // What it stands for.
             let rest = step.work + before - step.stored - step.dissipated;
             prop_assert!(rest.abs() <= 1e-14 * (1.0 + scale), "work {:e}, rest {rest:e}", step.work);
-            // The force and the history of every reading are in the cone.
+            // The force is in the cone.
             if let Some(largest) = largest {
-                prop_assert!(norm(step.force).max(norm(step.end)) <= largest * pressure.max(0.0) + 1e-13);
+                prop_assert!(norm(step.force) <= largest * pressure.max(0.0) + 1e-13);
             }
-            history = step.end;
+            history = step.force;
         }
     }
 
     #[test]
     fn an_augmented_multiplier_settles_at_coulombs_law(slip in vector(0.1), history in vector(2.0), pressure in 0.1..5.0_f64) {
         let friction =
-            Friction::new(Arc::new(Coulomb::new(0.4).unwrap()), PENALTY, Stick::Augmented, MidpointFriction::C).unwrap();
+            Friction::new(Arc::new(Coulomb::new(0.4).unwrap()), PENALTY, Stick::Augmented).unwrap();
         prop_assume!(norm(slip) > 1e-2);
         let mut multiplier = history;
         for _ in 0..400 {
-            multiplier = friction.step(false, &FrictionPoint { history: multiplier, slip, pressure, step_size: 1.0, slid: 0.0, stiffening: 1.0, yielded: [0.0; 2] }).force;
+            multiplier = friction.step(&FrictionPoint { history: multiplier, slip, pressure, step_size: 1.0, slid: 0.0, stiffening: 1.0, yielded: [0.0; 2] }).force;
         }
         for i in 0..2 {
             prop_assert!((multiplier[i] - 0.4 * pressure * slip[i] / norm(slip)).abs() < 1e-9);
@@ -131,10 +121,10 @@ proptest! {
 #[test]
 fn exact_stick_dissipates_nothing() {
     for stick in [Stick::Augmented, Stick::Multiplier] {
-        let friction = Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 100.0, stick, MidpointFriction::C).unwrap();
+        let friction = Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 100.0, stick).unwrap();
         let step = |history: [f64; 2], slip: [f64; 2]| {
             let (step_size, slid, stiffening, yielded) = (0.1, 0.0, 1.0, [0.0; 2]);
-            friction.step(false, &FrictionPoint { history, slip, pressure: 4.0, step_size, slid, stiffening, yielded })
+            friction.step(&FrictionPoint { history, slip, pressure: 4.0, step_size, slid, stiffening, yielded })
         };
         for slip in [-1e-17, 1e-17, -1e-3, 1e-3] {
             let s = step([1.0, 0.5], [slip, 0.0]);
@@ -154,8 +144,7 @@ fn exact_stick_dissipates_nothing() {
 /// What the compliance of a multiplier takes of the slip is stored and not dissipated, but for what backward Euler loses.
 #[test]
 fn a_compliance_takes_its_part_of_the_slip() {
-    let friction =
-        Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 100.0, Stick::Multiplier, MidpointFriction::C).unwrap();
+    let friction = Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 100.0, Stick::Multiplier).unwrap();
     let compliance = 0.1;
     let (start, pressure): (f64, f64) = (1.0, 4.0);
     for (slip, traction) in [(0.0005, 1.5), (0.003, 2.0)] {
@@ -164,7 +153,7 @@ fn a_compliance_takes_its_part_of_the_slip() {
         let history = [start + friction.share(compliance) * increment, 0.0];
         let point =
             FrictionPoint { history, slip: [slip, 0.0], pressure, step_size: 0.1, slid: 0.0, stiffening: 1.0, yielded };
-        let s = friction.step(true, &point);
+        let s = friction.step(&point);
         assert!((s.force[0] - traction).abs() < 1e-14, "converged: {s:?}");
         let stored = |t: f64| friction.stored_by(compliance, [t, 0.0]);
         let dissipated = s.dissipated + stored(increment);
@@ -177,39 +166,30 @@ fn a_compliance_takes_its_part_of_the_slip() {
 /// A point slides there and back on a line: closed forms of the return mapping (theory/friction#eq-return).
 #[test]
 fn there_and_back() {
-    let friction =
-        |stepping| Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 100.0, Stick::Penalty, stepping).unwrap();
-    let step = |f: &Friction, at_end, history: f64, slip: f64, pressure| {
-        f.step(
-            at_end,
-            &FrictionPoint {
-                history: [history, 0.0],
-                slip: [slip, 0.0],
-                pressure,
-                step_size: 1.0,
-                slid: 0.0,
-                stiffening: 1.0,
-                yielded: [0.0; 2],
-            },
-        )
+    let friction = Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 100.0, Stick::Penalty).unwrap();
+    let step = |history: f64, slip: f64, pressure| {
+        friction.step(&FrictionPoint {
+            history: [history, 0.0],
+            slip: [slip, 0.0],
+            pressure,
+            step_size: 1.0,
+            slid: 0.0,
+            stiffening: 1.0,
+            yielded: [0.0; 2],
+        })
     };
-    let c = friction(MidpointFriction::C);
-    // Stick: 100 * 0.01 = 1 < 0.5 * 4; the mean of 0 and 1 is the force, all work is stored.
-    let s = step(&c, false, 0.0, 0.01, 4.0);
-    assert!(s.sticks && s.force == [0.5, 0.0] && s.end == [1.0, 0.0]);
-    assert!((s.work - s.stored).abs() < 1e-17 && (s.stored - 0.005).abs() < 1e-17);
+    // Stick: 100 * 0.01 = 1 < 0.5 * 4; backward Euler takes half of what the traction at the end works.
+    let s = step(0.0, 0.01, 4.0);
+    assert!(s.sticks && s.force == [1.0, 0.0]);
+    assert!((s.work - 0.01).abs() < 1e-17 && (s.stored - 0.005).abs() < 1e-17 && (s.dissipated - 0.005).abs() < 1e-17);
     // On to slip at 2: trial 6.
-    let s = step(&c, false, 1.0, 0.05, 4.0);
-    assert!(!s.sticks && s.force == [1.5, 0.0] && s.end == [2.0, 0.0]);
-    // Unloading while the pressure falls to 2: the start is cut to 1, the trial is -1, just admissible.
-    let s = step(&c, false, 2.0, -0.02, 2.0);
-    assert!(s.force == [0.0, 0.0] && s.end == [-1.0, 0.0]);
-    // At the end point the mean is not taken.
-    assert_eq!(step(&c, true, 1.0, 0.05, 4.0).force, [2.0, 0.0]);
-    let s = step(&friction(MidpointFriction::B), false, 1.0, 0.05, 4.0);
-    assert!(s.force == [2.0, 0.0] && s.end == [2.0, 0.0]);
+    let s = step(1.0, 0.05, 4.0);
+    assert!(!s.sticks && s.force == [2.0, 0.0]);
+    // Unloading while the pressure falls to 2: the trial is 0.
+    let s = step(2.0, -0.02, 2.0);
+    assert!(s.sticks && s.force == [0.0, 0.0] && s.stored == 0.0 && (s.dissipated - 0.02).abs() < 1e-17);
     // No pressure, no friction.
-    assert_eq!(step(&c, true, 1.0, 0.05, -1.0).force, [0.0, 0.0]);
+    assert_eq!(step(1.0, 0.05, -1.0).force, [0.0, 0.0]);
 }
 
 #[test]
@@ -235,8 +215,7 @@ fn laws_at_known_speeds() {
 /// The branch of a law without stick that Newton's method may look along is its tangent at rest.
 #[test]
 fn the_branch_of_a_smooth_law_is_its_tangent_at_rest() {
-    let friction =
-        Friction::new(Arc::new(Regularised::new(0.5, 0.3).unwrap()), 10.0, Stick::Penalty, MidpointFriction::C);
+    let friction = Friction::new(Arc::new(Regularised::new(0.5, 0.3).unwrap()), 10.0, Stick::Penalty);
     let (friction, step_size) = (friction.unwrap(), 0.1);
     let at = |slip: [f64; 2]| FrictionPoint {
         history: [0.0; 2],
@@ -250,13 +229,13 @@ fn the_branch_of_a_smooth_law_is_its_tangent_at_rest() {
     // mu p / (speed h), however large the slip.
     let stiffness = 0.5 * 2.0 / (0.3 * step_size);
     for slip in [[1e-9, 0.0], [0.4, -0.3]] {
-        let branch = friction.sticking_step(false, &at(slip));
+        let branch = friction.sticking_step(&at(slip));
         for i in 0..2 {
             assert!((branch.force[i] - stiffness * slip[i]).abs() <= 1e-14 * stiffness, "{branch:?}");
             assert!((branch.d_slip[i][i] - stiffness).abs() <= 1e-14 * stiffness && branch.d_slip[i][1 - i] == 0.0);
         }
     }
-    let (small, branch) = (friction.step(false, &at([1e-9, 0.0])), friction.sticking_step(false, &at([1e-9, 0.0])));
+    let (small, branch) = (friction.step(&at([1e-9, 0.0])), friction.sticking_step(&at([1e-9, 0.0])));
     assert!((small.force[0] / branch.force[0] - 1.0).abs() < 1e-14);
 }
 
@@ -264,11 +243,11 @@ fn the_branch_of_a_smooth_law_is_its_tangent_at_rest() {
 #[test]
 fn reported_slip_of_springs_and_of_laws_without_stick() {
     let slip_of = |law: Arc<dyn FrictionLaw>, stiffness: f64| {
-        let friction = Friction::new(law, stiffness, Stick::Penalty, MidpointFriction::B).unwrap();
+        let friction = Friction::new(law, stiffness, Stick::Penalty).unwrap();
         let (pressure, step_size, slid) = (2.0, 0.1, 0.0);
         let (history, slip, yielded) = ([0.0; 2], [0.05, -0.02], [0.0; 2]);
         let point = FrictionPoint { history, slip, pressure, step_size, slid, stiffening: 1.0, yielded };
-        friction.slot_friction(&friction.step(true, &point), history, slip, [pressure, slid, step_size])
+        friction.slot_friction(&friction.step(&point), history, slip, [pressure, slid, step_size])
     };
     for stiffness in [1.0, 1e6] {
         let smooth = slip_of(Arc::new(Regularised::new(0.5, 0.3).unwrap()), stiffness);
@@ -286,6 +265,6 @@ fn parameters_out_of_range_are_errors() {
     assert!(StaticDynamic::new(0.2, 0.3, 1.0).is_err() && StaticDynamic::new(0.3, 0.2, 0.0).is_err());
     assert!(Regularised::new(0.3, 0.0).is_err());
     let coulomb = Arc::new(Coulomb::new(0.1).unwrap());
-    let error = Friction::new(coulomb, 0.0, Stick::Penalty, MidpointFriction::C).unwrap_err();
+    let error = Friction::new(coulomb, 0.0, Stick::Penalty).unwrap_err();
     assert_eq!(error.to_string(), "friction parameter `penalty` must be positive, but is 0");
 }

@@ -116,12 +116,7 @@ fn all_sizes_of_the_system_have_the_same_solution() {
             };
             let second = at("");
             assert!(second.contact_steps() > 3);
-            for options in [
-                "reduction = \"none\"",
-                "reduction = \"first\"",
-                "reduction = \"second\"",
-                "reduction = \"second\"\ndrop_gap_slope = true",
-            ] {
+            for options in ["reduction = \"none\"", "reduction = \"first\"", "reduction = \"second\""] {
                 let other = at(options);
                 let far = distance(&second, &other);
                 assert!(far < 1e-9, "{scheme} {step} {options} {friction}: {far:e}");
@@ -162,7 +157,7 @@ fn it_agrees_with_the_direct_form() {
 
 #[test]
 fn momenta_are_constant() {
-    for options in ["reduction = \"none\"", "", "drop_gap_term = true"] {
+    for options in ["reduction = \"none\"", ""] {
         for (scheme, friction) in ["midpoint", "energy-momentum"].iter().flat_map(|s| [(s, FRICTION), (s, EXACT)]) {
             let found = run(impact(scheme, 0.2, 20.0, &cat(options, friction)));
             let [linear, angular] = found.drifts();
@@ -178,18 +173,6 @@ fn momenta_are_constant() {
         let found = run(impact("backward-euler", 0.02, 6.0, &cat(options, FRICTION)));
         assert!(found.drifts()[0] < 1e-11, "{:e}", found.drifts()[0]);
     }
-}
-
-/// Thesis (5.117), without `b_f p`: another scheme at the midpoint, though hardly.
-#[test]
-fn the_dropped_term_matters_at_the_midpoint_only() {
-    let far = |scheme: &str, step: f64| {
-        let [a, b] = ["", "drop_gap_term = true"].map(|o| run(impact(scheme, step, 6.0, &cat(o, FRICTION))));
-        distance(&a, &b)
-    };
-    assert!(far("backward-euler", 0.02) < 1e-9);
-    let found = far("midpoint", 0.05);
-    assert!(found > 1e-12 && found < 1e-4, "{found:e}");
 }
 
 /// Over the edges of many facets; at the end point every step is that of the direct form.
@@ -337,9 +320,7 @@ master = "a.top"
     let scene = stoss::scene::parse(&base("trapezoidal", "method = \"cat\""), "test.toml").unwrap();
     let errors = stoss::build::build(&scene, std::path::Path::new(".")).unwrap_err().to_string();
     assert!(errors.contains("contact[0].method") && errors.contains("`trapezoidal`"), "{errors}");
-    for option in ["reduction = \"first\"", "drop_gap_term = true", "drop_gap_slope = true"] {
-        let text = base("midpoint", &format!("method = \"nts\"\n{option}"));
-        let errors = stoss::scene::parse(&text, "test.toml").unwrap_err().to_string();
-        assert!(errors.contains("`cat`"), "{errors}");
-    }
+    let text = base("midpoint", "method = \"nts\"\nreduction = \"first\"");
+    let errors = stoss::scene::parse(&text, "test.toml").unwrap_err().to_string();
+    assert!(errors.contains("`cat`"), "{errors}");
 }

@@ -75,7 +75,6 @@ fn full_slip_has_the_coefficient() {
         for options in [
             "penalty = 1e4, slip = \"objective\"",
             "penalty = 1e4, slip = \"direct\"",
-            "penalty = 1e4, slip = \"yang\"",
             "penalty = 1e4, stick = \"augmented\"",
             "stick = \"multiplier\"",
         ] {

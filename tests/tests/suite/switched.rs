@@ -6,8 +6,8 @@ use stoss::build::build;
 use stoss::solver::Simulation;
 
 /// How two blocks are connected.
-const METHODS: [&str; 9] =
-    ["nts", "nts, penalty", "cat", "mortar", "mortar, dual", "mortar, near", "tie", "tie, frame-invariant", "general"];
+const METHODS: [&str; 8] =
+    ["nts", "nts, penalty", "cat", "mortar", "mortar, dual", "tie", "tie, frame-invariant", "general"];
 
 /// Schemes, and statics.
 const SCHEMES: [&str; 4] = ["", "energy-momentum", "backward-euler", "midpoint"];
@@ -69,7 +69,7 @@ impl Case {
             (_, 0) => "",
             ("general", _) => "friction = 0.2\n",
             (_, 1) => "friction = { law = \"coulomb\", mu = 0.3 }\n",
-            _ => "friction = { law = \"coulomb\", mu = 0.3, stick = \"penalty\", midpoint = \"b\" }\n",
+            _ => "friction = { law = \"coulomb\", mu = 0.3, stick = \"penalty\" }\n",
         };
         let pair = |keys: &str| {
             format!("[[contact]]\nname = \"pair\"\nslave = \"up.bottom\"\nmaster = \"low.top\"\n{keys}\n{friction}")
@@ -81,7 +81,6 @@ impl Case {
             "cat" => pair("method = \"cat\""),
             "mortar" => pair("method = \"mortar\"\nmultipliers = \"standard\""),
             "mortar, dual" => pair("method = \"mortar\"\nmultipliers = \"dual\""),
-            "mortar, near" => pair("method = \"mortar\"\nnearness = 6"),
             "tie" => tie("constant"),
             "tie, frame-invariant" => tie("frame-invariant"),
             _ => format!("[general_contact]\n{friction}"),

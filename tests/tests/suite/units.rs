@@ -171,7 +171,7 @@ method = "mortar"
 slave = "upper.bottom"
 master = "lower.top"
 multipliers = "dual"
-friction = { law = "coulomb", mu = 0.2, penalty = 1e4, midpoint = "b" }
+friction = { law = "coulomb", mu = 0.2, penalty = 1e4 }
 "#;
 
 const TIE: &str = r#"

@@ -160,8 +160,7 @@ impl NodeFriction<'_> {
             let at_n = slot.facet(if at_end { Some(group) } else { old }, step.q_n);
             let end = slot.facet(Some(group), step.q_np1);
             let x = if at_end {
-                let h = if self.measure == SlipMeasure::Yang { slot.facet(old, step.q_np1)[0] } else { at_n[0] };
-                [end[0], end[1], end[2], h]
+                [end[0], end[1], end[2], at_n[0]]
             } else {
                 let mean = |k: usize| std::array::from_fn(|i| 0.5 * (at_n[k][i] + end[k][i]));
                 [mean(0), mean(1), mean(2), [0.0; 3]]
@@ -185,9 +184,9 @@ impl NodeFriction<'_> {
         let trial = [0, 1].map(|i| history[i] + self.friction.share(self.compliance) * multiplier[i]);
         let yielded = [0, 1].map(|i| (history[i] + multiplier[i] - trial[i]) / self.friction.stiffness());
         let point = FrictionPoint { history: trial, slip: node.slip, pressure, step_size, slid, stiffening, yielded };
-        let done = self.friction.step(at_end, &point);
+        let done = self.friction.step(&point);
         let branch = self.reversed.then(|| {
-            let branch = self.friction.sticking_step(at_end, &point);
+            let branch = self.friction.sticking_step(&point);
             (branch, node.vector([0, 1].map(|i| branch.force[i] - done.force[i])))
         });
         // Nothing is known of the slip of a node without a partner at the start: it has the traction of the start, which is zero.
@@ -202,19 +201,14 @@ impl NodeFriction<'_> {
         self.start.facets().iter().find(|old| old.facet == group.facet)
     }
 
-    /// Whether slip is measured with the weights of the end, which move with the iterate.
-    fn weights_of_end(&self, at_end: bool) -> bool {
-        at_end && self.measure != SlipMeasure::Yang
-    }
-
     /// Covered area that a weighted slip is divided by.
     fn support(&self, slot: &Slot, at_end: bool) -> f64 {
-        if self.weights_of_end(at_end) { slot.support } else { self.area }
+        if at_end { slot.support } else { self.area }
     }
 
     /// Whether the slip of the step can be measured: with the weights of the start the node must have had a partner.
     fn has_slip(&self, at_end: bool) -> bool {
-        self.weights_of_end(at_end) || self.area > 0.0
+        at_end || self.area > 0.0
     }
 
     /// Way of the master's surface beside its mesh in the step, where slip can be measured.
@@ -357,7 +351,7 @@ impl NodeFriction<'_> {
                 }
             }
         }
-        if self.weights_of_end(at_end) {
+        if at_end {
             slot.for_each_support_derivative(|column, d| {
                 traction.chunks_exact_mut(n).zip(&of.of_support).for_each(|(row, t)| row[column] += t * d);
             });
@@ -428,19 +422,18 @@ impl NodeFriction<'_> {
         }
         // Of the weights, in the gap vector at the end and in that at the start.
         let [origin, origin_n] = [step.q_np1, step.q_n].map(|q| position(q, slot.nodes[0]));
-        let weights_of_end = self.weights_of_end(at_end);
         for (k, row) in group.derivative.chunks_exact(n).enumerate() {
             let (x, x_n) = (position(step.q_np1, slot.nodes[k]) - origin, position(step.q_n, slot.nodes[k]) - origin_n);
             for (column, d) in row.iter().enumerate().filter(|(_, d)| **d != 0.0) {
                 for i in 0..3 {
                     motion[i * n + column] += x[i] * d;
-                    if weights_of_end {
+                    if at_end {
                         motion[(9 + i) * n + column] += x_n[i] * d;
                     }
                 }
             }
         }
-        if weights_of_end {
+        if at_end {
             return;
         }
         for (k, w) in self.old(group).into_iter().flat_map(|old| &old.weights).enumerate() {

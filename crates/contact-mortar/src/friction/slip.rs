@@ -1,8 +1,7 @@
 //! Slip and friction force of one slave node as functions of gap vectors and diagonals (theory/friction#mortar).
 //!
 //! Each slave facet `e` around the node has four arguments: its part `g` of the node's weighted gap vector, the diagonals `d_1`, `d_2`, and, where
-//! integrals move, `h`: the gap vector that `g` is compared with. That is the one of the positions of the start with the weights of the end, or for
-//! `Yang` that of the positions of the end with the weights of the start.
+//! integrals move, `h`: the gap vector that `g` is compared with. That is the one of the positions of the start with the weights of the end.
 
 use stoss_contact::dual::{Scalar, V3, cross, dot, unit};
 
@@ -16,9 +15,6 @@ pub enum SlipMeasure {
     /// Change of the gap vector, the thesis's measure (5.124) with the force (4.139), theory/friction#eq-direct. A rotation with a gap counts as slip; the moment of the force
     /// is the sum of `g x tau`.
     Direct,
-    /// Change of the integrals at the positions of the end, theory/friction#eq-yang: (4.128) of the thesis with the sign corrected; the force is that of `Direct`. Objective. Needs
-    /// integrals that move in the step.
-    Yang,
 }
 
 /// Vectors `g`, `d_1`, `d_2`, `h` of one facet, of which its slip is made (theory/friction#mortar).
@@ -54,7 +50,6 @@ impl SlipMeasure {
         let increment = if at_end { minus(g, g_n) } else { twice(minus(g, g_n)) };
         match self {
             Self::Direct => increment,
-            Self::Yang => minus(h, g),
             Self::Objective => {
                 let d = [d_1, d_2];
                 let s: [T; 2] = std::array::from_fn(|a| {
@@ -141,7 +136,6 @@ mod tests {
             let slip = |measure: SlipMeasure, at_end, x| Vector3::from(measure.slip(at_end, &x, &plain(&start))).amax();
             prop_assert!(slip(SlipMeasure::Objective, false, full(&mid, Vector3::zeros())) < 1e-13);
             prop_assert!(slip(SlipMeasure::Objective, true, full(&end, start[0])) < 1e-13);
-            prop_assert!(slip(SlipMeasure::Yang, true, full(&end, end[0])) < 1e-13);
             let turned = (end[0] - start[0]).amax();
             prop_assert!((slip(SlipMeasure::Direct, true, full(&end, start[0])) - turned).abs() < 1e-13);
         }

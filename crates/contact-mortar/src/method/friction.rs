@@ -26,7 +26,7 @@ impl MortarContact {
     ///
     /// # Errors
     /// [`ContactError::FrictionUnavailable`] with the modified constraint: its nodes bounce at every step, so that nothing sticks.
-    /// `begin` refuses the other rules, and [`SlipMeasure::Yang`] under those whose integrals stay.
+    /// `begin` refuses the other rules.
     pub fn with_friction(mut self, friction: Friction, measure: SlipMeasure) -> Result<Self, ContactError> {
         let count = self.surfaces.rows.len();
         let (points, compliance) = (vec![PointHistory::default(); count], vec![0.0; count]);
@@ -73,19 +73,8 @@ impl MortarContact {
     /// Starts a step with the slots at `q_n`.
     pub(crate) fn begin_friction(&mut self) -> Result<(), ContactError> {
         let Some(surface) = &mut self.friction else { return Ok(()) };
-        let what = match self.rule {
-            GradientRule::EndPoint => None,
-            GradientRule::Midpoint | GradientRule::DiscreteGradient if surface.measure == SlipMeasure::Yang => {
-                Some(format!(
-                    "slip measure `yang` and rule {:?}: it needs integrals that move in the step, and these are fixed",
-                    self.rule
-                ))
-            }
-            GradientRule::Midpoint | GradientRule::DiscreteGradient => None,
-            rule @ (GradientRule::StartPoint | GradientRule::EndPointMean) => Some(format!("the rule {rule:?}")),
-        };
-        if let Some(what) = what {
-            return Err(ContactError::FrictionUnavailable { what });
+        if let rule @ (GradientRule::StartPoint | GradientRule::EndPointMean) = self.rule {
+            return Err(ContactError::FrictionUnavailable { what: format!("the rule {rule:?}") });
         }
         surface.rounds = 0;
         let start = &self.step.start;
@@ -152,9 +141,7 @@ impl MortarContact {
     fn slip_area(&self, slot: usize) -> f64 {
         let of = |slots: &[Slot]| slots.get(slot).map_or(0.0, |slot| slot.support);
         let (start, present) = (of(&self.step.start), of(self.friction_slots()));
-        let yang = self.friction.as_ref().is_some_and(|surface| surface.measure == SlipMeasure::Yang);
         match self.rule {
-            GradientRule::EndPoint if yang => start,
             GradientRule::EndPoint => present,
             GradientRule::StartPoint
             | GradientRule::Midpoint
@@ -246,7 +233,7 @@ impl MortarContact {
             let converged =
                 ConvergedPoint { multiplier: point.start, slip: state.slip, pressure: pressures[slot], edge, far };
             let (iteration, start) = (&mut point.iteration, &mut point.start);
-            round.visit(iteration, &surface.friction, &state.step, &converged, state.step.end, start);
+            round.visit(iteration, &surface.friction, &state.step, &converged, state.step.force, start);
         }
         round.finish()
     }
@@ -279,7 +266,7 @@ impl MortarContact {
             let uncovered = before - support * energy(point.start);
             // Of the compliance of multipliers, whose spring is loaded by backward Euler.
             let yielding = surface.friction.stored_by(compliance, point.multiplier);
-            let stored = support * energy(step.end);
+            let stored = support * energy(step.force);
             total += Work {
                 stored,
                 dissipated: support * (step.dissipated + yielding) + uncovered,
@@ -303,7 +290,7 @@ impl MortarContact {
             let (point, step_size) = (&mut surface.points[slot], surface.step_size);
             let (start, slid) = (point.start, point.slid);
             *point = state.map_or_else(PointHistory::default, |state| PointHistory {
-                committed: if sliver { [0.0; 2] } else { state.step.end },
+                committed: if sliver { [0.0; 2] } else { state.step.force },
                 slid: point.slid + if state.step.sticks { 0.0 } else { norm(state.slip) },
                 support,
                 last: Some(surface.friction.slot_friction(

@@ -59,7 +59,7 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 /// * with rates a penetration that a node has at its start is kept, for to push it out would give energy; in statics gaps are closed;
 /// * under [`GradientRule::EndPoint`] the force of dynamics is the gradient of the weighted gap, which does no work on a closed row. Statics has the gradient at fixed weights: where facets are large against
 ///   the depth the other one has limit points, at which nodes slide out of the overlap instead of carrying;
-/// * [`MortarOptions::nearness`], where it is not given;
+/// * whether near points at sharp edges count more than far ones ([`crate::Factors::nearness`]): in statics;
 /// * crosspoints: slave nodes whose motion along their normal is given by something else that acts at present ([`stoss_term::Support::given`]), on facets that have other nodes too, have no multiplier. Their functions go to
 ///   the other nodes of the facet: beside a finer master they would be harmless, beside a coarser one there would be more pressures than motions. A surface that is given as a whole (a rigid tool)
 ///   keeps its multipliers.
@@ -77,8 +77,8 @@ pub struct MortarContact {
     step_size: f64,
     /// Whether the step has inertia.
     has_rates: bool,
-    /// Whether a surface has sharp edges.
-    is_sharp: bool,
+    /// Whether statics weighs near points more: a surface has sharp edges, and no factors were given.
+    weighs_near_points: bool,
     /// Stress per length, see [`MortarContact::with_stiffness`].
     pub(crate) stiffness: f64,
     /// Distances that rows keep by themselves.
@@ -118,9 +118,9 @@ impl MortarContact {
         let factors = Factors {
             facing: true,
             deepest: if sharp || thinner.is_finite() { thinner.min(DEEPEST * h) } else { f64::INFINITY },
-            nearness: if sharp { options.nearness.unwrap_or_default() / h } else { 0.0 },
+            nearness: 0.0,
         };
-        let integration = Integration { space: options.space, rule: options.rule, factors };
+        let integration = Integration { space: options.space, factors };
         let (smooth_parts, smooth_part_count) = smooth_parts(&master, &master_normals);
         let rows = rows(&slave, &normals, smooth_part_count);
         let without = vec![false; slave.nodes().len()];
@@ -148,7 +148,7 @@ impl MortarContact {
             rule: GradientRule::EndPoint,
             step_size: 0.0,
             has_rates: false,
-            is_sharp: sharp,
+            weighs_near_points: sharp,
             stiffness: 0.0,
             step: StepState { q_n: reference.to_vec(), ..StepState::default() },
             end: Integrated::default(),
@@ -162,9 +162,8 @@ impl MortarContact {
     /// What differs from step to step beside positions.
     fn take(&mut self, step: &Step<'_>) {
         (self.rule, self.step_size, self.has_rates) = (step.rule, step.dt, step.rates);
-        if self.is_sharp {
-            let nearness = self.options.nearness.unwrap_or(if step.rates { 0.0 } else { NEARNESS });
-            self.surfaces.integration.factors.nearness = nearness / self.length();
+        if self.weighs_near_points {
+            self.surfaces.integration.factors.nearness = if step.rates { 0.0 } else { NEARNESS / self.length() };
         }
         self.surfaces.without = self.crosspoints(step.support);
         self.begin_friction_step(step);
@@ -260,8 +259,7 @@ impl MortarContact {
     #[must_use]
     pub fn with_factors(mut self, factors: Factors) -> Self {
         self.surfaces.integration.factors = factors;
-        self.options.nearness = Some(factors.nearness * self.length());
-        self.is_sharp = factors.nearness > 0.0;
+        self.weighs_near_points = false;
         self
     }
 

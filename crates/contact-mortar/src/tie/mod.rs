@@ -35,9 +35,7 @@ mod method;
 mod rows;
 mod stages;
 
-use crate::{
-    CheckExtent, Faces, MortarError, MortarMatrices, MultiplierSpace, SurfaceCoverage, TriangleRule, segment_surfaces,
-};
+use crate::{CheckExtent, Faces, MortarError, MortarMatrices, MultiplierSpace, SurfaceCoverage, segment_surfaces};
 use frame::NodeFrame;
 use rows::{ConstraintRow, constraint_rows};
 use stages::Stages;
@@ -75,8 +73,6 @@ pub struct TieOptions {
     pub form: TieForm,
     /// Functions of the multipliers.
     pub space: MultiplierSpace,
-    /// Rule and map of the integrals.
-    pub rule: TriangleRule,
     /// Treatment of an initial gap.
     pub interface: Interface,
     /// Largest distance at which facets are tied; by default the longer of the two surfaces' mean edges.
@@ -203,7 +199,7 @@ impl MeshTie {
             if let Some(fault) = coverage.faults.first() {
                 return Err(MortarError::Coverage { count: coverage.faults.len(), facet: fault.slave_facet });
             }
-            let matrices = MortarMatrices::assemble(&slave, &master, faces, &q, &segments, options.space, options.rule);
+            let matrices = MortarMatrices::assemble(&slave, &master, faces, &q, &segments, options.space);
             if matrices.weights.iter().all(|w| *w <= 0.0) {
                 return Err(MortarError::Apart { reach });
             }

@@ -1,7 +1,7 @@
 //! One slot's element: residual and tangent of the full augmented system, and their reductions (theory/coordinate-augmentation#full).
 
+use super::Reduction;
 use super::constraints::{Constraints, UNKNOWNS};
-use super::{AugmentedOptions, Reduction};
 use crate::crossing::{MAX_NODES, component};
 use crate::friction::{FrictionElement, FrictionState};
 use crate::kinematics::{Gap, LOCAL, NODES};
@@ -113,7 +113,7 @@ pub(crate) struct Equations<'a> {
     pub n: usize,
     /// Multipliers of the friction, 0 or 2.
     pub frictional: usize,
-    pub options: AugmentedOptions,
+    pub reduction: Reduction,
 }
 
 /// Residual and row-major tangent with `n + 5` unknowns (positions, pressure, coordinates, multipliers) and two more after the pressure, the
@@ -127,8 +127,7 @@ impl Equations<'_> {
     /// Multipliers `lambda_A` for which the coordinates' row vanishes, theory/coordinate-augmentation#eq-first.
     pub fn multipliers(&self) -> Option<[f64; 2]> {
         let b = self.force.gap_by_coordinates();
-        let p = if self.options.drop_gap_term { 0.0 } else { self.pressure };
-        solve_2(self.force.foot_by_coordinates(), [0, 1].map(|k| b[k] * p - self.traction.tau[k].value))
+        solve_2(self.force.foot_by_coordinates(), [0, 1].map(|k| b[k] * self.pressure - self.traction.tau[k].value))
     }
 
     /// The full system at given multipliers; the tangent is overwritten if wanted.
@@ -136,16 +135,15 @@ impl Equations<'_> {
         let Self { force, nodes, end, traction, pressure, weight, n, frictional, .. } = *self;
         let dim = self.dim();
         let first = self.coordinates();
-        let pressure_of_f = if self.options.drop_gap_term { 0.0 } else { pressure };
         // Rows and columns are divided by these.
         let scale = |k: usize| if k >= first { self.length } else { 1.0 };
         let slot = |u: usize| if u < LOCAL { component(&nodes, u) } else { first + (u - LOCAL) };
         out.residual[..dim].fill(0.0);
         for u in 0..UNKNOWNS {
-            let (p, tau) = if u < LOCAL { (pressure, 0.0) } else { (pressure_of_f, traction.tau[u - LOCAL].value) };
+            let tau = if u < LOCAL { 0.0 } else { traction.tau[u - LOCAL].value };
             out.residual[slot(u)] += weight
                 * (tau + lambda[0] * force.foot_gradient[0][u] + lambda[1] * force.foot_gradient[1][u]
-                    - p * force.gap_gradient[u])
+                    - pressure * force.gap_gradient[u])
                 / scale(slot(u));
         }
         out.residual[n] = -weight * (end.gap - self.reference);
@@ -164,16 +162,11 @@ impl Equations<'_> {
         let mut add =
             |i: usize, j: usize, value: f64| out.tangent[i * dim + j] += weight * value / (scale(i) * scale(j));
         let hessian = force.hessian(lambda, pressure);
-        let of_f = if self.options.drop_gap_term { &force.hessian(lambda, 0.0) } else { &hessian };
         for u in 0..UNKNOWNS {
-            let rows = if u < LOCAL { &hessian } else { of_f };
             for v in 0..UNKNOWNS {
-                add(slot(u), slot(v), factor * rows[u][v]);
+                add(slot(u), slot(v), factor * hessian[u][v]);
             }
-            let is_f = u >= LOCAL;
-            if !(is_f && self.options.drop_gap_term) {
-                add(slot(u), n, -force.gap_gradient[u]);
-            }
+            add(slot(u), n, -force.gap_gradient[u]);
             add(n, slot(u), -end.gap_gradient[u]);
             for al in 0..2 {
                 add(slot(u), first + 2 + al, force.foot_gradient[al][u]);
@@ -208,7 +201,7 @@ impl Equations<'_> {
     /// The system of a reduction: `out` is compressed to its unknowns. `None` if the elimination is singular (a focal point).
     pub fn reduced(&self, lambda: [f64; 2], want_tangent: bool, out: &mut Dense) -> Option<()> {
         let (dim, f) = (self.dim(), self.coordinates());
-        match self.options.reduction {
+        match self.reduction {
             Reduction::None => {
                 self.full(lambda, want_tangent, out);
             }
@@ -223,9 +216,6 @@ impl Equations<'_> {
             Reduction::Second => {
                 // The tangent is a part of the residual: R_q + K_qf s.
                 self.full(self.multipliers()?, true, out);
-                if self.options.drop_gap_slope {
-                    out.tangent[self.n * dim + f..self.n * dim + f + 2].fill(0.0);
-                }
                 out.eliminate(dim, f, f + 2)?;
                 out.eliminate(dim, f + 2, f)?;
             }

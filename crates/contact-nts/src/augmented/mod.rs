@@ -49,22 +49,11 @@ pub enum Reduction {
     Second,
 }
 
-/// Options of the technique.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct AugmentedOptions {
-    /// Size of the system.
-    pub reduction: Reduction,
-    /// Leaves `b_f p` out of the balance of the coordinates, literally as in (5.117) of the thesis: at the midpoint a slightly different scheme.
-    pub drop_gap_term: bool,
-    /// Leaves `b_f` out of the second reduction, literally as in (4.70) of the thesis (theory/coordinate-augmentation#second): the same solution, tangents exact where the foot is.
-    pub drop_gap_slope: bool,
-}
-
 /// Node-to-surface contact by coordinate augmentation.
 #[derive(Clone, Debug)]
 pub struct CoordinateAugmented {
     inner: NodeToSurface,
-    options: AugmentedOptions,
+    reduction: Reduction,
 }
 
 impl NodeToSurface {
@@ -86,14 +75,9 @@ struct Evaluated {
 
 impl CoordinateAugmented {
     /// The method from the direct one with its surfaces, constraint and friction.
-    pub fn new(mut direct: NodeToSurface, options: AugmentedOptions) -> Self {
+    pub fn new(mut direct: NodeToSurface, reduction: Reduction) -> Self {
         direct.augmented = true;
-        Self { inner: direct, options }
-    }
-
-    /// Options.
-    pub fn options(&self) -> AugmentedOptions {
-        self.options
+        Self { inner: direct, reduction }
     }
 
     fn element(&self, slot: usize, pairing: Pairing) -> ElementNodes {
@@ -192,7 +176,7 @@ impl CoordinateAugmented {
             length: self.inner.length,
             n: 3 * element.count,
             frictional: self.frictional(),
-            options: self.options,
+            reduction: self.reduction,
         }
     }
 
@@ -272,7 +256,7 @@ impl Term for CoordinateAugmented {
         const NONE: [Auxiliary; 6] = [Constraint, Constraint, Balance, Balance, Constraint, Constraint];
         const FIRST: [Auxiliary; 4] = [Constraint; 4];
         const SECOND: [Auxiliary; 4] = [Constraint, Constraint, Condensed, Condensed];
-        let all: &[Auxiliary] = match self.options.reduction {
+        let all: &[Auxiliary] = match self.reduction {
             Reduction::None => &NONE,
             Reduction::First => &FIRST,
             Reduction::Second => &SECOND,
@@ -293,7 +277,7 @@ impl Term for CoordinateAugmented {
             let values = &mut values[self.frictional()..];
             let f = self.inner.gap(slot, pairing.end, step.q_np1)?.xi;
             values[..2].copy_from_slice(&f.map(|f| f * length));
-            if self.options.reduction == Reduction::None {
+            if self.reduction == Reduction::None {
                 let element = self.element(slot, pairing);
                 let of = self.evaluate(slot, &element, pairing, step, f, pressures[slot], multiplier, false)?;
                 let equations = self.equations(slot, &element, Self::rule(step.rule)?, &of, pressures[slot]);
@@ -337,7 +321,7 @@ impl Term for CoordinateAugmented {
             }
             let (multiplier, values) = self.split(values);
             let f = [values[0] / length, values[1] / length];
-            let wants = want_tangent || self.options.reduction == Reduction::Second;
+            let wants = want_tangent || self.reduction == Reduction::Second;
             let of = self.evaluate(slot, &element, pairing, step, f, pressure, multiplier, wants)?;
             let equations = self.equations(slot, &element, at_end, &of, pressure);
             let lambda = match values {
@@ -364,7 +348,7 @@ impl Term for CoordinateAugmented {
                 branch.reduced(lambda, false, dense).ok_or_else(failed)?;
                 contribution.shift.extend(dense.residual.iter().zip(&contribution.residual).map(|(b, r)| b - r));
             }
-            if self.options.reduction == Reduction::Second {
+            if self.reduction == Reduction::Second {
                 let [a, b] = of.end.foot;
                 contribution.violation = a.abs().max(b.abs()) / (length * length);
             }
@@ -374,7 +358,7 @@ impl Term for CoordinateAugmented {
     }
 
     fn recover(&self, at: &At<'_>, increment: &[f64], out: &mut [f64]) -> Result<(), Fault> {
-        if self.options.reduction != Reduction::Second {
+        if self.reduction != Reduction::Second {
             return Ok(());
         }
         let (length, active) = (self.inner.length, at.active);

@@ -294,7 +294,7 @@ impl NodeToSurface {
                 total.dissipated += weight * before;
                 continue;
             };
-            let stored = energy(state.step.end);
+            let stored = energy(state.step.force);
             // What was carried over an edge is turned, or dropped: it holds no more than before.
             let dropped = (before - energy(point.start)).max(0.0);
             // Of the compliance of multipliers, whose spring is loaded by backward Euler.

@@ -1,6 +1,6 @@
 //! Friction between two bodies: the stiffness that follows from theirs.
 
-use super::{Friction, FrictionLaw, MidpointFriction, Stick};
+use super::{Friction, FrictionLaw, Stick};
 use crate::ContactError;
 use std::sync::Arc;
 use stoss_term::GradientRule;
@@ -34,10 +34,9 @@ impl Friction {
         law: Arc<dyn FrictionLaw>,
         given: Option<f64>,
         stick: Stick,
-        midpoint: MidpointFriction,
         complementarity: f64,
     ) -> Result<Self, ContactError> {
-        let friction = Self::new(law, Self::tangential_stiffness(given, complementarity), stick, midpoint)?;
+        let friction = Self::new(law, Self::tangential_stiffness(given, complementarity), stick)?;
         let friction = friction.with_body_stiffness(STIFFNESS * complementarity);
         Ok(if given.is_none() { friction.with_careful_weight(CAREFUL_WEIGHT * complementarity) } else { friction })
     }

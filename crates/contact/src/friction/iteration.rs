@@ -54,7 +54,7 @@ impl ConvergedPoint {
 
     /// Whether the traction drives the slip, by more than round-off.
     fn is_reversed(&self, step: &FrictionStep) -> bool {
-        step.work < -self.round_off() * norm(step.end)
+        step.work < -self.round_off() * norm(step.force)
     }
 }
 
@@ -122,7 +122,7 @@ impl PointIteration {
     /// So is a point that has no traction yet because it has no pressure, at the first iterate of a step, if its coefficient is above 1: that it slides
     /// says nothing, and the tangent of the sliding branch would send it back the other way with a multiple of the pressure.
     pub fn follow(&mut self, step: &FrictionStep) {
-        let now = step.returned;
+        let now = step.force;
         let against = self.sliding.is_some_and(|last| last[0] * now[0] + last[1] * now[1] < 0.0);
         let coefficient = step.d_pressure[0].hypot(step.d_pressure[1]);
         let is_unknown = !self.followed && now == [0.0; 2] && coefficient > 1.0;
@@ -141,8 +141,8 @@ impl PointIteration {
         if step.sticks {
             return norm(at.slip) <= CLOSE * at.edge;
         }
-        let change = norm([0, 1].map(|i| step.end[i] - at.multiplier[i]));
-        !at.is_reversed(step) && change <= CLOSE.sqrt() * norm(step.end) + self.noise(friction, at)
+        let change = norm([0, 1].map(|i| step.force[i] - at.multiplier[i]));
+        !at.is_reversed(step) && change <= CLOSE.sqrt() * norm(step.force) + self.noise(friction, at)
     }
 
     /// Decides on the multiplier after a converged iteration (augmented Lagrangian), and on the stiffness of the next one.
@@ -152,13 +152,13 @@ impl PointIteration {
             norm(at.slip)
         } else {
             // The traction of a point that slides is to turn until it is along the slip, and a soft spring turns it little in a round.
-            (step.end[0] * at.slip[1] - step.end[1] * at.slip[0]).abs() / norm(step.end).max(f64::MIN_POSITIVE)
+            (step.force[0] * at.slip[1] - step.force[1] * at.slip[0]).abs() / norm(step.force).max(f64::MIN_POSITIVE)
         };
-        let change = norm([0, 1].map(|i| step.end[i] - at.multiplier[i]));
+        let change = norm([0, 1].map(|i| step.force[i] - at.multiplier[i]));
         let settled = if step.sticks {
             left <= STUCK * at.edge + round_off
         } else {
-            change <= SETTLED * norm(step.end) + self.noise(friction, at)
+            change <= SETTLED * norm(step.force) + self.noise(friction, at)
         };
         if !step.sticks && at.is_reversed(step) {
             return Augmentation::Reset;
@@ -231,12 +231,12 @@ impl AugmentationRound {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::friction::{Coulomb, FrictionPoint, MidpointFriction};
+    use crate::friction::{Coulomb, FrictionPoint};
     use std::sync::Arc;
     use stoss_term::{GradientRule, Step};
 
     fn friction(mu: f64) -> Friction {
-        Friction::new(Arc::new(Coulomb::new(mu).unwrap()), 10.0, Stick::Multiplier, MidpointFriction::C).unwrap()
+        Friction::new(Arc::new(Coulomb::new(mu).unwrap()), 10.0, Stick::Multiplier).unwrap()
     }
 
     fn point(pressure: f64, slip: f64) -> FrictionPoint {
@@ -255,7 +255,7 @@ mod tests {
     fn a_point_without_pressure_begins_stuck_if_its_coefficient_is_above_one() {
         for (mu, begins_stuck) in [(0.5, false), (10.0, true)] {
             let (friction, mut iteration) = (friction(mu), PointIteration::default());
-            iteration.follow(&friction.step(false, &point(1e-300, 1.0)));
+            iteration.follow(&friction.step(&point(1e-300, 1.0)));
             assert!(!iteration.is_reversed(), "it has a traction");
             let mut iteration = PointIteration::default();
             let bare = FrictionStep { d_pressure: [mu, 0.0], ..FrictionStep::default() };
@@ -270,18 +270,18 @@ mod tests {
     #[test]
     fn traction_across_the_slip_is_turned_by_a_stiffer_spring() {
         let law = Arc::new(Coulomb::new(0.5).unwrap());
-        let friction = Friction::new(law, 10.0, Stick::Augmented, MidpointFriction::C).unwrap();
+        let friction = Friction::new(law, 10.0, Stick::Augmented).unwrap();
         let (mut iteration, mut start) = (PointIteration::default(), [1.0, 0.0]);
         let mut rounds = 0;
         loop {
             let mut point = point(2.0, 0.0);
             (point.history, point.slip, point.stiffening) = (start, [0.0, 1e-3], iteration.stiffening());
-            let step = friction.step(false, &point);
+            let step = friction.step(&point);
             let at = ConvergedPoint { multiplier: start, slip: point.slip, pressure: 2.0, edge: 1.0, far: 1.0 };
             if rounds == 100 || iteration.augment(&friction, &step, &at) == Augmentation::Settled {
                 break;
             }
-            start = step.end;
+            start = step.force;
             rounds += 1;
         }
         assert!(rounds < 8 && start[0].abs() < 1e-7 && (start[1] - 1.0).abs() < 1e-12, "{rounds} rounds, {start:?}");
@@ -290,9 +290,8 @@ mod tests {
     /// A multiplier that is taken after the last solution would be in the forces and not in the motion.
     #[test]
     fn the_last_round_changes_no_multiplier() {
-        let friction =
-            Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 10.0, Stick::Augmented, MidpointFriction::C).unwrap();
-        let step = friction.step(false, &point(2.0, 1e-9));
+        let friction = Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 10.0, Stick::Augmented).unwrap();
+        let step = friction.step(&point(2.0, 1e-9));
         let at = ConvergedPoint { multiplier: [0.0; 2], slip: [1e-9, 0.0], pressure: 2.0, edge: 1.0, far: 1.0 };
         for is_last in [false, true] {
             let mut round = AugmentationRound { is_last, unsettled: 0, far_off: 0 };
@@ -306,7 +305,7 @@ mod tests {
     #[test]
     fn a_reversal_is_linearised_as_stick_once() {
         let (friction, mut iteration) = (friction(0.5), PointIteration::default());
-        let slide = |slip: f64| friction.step(false, &point(2.0, slip));
+        let slide = |slip: f64| friction.step(&point(2.0, slip));
         iteration.follow(&slide(1.0));
         assert!(!iteration.is_reversed());
         iteration.follow(&slide(-1.0));
@@ -347,7 +346,7 @@ mod tests {
             assert!(careful.stiffness() == weight && careful.spring_compliance() == 1.0);
         }
         let law = Arc::new(Coulomb::new(0.5).unwrap());
-        let mut spring = Friction::new(law, 10.0, Stick::Penalty, MidpointFriction::C).unwrap().with_inertia(3.0);
+        let mut spring = Friction::new(law, 10.0, Stick::Penalty).unwrap().with_inertia(3.0);
         spring.begin(&Step::new(&[], GradientRule::Midpoint, 0.1));
         assert!(spring.stiffness() == 10.0 && spring.stored_by(1e-3, [3.0, 4.0]) == 0.0);
     }

@@ -30,7 +30,7 @@ pub use law::{Coefficient, FrictionLaw, Sliding};
 pub use registry::{FrictionEntry, LAWS, entry};
 pub use regularised::Regularised;
 pub use static_dynamic::StaticDynamic;
-pub use step::{Friction, FrictionPoint, FrictionStep, MidpointFriction, STICK_COMPLIANCE, Stick, stick_compliance};
+pub use step::{Friction, FrictionPoint, FrictionStep, STICK_COMPLIANCE, Stick, stick_compliance};
 
 use crate::ContactError;
 

@@ -8,20 +8,6 @@ use crate::ContactError;
 use std::sync::Arc;
 use stoss_term::{SlotFriction, Step};
 
-/// Which traction of the step is in the equations of a midpoint scheme (theory/friction#midpoint). Backward Euler and statics take the one at the end.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum MidpointFriction {
-    /// Return over the whole step; that traction is force and history. Dissipates in stick too, where it is of first order; in slip the force is
-    /// exactly that of the law with the pressure of the step, also where pressures alternate from step to step, as those of conserving schemes do: the
-    /// mean then makes less of the friction than the law says. The default.
-    #[default]
-    B,
-    /// Return at the end, the force is the mean of both ends. The traction at the start is brought into the cone of the step's pressure first,
-    /// our addition: without it the mean could leave the cone, and dissipation be negative, when the pressure falls. Second order where
-    /// the pressure is smooth.
-    C,
-}
-
 /// Enforcement of stick at a point of a slave: by a spring, an augmented Lagrangian or multipliers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stick {
@@ -67,7 +53,6 @@ pub struct Friction {
     body_stiffness: f64,
     resistance: f64,
     stick: Stick,
-    midpoint: MidpointFriction,
     /// Smoothing of the pressures; zero: the law as it is.
     smoothing: f64,
     /// Velocity of a master surface that moves along itself, and its way in the present step.
@@ -99,12 +84,8 @@ pub struct FrictionPoint {
 /// A step of one point. Energies are per reference area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrictionStep {
-    /// Traction in the equations, along the slip.
+    /// Traction in the equations, along the slip, and the history of the next step. Where it does not stick, this has the direction of the slip.
     pub force: Plane,
-    /// Traction at the end, the history of the next step.
-    pub end: Plane,
-    /// Traction that the law returned last: where it does not stick, this has the direction of the slip.
-    pub returned: Plane,
     /// True if nothing slides.
     pub sticks: bool,
     /// `d force_i / d history_j`.
@@ -132,16 +113,8 @@ fn size(a: Plane) -> f64 {
     a[0].hypot(a[1])
 }
 
-fn sum(a: Plane, b: Plane) -> Plane {
-    [a[0] + b[0], a[1] + b[1]]
-}
-
 fn less(a: Plane, b: Plane) -> Plane {
     [a[0] - b[0], a[1] - b[1]]
-}
-
-fn times(a: [Plane; 2], b: [Plane; 2]) -> [Plane; 2] {
-    a.map(|row| [row[0] * b[0][0] + row[1] * b[1][0], row[0] * b[0][1] + row[1] * b[1][1]])
 }
 
 fn apply(a: [Plane; 2], v: Plane) -> Plane {
@@ -158,12 +131,7 @@ impl Friction {
     ///
     /// # Errors
     /// [`ContactError::Friction`] if the stiffness is not positive.
-    pub fn new(
-        law: Arc<dyn FrictionLaw>,
-        penalty: f64,
-        stick: Stick,
-        midpoint: MidpointFriction,
-    ) -> Result<Self, ContactError> {
+    pub fn new(law: Arc<dyn FrictionLaw>, penalty: f64, stick: Stick) -> Result<Self, ContactError> {
         let penalty = check("penalty", penalty, penalty > 0.0, "positive")?;
         Ok(Self {
             law,
@@ -175,7 +143,6 @@ impl Friction {
             body_stiffness: 0.0,
             resistance: 0.0,
             stick,
-            midpoint,
             smoothing: 0.0,
             belt: None,
             way: [0.0; 3],
@@ -283,10 +250,9 @@ impl Friction {
     ) -> SlotFriction {
         let bound = self.bound(pressure, slip, [slid, step_size]).traction;
         // A midpoint variant takes a mean of two tractions, of which the first had another pressure.
-        let bound = if step.force == step.end { bound } else { bound.max(dot(start, start).sqrt()) };
         // What springs and the compliance of a multiplier take up of the slip is elastic, and comes back.
         let elastic = |i: usize| match self.stick() {
-            Stick::Penalty if self.law.sticks() => (step.end[i] - start[i]) / self.stiffness,
+            Stick::Penalty if self.law.sticks() => (step.force[i] - start[i]) / self.stiffness,
             // No spring: a law without stick.
             Stick::Penalty => 0.0,
             Stick::Augmented | Stick::Multiplier => step.yielded[i],
@@ -301,10 +267,6 @@ impl Friction {
     /// How stick is enforced; a law without stick has nothing to enforce.
     pub fn stick(&self) -> Stick {
         if self.law.sticks() { self.stick } else { Stick::Penalty }
-    }
-    /// Stepping under the midpoint rules.
-    pub fn midpoint(&self) -> MidpointFriction {
-        self.midpoint
     }
 
     /// The compliance with which a multiplier is a spring: of the penalty, and of the inertia of the present step.
@@ -328,24 +290,24 @@ impl Friction {
         }
     }
 
-    /// Does a step. `at_end`: the equations are those of the end point (statics, backward Euler), otherwise of the midpoint.
+    /// Does a step: a return over the whole of it, whose traction is force and history under every rule (theory/friction#midpoint).
     ///
-    /// With `w = work`, `s` the stored energies: `w = s_np1 - s_n + dissipated`, and `dissipated >= 0` under every stepping for every law that keeps
+    /// With `w = work`, `s` the stored energies: `w = s_np1 - s_n + dissipated`, and `dissipated >= 0` for every law that keeps
     /// what [`FrictionLaw`] asks for, from any traction at the start. An exact stick stores nothing: a point that sticks dissipates nothing, because its
     /// slip is zero by definition, one that slides `w`, or `|w|` where the slip is what an iteration leaves. Where it left a slip in stick, or a
     /// traction along the slip, `w` and the energies of the bodies tell. The spring of a multiplier's compliance, [`Friction::stored_by`], is loaded as
     /// backward Euler does, which takes what it would store at the increment of the multiplier.
-    pub fn step(&self, at_end: bool, point: &FrictionPoint) -> FrictionStep {
-        self.step_with(at_end, point, false)
+    pub fn step(&self, point: &FrictionPoint) -> FrictionStep {
+        self.step_with(point, false)
     }
 
     /// The step as if the point stuck, whatever traction that takes: the linear branch that Newton's method may have to look along. Of a law without stick the
     /// branch is its tangent at rest: a smooth law turns its traction within a slip that may be far smaller than that of an iterate.
-    pub fn sticking_step(&self, at_end: bool, point: &FrictionPoint) -> FrictionStep {
-        self.step_with(at_end, point, true)
+    pub fn sticking_step(&self, point: &FrictionPoint) -> FrictionStep {
+        self.step_with(point, true)
     }
 
-    fn step_with(&self, at_end: bool, point: &FrictionPoint, stuck: bool) -> FrictionStep {
+    fn step_with(&self, point: &FrictionPoint, stuck: bool) -> FrictionStep {
         let of_path = [point.slid, point.step_size];
         let bound_at = |slip| self.bound(point.pressure, slip, of_path);
         let sticks = self.law.sticks();
@@ -373,49 +335,19 @@ impl Friction {
         };
         let penalty = point.stiffening * self.stiffness;
         let is_exact = self.stick != Stick::Penalty;
-        let stepping = if at_end || !sticks || is_exact { MidpointFriction::B } else { self.midpoint };
-        let trial = |from: Plane, stiffness: f64| std::array::from_fn(|i| from[i] + stiffness * point.slip[i]);
         let h = point.history;
+        let tried = std::array::from_fn(|i| h[i] + penalty * point.slip[i]);
+        let end = returned(tried);
+        let jump = less(end.traction, h);
         // `dissipated` of springs: `work + s_n - s_np1` in terms of the slip `(trial - returned) / stiffness` that they do not take up.
-        let out = match stepping {
-            MidpointFriction::B => {
-                let tried = trial(h, penalty);
-                let end = returned(tried);
-                let jump = less(end.traction, h);
-                FrictionStep {
-                    dissipated: (dot(end.traction, less(tried, end.traction)) + 0.5 * dot(jump, jump)) / penalty,
-                    force: end.traction,
-                    end: end.traction,
-                    returned: end.traction,
-                    sticks: end.sticks,
-                    d_history: end.d_trial,
-                    d_slip: combine(penalty, end.d_trial, 1.0, end.d_slip),
-                    d_pressure: end.d_pressure,
-                    ..FrictionStep::default()
-                }
-            }
-            MidpointFriction::C => {
-                let start = law(h);
-                let tried = trial(start.traction, penalty);
-                let end = returned(tried);
-                let slid = dot(sum(start.traction, end.traction), less(tried, end.traction));
-                // What the fall of the pressure took away.
-                let cut = dot(sum(h, start.traction), less(h, start.traction));
-                // Of the end with respect to the start, then of the start.
-                let d_end_slip = combine(1.0, times(end.d_trial, start.d_slip), 1.0, end.d_slip);
-                let through = apply(end.d_trial, start.d_pressure);
-                FrictionStep {
-                    dissipated: 0.5 * (slid + cut) / penalty,
-                    force: std::array::from_fn(|i| 0.5 * (start.traction[i] + end.traction[i])),
-                    end: end.traction,
-                    returned: end.traction,
-                    sticks: end.sticks,
-                    d_history: combine(0.5, start.d_trial, 0.5, times(end.d_trial, start.d_trial)),
-                    d_slip: combine(0.5, combine(1.0, start.d_slip, 1.0, d_end_slip), 0.5 * penalty, end.d_trial),
-                    d_pressure: std::array::from_fn(|i| 0.5 * (start.d_pressure[i] + end.d_pressure[i] + through[i])),
-                    ..FrictionStep::default()
-                }
-            }
+        let out = FrictionStep {
+            dissipated: (dot(end.traction, less(tried, end.traction)) + 0.5 * dot(jump, jump)) / penalty,
+            force: end.traction,
+            sticks: end.sticks,
+            d_history: end.d_trial,
+            d_slip: combine(penalty, end.d_trial, 1.0, end.d_slip),
+            d_pressure: end.d_pressure,
+            ..FrictionStep::default()
         };
         let work = dot(out.force, point.slip);
         let dissipated = match (sticks, is_exact) {
@@ -430,6 +362,6 @@ impl Friction {
             }
             (true, false) => out.dissipated,
         };
-        FrictionStep { stored: self.stored(out.end), work, dissipated, yielded: point.yielded, ..out }
+        FrictionStep { stored: self.stored(out.force), work, dissipated, yielded: point.yielded, ..out }
     }
 }

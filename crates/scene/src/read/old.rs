@@ -12,7 +12,7 @@ struct Old {
     remedy: &'static str,
 }
 
-const OLD: [Old; 5] = [
+const OLD: [Old; 11] = [
     Old {
         key: "contact.normals",
         word: None,
@@ -36,6 +36,42 @@ const OLD: [Old; 5] = [
         word: Some("restore"),
         message: "is no longer a word: it gave back energy by an impulse that knows no other constraints",
         remedy: "write restitution = 1, with which the law of impact keeps the energy of every step of rigid bodies; of deformable ones remove it",
+    },
+    Old {
+        key: "contact.quadrature",
+        word: None,
+        message: "is no longer a key: mortar integrals have the rule of seven points",
+        remedy: "remove it",
+    },
+    Old {
+        key: "contact.nearness",
+        word: None,
+        message: "is no longer a key: near points at sharp edges weigh more in statics, and not in dynamics",
+        remedy: "remove it",
+    },
+    Old {
+        key: "contact.drop_gap_term",
+        word: None,
+        message: "is no longer a key: the balance of the coordinates has the derivative of the gap, which is zero at the foot",
+        remedy: "remove it",
+    },
+    Old {
+        key: "contact.drop_gap_slope",
+        word: None,
+        message: "is no longer a key: linear equations have the derivative of the gap by the coordinates",
+        remedy: "remove it",
+    },
+    Old {
+        key: "contact.friction.midpoint",
+        word: None,
+        message: "is no longer a key: springs have the traction of the end of the step, which is the law's also where pressures alternate",
+        remedy: "remove it",
+    },
+    Old {
+        key: "contact.friction.slip",
+        word: Some("yang"),
+        message: "is no longer a measure of the slip",
+        remedy: "remove it: \"objective\" counts no rigid motion as slip either",
     },
     Old {
         key: "stage.kind",

@@ -4,7 +4,7 @@ use super::pair::PairInput;
 use super::{FrictionPlan, OwnLaws, ParameterError, Problems};
 use crate::scene;
 use std::sync::Arc;
-use stoss_contact::friction::{Friction, FrictionLaw, MidpointFriction, Stick, SurfaceVelocity, entry};
+use stoss_contact::friction::{Friction, FrictionLaw, Stick, SurfaceVelocity, entry};
 use stoss_integrators::{GradientRule, SCHEMES};
 
 /// The law that a scene names under a key; reports what is wrong and returns `None` then.
@@ -60,7 +60,6 @@ pub(super) fn friction(
     item: &scene::Friction,
     complementarity: f64,
     problems: &mut Problems<'_>,
-    warnings: &mut Vec<String>,
 ) -> Option<(Friction, FrictionPlan)> {
     let key = format!("{}.friction", pair.key);
     if let Some(scheme) = scheme_elsewhere(pair) {
@@ -76,25 +75,13 @@ pub(super) fn friction(
         problems.add(format!("{key}.{name}"), "", message, "remove it");
         return None;
     }
-    let (penalty, stick, midpoint) = match item.sticking() {
-        Some(s) => (s.penalty, s.stick(), s.midpoint()),
-        None => (None, scene::Stick::Penalty, scene::MidpointFriction::B),
+    let (penalty, stick) = match item.sticking() {
+        Some(s) => (s.penalty, s.stick()),
+        None => (None, scene::Stick::Penalty),
     };
     let stiffness = Friction::tangential_stiffness(penalty, complementarity);
     let label = pair.item.label();
     let at_end = pair.phases.with(&label).all(|phase| phase.rule() == GradientRule::EndPoint);
-    if law.sticks() && !at_end && (stick, midpoint) == (scene::Stick::Penalty, scene::MidpointFriction::C) {
-        warnings.push(format!(
-            "{key}.midpoint = \"c\": springs (`stick = \"penalty\"`) with the mean of both ends give too little friction where pressures alternate from step to \
-             step, as they do with this scheme; 8 to 14 % too little for a stiff block: remove `midpoint` (the default, \"b\", takes the \
-             end of the step), or leave `penalty` and `stick` out as well (multipliers)"
-        ));
-    }
-    if at_end && item.given.midpoint.is_some() {
-        warnings.push(format!(
-            "{key}.midpoint has no effect: the contact takes the traction at the end of the step in all stages; remove it"
-        ));
-    }
     let mortar = item.slip.is_some() || pair.item.method.has("slip");
     let plan = FrictionPlan {
         law: item.law.clone(),
@@ -102,12 +89,7 @@ pub(super) fn friction(
         stiffness: (law.sticks() && stick != scene::Stick::Multiplier).then_some(stiffness),
         default_stiffness: penalty.is_none(),
         stick: law.sticks().then(|| stick.name().to_owned()),
-        stepping: match (at_end, stick) {
-            (true, _) => "end",
-            (false, scene::Stick::Penalty) => midpoint.name(),
-            (false, _) => "step",
-        }
-        .to_owned(),
+        stepping: if at_end { "end" } else { "step" }.to_owned(),
         slip: mortar.then(|| item.slip.unwrap_or(scene::Slip::Objective).name().to_owned()),
     };
     let stick = match stick {
@@ -115,11 +97,7 @@ pub(super) fn friction(
         scene::Stick::Augmented => Stick::Augmented,
         scene::Stick::Multiplier => Stick::Multiplier,
     };
-    let midpoint = match midpoint {
-        scene::MidpointFriction::B => MidpointFriction::B,
-        scene::MidpointFriction::C => MidpointFriction::C,
-    };
-    let made = Friction::between_bodies(law, penalty, stick, midpoint, complementarity);
+    let made = Friction::between_bodies(law, penalty, stick, complementarity);
     let friction = made.map_err(|error| problems.add(key, "", error.to_string(), "correct the parameter")).ok()?;
     let row = |row: Vec<f64>| (row[0], [row[1], row[2], row[3]]);
     let friction = match &pair.item.surface_velocity {

@@ -2,10 +2,10 @@
 
 use super::pair::PairInput;
 use super::{ContactPlan, Problems, symmetry};
-use crate::scene::{Constraint, Enforcement, Integrals as Chosen, Multipliers, Quadrature as Points, Slip};
+use crate::scene::{Constraint, Enforcement, Integrals as Chosen, Multipliers, Slip};
 use crate::solver::{Coupling, Model};
 use stoss_contact::friction::Stick;
-use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure, TriangleRule};
+use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure};
 use stoss_integrators::GradientRule;
 use stoss_term::{Support, Term as _};
 
@@ -17,11 +17,6 @@ pub(super) fn contact(
     warnings: &mut Vec<String>,
 ) -> Option<ContactPlan> {
     let item = pair.item;
-    let rule = match item.quadrature {
-        Some(Points::FourPoint) => TriangleRule::FourPoint,
-        Some(Points::TwelvePoint) => TriangleRule::TwelvePoint,
-        Some(Points::SevenPoint) | None => TriangleRule::SevenPoint,
-    };
     let label = item.label();
     let phases = || pair.phases.with(&label);
     // Statics, and schemes that take contact forces at the end of the step; the others hold integrals there.
@@ -33,12 +28,10 @@ pub(super) fn contact(
             Some(Multipliers::Centred) => MultiplierSpace::Centred,
             Some(Multipliers::Standard) | None => MultiplierSpace::Standard,
         },
-        rule,
         integrals: match item.integrals {
             Some(Chosen::Frozen) => Integrals::Frozen,
             Some(Chosen::Moving) | None => Integrals::Moving,
         },
-        nearness: item.nearness,
         hold: pair.hold(model),
         overclosure: match item.enforcement {
             Enforcement::Penalty(stiffness) => Some(stiffness),
@@ -63,14 +56,6 @@ pub(super) fn contact(
         return None;
     }
     pair.warn_of_restitution(warnings);
-    // True if an entry cannot be had, which is said.
-    let refuse = |entry: &str, value: &str, remedy: &str, problems: &mut Problems<'_>| {
-        if let Some(scheme) = within {
-            let message = format!("needs integrals that move in the step; with the scheme `{scheme}` they are fixed");
-            problems.add(format!("{}.{entry}", pair.key), value, message, format!("{remedy}, or use `backward-euler`"));
-        }
-        within.is_some()
-    };
     let [slave, master] = pair.pieces;
     match MortarContact::new(&item.label(), slave, master, &model.reference, options) {
         Ok(method) => {
@@ -99,14 +84,9 @@ pub(super) fn contact(
             if let Some(friction) = &item.friction {
                 let slip = match friction.slip {
                     Some(Slip::Direct) => SlipMeasure::Direct,
-                    Some(Slip::Yang) => SlipMeasure::Yang,
                     Some(Slip::Objective) | None => SlipMeasure::Objective,
                 };
-                if slip == SlipMeasure::Yang && refuse("friction.slip", "yang", "use `objective`", problems) {
-                    return None;
-                }
-                let (friction, described) =
-                    super::friction::friction(pair, friction, complementarity, problems, warnings)?;
+                let (friction, described) = super::friction::friction(pair, friction, complementarity, problems)?;
                 if is_dragged && friction.stick() == Stick::Multiplier && pair.is_slave_finer(model) {
                     warnings.push(format!(
                         "{}: a motion of all slave nodes along the surface is prescribed, and the slave is finer than the master: where it sticks there are more tractions than \

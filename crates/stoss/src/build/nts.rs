@@ -35,8 +35,8 @@ pub(super) fn augmented(
         problems.add(format!("{}.method", pair.key), pair.item.method.name, message, remedy);
         return None;
     }
-    let options = augmentation(pair.item);
-    Some(add(pair, model, made, |method| Box::new(CoordinateAugmented::new(method, options))))
+    let reduction = reduction(pair.item);
+    Some(add(pair, model, made, |method| Box::new(CoordinateAugmented::new(method, reduction))))
 }
 
 /// The method of a contact, and what it will be computed with.
@@ -96,7 +96,7 @@ fn made(pair: &PairInput<'_>, model: &Model, problems: &mut Problems<'_>, warnin
     refuse_arches(pair, &method, model, problems);
     let mut plan = None;
     if let Some(friction) = &item.friction {
-        let (friction, described) = super::friction::friction(pair, friction, complementarity, problems, warnings)?;
+        let (friction, described) = super::friction::friction(pair, friction, complementarity, problems)?;
         let friction = friction.with_inertia(pair.inertia(model, method.length_scale()));
         plan = Some(described);
         method = match method.with_friction(friction) {
@@ -156,16 +156,11 @@ fn quadratic(pair: &PairInput<'_>, model: &Model) -> Option<String> {
     ))
 }
 
-fn augmentation(item: &crate::scene::Contact) -> stoss_contact_nts::AugmentedOptions {
+fn reduction(item: &crate::scene::Contact) -> stoss_contact_nts::Reduction {
     use stoss_contact_nts::Reduction;
-    let reduction = match item.reduction {
+    match item.reduction {
         Some(crate::scene::Reduction::None) => Reduction::None,
         Some(crate::scene::Reduction::First) => Reduction::First,
         Some(crate::scene::Reduction::Second) | None => Reduction::Second,
-    };
-    stoss_contact_nts::AugmentedOptions {
-        reduction,
-        drop_gap_term: item.drop_gap_term,
-        drop_gap_slope: item.drop_gap_slope,
     }
 }

@@ -49,7 +49,7 @@ pub struct FrictionPlan {
     pub default_stiffness: bool,
     /// How stick is enforced, as in the scene (general contact in statics: `elastic`); `None` for a law without stick.
     pub stick: Option<String>,
-    /// Which traction of a step is in the equations: `end`, `step` (exact stick: one for the whole of it), or a midpoint variant as in the scene.
+    /// Which traction of a step is in the equations: `end`, or `step` (one for the whole of it).
     pub stepping: String,
     /// How mortar contact measures slip, as in the scene; in dynamics with general contact, below which speeds it is creep.
     pub slip: Option<String>,
@@ -110,11 +110,8 @@ impl fmt::Display for FrictionPlan {
             (None, Some(stick)) => write!(f, ", stick = {stick}")?,
             (_, None) => write!(f, ", no stick")?,
         }
-        match self.stepping.as_str() {
-            "end" => write!(f, ", traction of the end of a step")?,
-            "step" => write!(f, ", one traction for a step")?,
-            variant => write!(f, ", midpoint variant {variant}")?,
-        }
+        let of_the_end = self.stepping == "end";
+        write!(f, ", {}", if of_the_end { "traction of the end of a step" } else { "one traction for a step" })?;
         match &self.slip {
             Some(slip) => write!(f, ", slip {slip}"),
             None => Ok(()),

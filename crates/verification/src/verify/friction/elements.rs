@@ -7,8 +7,8 @@ mod common;
 use std::sync::Arc;
 
 use common::{ACTIVE, OPEN, assembled, assembled_with, path, resultants, second_step, standard};
-use stoss_contact::friction::{Coulomb, Friction as Rough, MidpointFriction, Stick};
-use stoss_contact_nts::{AugmentedOptions, CoordinateAugmented, NodeToSurface, Reduction};
+use stoss_contact::friction::{Coulomb, Friction as Rough, Stick};
+use stoss_contact_nts::{CoordinateAugmented, NodeToSurface, Reduction};
 use stoss_tensor::{Tensor2, Vector3};
 use stoss_term::{At, Auxiliary, GradientRule, StepConfiguration, Term, Unilateral, Work};
 
@@ -36,17 +36,15 @@ const KINDS: [(&str, f64); 2] = [("stick", 1e3), ("slip", 0.02)];
 /// Where the second step ends: least and largest slide.
 const PLACES: [(&str, [f64; 2]); 3] =
     [("same facet", [0.05, 0.15]), ("next facet", [0.9, 1.1]), ("fifth facet", [3.9, 4.1])];
-const STEPPINGS: [MidpointFriction; 2] = [MidpointFriction::B, MidpointFriction::C];
 
 /// A random step, after another one in which the node closed.
 struct Path {
     q: [Vec<f64>; 3],
     rule: GradientRule,
-    stepping: MidpointFriction,
 }
 
 impl Path {
-    fn new(random: &mut Random, rule: GradientRule, slide: [f64; 2], count: usize) -> Self {
+    fn new(random: &mut Random, rule: GradientRule, slide: [f64; 2]) -> Self {
         let size = 3 * (2 * (FACETS as usize + 1) + 4);
         let mut noise =
             |amplitude: f64| -> Vec<f64> { (0..size).map(|_| random.between(-amplitude, amplitude)).collect() };
@@ -55,24 +53,23 @@ impl Path {
         let first = [random.between(-0.15, 0.15), random.between(-0.15, 0.15)];
         let second = [random.between(slide[0], slide[1]), random.between(0.05, 0.15), random.between(-0.25, -0.15)];
         let q = path(FACETS, [&noise[0], &noise[1], &noise[2]], at, first, second);
-        Self { q, rule, stepping: STEPPINGS[count % 2] }
+        Self { q, rule }
     }
 
     fn direct(&self, mu: f64) -> Outcome<NodeToSurface> {
-        let friction = Rough::new(Arc::new(Coulomb::new(mu)?), PENALTY, Stick::Penalty, self.stepping)?;
+        let friction = Rough::new(Arc::new(Coulomb::new(mu)?), PENALTY, Stick::Penalty)?;
         Ok(self.run(standard(FACETS).with_friction(friction)?))
     }
 
     /// The contact with stick by multipliers.
     fn exact(&self, mu: f64) -> Outcome<NodeToSurface> {
-        let friction = Rough::new(Arc::new(Coulomb::new(mu)?), PENALTY, Stick::Multiplier, self.stepping)?;
+        let friction = Rough::new(Arc::new(Coulomb::new(mu)?), PENALTY, Stick::Multiplier)?;
         Ok(self.run(standard(FACETS).with_friction(friction)?))
     }
 
     fn augmented(&self, mu: f64, reduction: Reduction) -> Outcome<CoordinateAugmented> {
-        let friction = Rough::new(Arc::new(Coulomb::new(mu)?), PENALTY, Stick::Penalty, self.stepping)?;
-        let options = AugmentedOptions { reduction, ..AugmentedOptions::default() };
-        Ok(self.run(CoordinateAugmented::new(standard(FACETS).with_friction(friction)?, options)))
+        let friction = Rough::new(Arc::new(Coulomb::new(mu)?), PENALTY, Stick::Penalty)?;
+        Ok(self.run(CoordinateAugmented::new(standard(FACETS).with_friction(friction)?, reduction)))
     }
 
     /// The whole history turned and shifted, and the rotation.
@@ -80,7 +77,7 @@ impl Path {
         let rotation: Tensor2 = random.rotation();
         let shift = Vector3::from_fn(|_, _| random.between(-2.0, 2.0));
         let q = self.q.each_ref().map(|q| moved(q, &rotation, shift));
-        (Self { q, rule: self.rule, stepping: self.stepping }, rotation)
+        (Self { q, rule: self.rule }, rotation)
     }
 
     fn run<M: Term + Unilateral>(&self, method: M) -> M {
@@ -146,9 +143,9 @@ fn direct(checks: &mut Vec<Check>) -> Outcome<()> {
         for (place, slide) in PLACES {
             let mut tangents = Worst::default();
             let mut random = Random(11);
-            for count in 0..STATES {
+            for _ in 0..STATES {
                 for (name, rule) in RULES {
-                    let path = Path::new(&mut random, rule, slide, count);
+                    let path = Path::new(&mut random, rule, slide);
                     let m = path.direct(mu)?;
                     let x = path.unknowns();
                     let (_, tangent) = assembled(&m, &path.q[1], &path.q[2], PRESSURE, rule, true);
@@ -195,9 +192,9 @@ fn multipliers(checks: &mut Vec<Check>) -> Outcome<()> {
     for (kind, mu) in KINDS {
         let (mut tangents, mut momenta, mut turned_forces) = (Worst::default(), Worst::default(), Worst::default());
         let mut random = Random(14);
-        for count in 0..STATES {
+        for _ in 0..STATES {
             for ((place, slide), (name, rule)) in PLACES.iter().flat_map(|place| RULES.map(|rule| (place, rule))) {
-                let path = Path::new(&mut random, rule, *slide, count);
+                let path = Path::new(&mut random, rule, *slide);
                 let multiplier = [random.between(-0.5, 0.5), random.between(-0.5, 0.5)];
                 let m = path.exact(mu)?;
                 let mut values = vec![0.0; m.slot_count() * m.auxiliaries().len()];
@@ -265,7 +262,7 @@ fn augmented(checks: &mut Vec<Check>) -> Outcome<()> {
                 for ((place, slide), (name, rule)) in PLACES.iter().zip(RULES.iter().cycle().skip(count)) {
                     // It has no energy-momentum rule of its own.
                     let rule = if *rule == GradientRule::DiscreteGradient { GradientRule::Midpoint } else { *rule };
-                    let path = Path::new(&mut random, rule, *slide, count);
+                    let path = Path::new(&mut random, rule, *slide);
                     let m = path.augmented(mu, reduction)?;
                     let condensed = reduction == Reduction::Second;
                     let off: [f64; 4] =
@@ -313,10 +310,10 @@ fn energies(checks: &mut Vec<Check>) -> Outcome<()> {
     let (mut least, mut count) = (f64::INFINITY, 0);
     let (mut balance, mut rigid, mut power) = (Worst::default(), Worst::default(), Worst::default());
     let mut random = Random(13);
-    for state in 0..STATES {
+    for _ in 0..STATES {
         for (place, slide) in PLACES {
             for (name, rule) in RULES {
-                let path = Path::new(&mut random, rule, slide, state);
+                let path = Path::new(&mut random, rule, slide);
                 let m = path.direct(random.between(0.0, 2.0))?;
                 let (work, released) = (path.work(&m, &ACTIVE)?, path.work(&m, &OPEN)?);
                 let sum = work.stored + released.dissipated + work.friction_work.abs();

@@ -2,7 +2,7 @@
 
 use stoss_contact::ContactSurface;
 use stoss_contact_mortar::segmentation::GapRange;
-use stoss_contact_mortar::{Faces, MortarMatrices, MultiplierSpace, TriangleRule, segment_surfaces};
+use stoss_contact_mortar::{Faces, MortarMatrices, MultiplierSpace, segment_surfaces};
 use stoss_tensor::Vector3;
 use stoss_tensor::nalgebra::{DMatrix, DVector};
 
@@ -67,8 +67,8 @@ fn pair(random: &mut Random, half_side: f64, curvature: f64) -> Outcome<Pair> {
 impl Pair {
     fn matrices(&self, space: MultiplierSpace) -> Outcome<MortarMatrices> {
         let segments = segment_surfaces(&self.slave, &self.master, &self.q, GapRange::ALL)?;
-        let (faces, rule) = (Faces::default(), TriangleRule::default());
-        Ok(MortarMatrices::assemble(&self.slave, &self.master, [&faces; 2], &self.q, &segments, space, rule))
+        let faces = Faces::default();
+        Ok(MortarMatrices::assemble(&self.slave, &self.master, [&faces; 2], &self.q, &segments, space))
     }
 
     /// Largest error of `D^-1 M` applied to a field at the slave nodes, over the largest value.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use stoss_contact::friction::{Coulomb, Friction, MidpointFriction, Stick};
+use stoss_contact::friction::{Coulomb, Friction, Stick};
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace, SlipMeasure};
 use stoss_tensor::Vector3;
 use stoss_tensor::nalgebra::Rotation3;
@@ -137,8 +137,7 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
             [("objective", SlipMeasure::Objective, bound), ("direct", SlipMeasure::Direct, defect)]
         {
             let rough = |method: MortarContact| -> Outcome<MortarContact> {
-                let friction =
-                    Friction::new(Arc::new(Coulomb::new(MU)?), PENALTY, Stick::Penalty, MidpointFriction::C)?;
+                let friction = Friction::new(Arc::new(Coulomb::new(MU)?), PENALTY, Stick::Penalty)?;
                 Ok(method.with_friction(friction, measure)?)
             };
             let found = worst(count, (rule, place), rough)?;

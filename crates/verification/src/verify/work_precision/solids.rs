@@ -59,7 +59,7 @@ method = "nts"
 slave = "upper.bottom"
 master = "lower.top"
 enforcement = { penalty = 1e4 }
-friction = { law = "coulomb", mu = 0.5, penalty = 1e4, midpoint = "b" }
+friction = { law = "coulomb", mu = 0.5, penalty = 1e4 }
 "#;
 
 /// No penetration: what a node does that hits is decided by the scheme, even in the limit of small steps.
