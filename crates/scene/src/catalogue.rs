@@ -4,14 +4,14 @@
 use crate::Dimension;
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, SchemaGenerator};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use stoss_registry::Given;
 #[cfg(feature = "schema")]
 use stoss_registry::{Row, Unit};
 
 /// A parameter that is given for a row of a catalogue.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Parameter {
     /// `key = 1.0`

@@ -165,6 +165,7 @@ impl Enforcement {
 ///
 /// With `nts` the slave may also be a set of a beam or string (`rope.all`): its nodes are in contact from any side, and pressures are forces per length.
 #[table(context(World<'_>), check = contact)]
+#[cfg_attr(feature = "schema", schemars(transform = keys_of_methods))]
 pub struct Contact {
     /// Unique name; `slave/master`, or the two surfaces of `between`, if left out.
     #[key(name)]
@@ -322,6 +323,19 @@ fn of_method(method: Option<ContactMethod>, table: &Table<'_>) -> Option<()> {
         fits = table.fail(key, method.lacks(key), "remove it, or choose another `method`");
     }
     fits
+}
+
+/// Refuses keys that a method does not have in the schema, too.
+#[cfg(feature = "schema")]
+fn keys_of_methods(schema: &mut schemars::Schema) {
+    let keys = schema.get("properties").and_then(serde_json::Value::as_object).cloned().unwrap_or_default();
+    let all = METHODS.iter().flat_map(|method| method.keys).filter(|key| keys.contains_key(**key));
+    let refused = METHODS.iter().map(|method| {
+        let without = all.clone().filter(|key| !method.has(key)).map(|key| ((*key).to_owned(), false.into()));
+        let without: serde_json::Map<_, serde_json::Value> = without.collect();
+        serde_json::json!({ "if": { "properties": { "method": { "const": method.name } } }, "then": { "properties": without } })
+    });
+    schema.insert("allOf".to_owned(), refused.collect());
 }
 
 /// Reports sides that are missing, given twice, or not two bodies.

@@ -63,6 +63,8 @@ fn the_schema_refuses_what_is_wrong() {
         ("outer_diameter = 1.0", "outer_diameter = 1.0, layers = 2"),
         ("every = 2", "every = 2.5"),
         ("fixed = true", "fixed = \"yes\""),
+        ("method = \"nts\"", "method = \"nts\"\nreduction = \"none\""),
+        ("method = \"nts\"", "method = \"mortar\""),
     ] {
         assert!(DYNAMIC.contains(from));
         let value: serde_json::Value = toml::from_str(&DYNAMIC.replacen(from, to, 1)).unwrap();

@@ -16,6 +16,7 @@ fn resolve<'a>(root: &'a Value, reference: &str) -> &'a Value {
 fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Vec<String>) {
     let schema = match schema {
         Value::Bool(true) => return,
+        Value::Bool(false) => return found.push(format!("{path}: is refused")),
         Value::Object(schema) => schema,
         other => panic!("schema {other}"),
     };
@@ -45,6 +46,15 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Ve
                     found.push(format!("{path}: fits {count} branches"));
                 }
             }
+            "allOf" => argument.as_array().unwrap().iter().for_each(|part| check(root, part, value, path, found)),
+            "if" => {
+                let mut others = Vec::new();
+                check(root, argument, value, path, &mut others);
+                if others.is_empty() {
+                    check(root, &schema["then"], value, path, found);
+                }
+            }
+            "then" => {}
             "minimum" => bound(value, argument, path, found, |v, b| v >= b),
             "maximum" => bound(value, argument, path, found, |v, b| v <= b),
             "minItems" => items(value, argument, path, found, |n, b| n >= b),
