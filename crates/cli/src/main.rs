@@ -119,7 +119,7 @@ enum Command {
     },
     /// Print the JSON schema of the scene format, or of the events of a run.
     Schema {
-        /// That of the events that `stoss run --json` prints.
+        /// Print the schema of the events that `stoss run --json` prints.
         #[arg(long)]
         events: bool,
     },

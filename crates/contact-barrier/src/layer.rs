@@ -32,7 +32,7 @@ impl Layer {
         Self { modulus, thickness, damping: 0.0 }
     }
 
-    /// The same layer with a viscosity: a relaxation time of the layer over the size of the step, not negative, no unit. 0 is no damping.
+    /// Layer with viscous damping, of a relaxation time of the layer over the size of the step, not negative, no unit. 0 is no damping.
     ///
     /// It acts in steps ([`crate::PairStart`]), not at one state. It never pulls, and what it takes is in [`crate::PairForce::dissipated`]; theory/barrier#eq-damped, theory/barrier#eq-damping-loss.
     pub const fn damped(self, time_over_step: f64) -> Self {

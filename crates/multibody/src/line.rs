@@ -137,7 +137,7 @@ mod tests {
         }
     }
 
-    /// Of straight elements with equidistant nodes they are the weights of Newton and Cotes.
+    /// Tributary lengths of straight elements with equidistant nodes are the weights of Newton and Cotes.
     #[test]
     fn tributary_lengths_are_those_of_newton_and_cotes() {
         let weights: [&[f64]; 3] = [&[0.5, 0.5], &[1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0], &[0.125, 0.375, 0.375, 0.125]];

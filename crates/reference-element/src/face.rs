@@ -410,7 +410,7 @@ impl FaceNodes {
         })
     }
 
-    /// The same face with other numbers.
+    /// The face with other node numbers: `f` of each.
     pub fn map(&self, mut f: impl FnMut(u32) -> u32) -> Self {
         Self::from_fn(self.kind, |k| f(self.nodes[k]))
     }

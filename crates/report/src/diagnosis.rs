@@ -359,7 +359,7 @@ mod tests {
         assert!(!page.contains("src=") && !page.contains("NaN"));
     }
 
-    /// Of a row of cubes those around the place are left, with all points.
+    /// A row of cubes, of which those around the place are left, with all points.
     #[test]
     fn the_picture_shows_what_is_near() {
         let count = 100;

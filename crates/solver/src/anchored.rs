@@ -11,7 +11,7 @@ use stoss_newton::NewtonOptions;
 /// Stiffness of the springs in parts of the mean diagonal of the tangent, one solution after the other.
 const STIFFNESSES: [f64; 5] = [1.0e-2, 1.0e-3, 1.0e-4, 1.0e-5, 1.0e-6];
 
-/// The same if the matrix without springs is singular after those: where one body is far stiffer than what it comes to rest on, the mean is that of the stiff one.
+/// Stiffnesses that follow these if the matrix without springs is singular then: where one body is far stiffer than what it comes to rest on, the mean is that of the stiff one.
 const WEAKER: [f64; 5] = [1.0e-7, 1.0e-8, 1.0e-9, 1.0e-10, 1.0e-11];
 
 /// Relative tolerance of the solutions with springs.

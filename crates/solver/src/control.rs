@@ -254,7 +254,7 @@ mod tests {
         assert!(clock.time() == 2.0 && steps < 20, "{steps}");
     }
 
-    /// As in Abaqus, an increment of more than `hard` iterations makes the next one smaller although it converged.
+    /// An increment of more than `hard` iterations makes the next one smaller although it converged, as in Abaqus.
     #[test]
     fn a_hard_step_halves_the_next_one_but_not_below_the_first() {
         let automatic = Automatic { first: 2, last: 5, easy: 6, after: 1, hard: 10 };

@@ -111,7 +111,7 @@ mod tests {
         }
     }
 
-    /// Of orthogonal directors of length `l` the forces are `m x D_k / (2 l^2)`; on a line they have no moment about it.
+    /// Forces `m x D_k / (2 l^2)` of orthogonal directors of length `l`; directors on a line have no moment about it.
     #[test]
     fn orthogonal_directors_and_a_line() {
         let directors = [[0.0, 0.5, 0.0], [0.0, 0.0, 0.5], [0.5, 0.0, 0.0]];

@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Sub};
 pub trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Mul<f64, Output = Self> + Div<Output = Self>
 {
-    /// The same value for all points.
+    /// A number with this value at all points.
     fn like(self, value: f64) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;

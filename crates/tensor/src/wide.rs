@@ -28,7 +28,7 @@ pub const fn parts<S: Simd>() -> usize {
 }
 
 impl<S: Simd> Wide<S> {
-    /// The same number for all.
+    /// A vector of numbers that all have this value.
     #[inline(always)]
     pub fn splat(simd: S, value: f64) -> Self {
         Self { simd, value: simd.splat_f64s(value) }
@@ -153,7 +153,7 @@ impl SymmetricTensors {
     /// Zero at all points.
     pub const ZERO: Self = Self([[0.0; LANES]; 6]);
 
-    /// The same tensor at all points.
+    /// Tensors of all points that are equal to this one.
     pub fn splat(a: &SymmetricTensor2) -> Self {
         Self(a.0.map(|x| [x; LANES]))
     }

@@ -37,7 +37,7 @@ pub struct Promises {
     pub linear: [bool; 3],
     /// Angular momentum is constant.
     pub angular: bool,
-    /// Nothing acts on the bodies from outside: angular momentum would be constant, though the scheme may not keep it.
+    /// Whether no load and no support acts on the bodies: angular momentum would be constant, though the scheme may not keep it.
     #[serde(default)]
     pub is_free: bool,
     /// Energy, with the work of loads and supports and the losses of contact and friction, is constant.

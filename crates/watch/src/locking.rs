@@ -36,11 +36,11 @@ pub struct Elasticity {
 /// Strain energies of a body in one state, by its small-strain moduli.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StrainEnergies {
-    /// That of all strains.
+    /// Energy of all strains.
     pub all: f64,
-    /// Of shears that vary along their own directions in linear hexahedra, and of nearly incompressible ones of the variation of the volume: their functions do not leave them out.
+    /// Energy of what the shape functions cannot leave out: shears that vary along their own directions in linear hexahedra, and in nearly incompressible ones the variation of the volume.
     pub forced: f64,
-    /// That which the variation of the volume within elements of the mixed form would have.
+    /// Energy that the variation of the volume within elements of the mixed form would have.
     pub unresisted: f64,
 }
 

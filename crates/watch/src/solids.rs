@@ -62,7 +62,7 @@ pub(crate) struct Tangents<'a> {
 }
 
 impl Tangents<'_> {
-    /// Those of an element with nodes at `x`.
+    /// Tangents at each Gauss point of an element with nodes at `x`, a length per natural coordinate.
     pub fn at(&self, x: &[Vector3<f64>]) -> impl Iterator<Item = [Vector3<f64>; 3]> {
         self.frames.tangents(x)
     }

@@ -65,7 +65,7 @@ mod tests {
         }
     }
 
-    /// Without modulus they are sine and cosine; `K(1/2)` is 1.8540746773 (Abramowitz and Stegun, table 17.1), and `sn` is one there.
+    /// Sine and cosine without modulus; `K(1/2)` is 1.8540746773 (Abramowitz and Stegun, table 17.1), and `sn` is one there.
     #[test]
     fn special_values() {
         let (s, c, d) = jacobi(0.8, 0.0);

@@ -91,7 +91,7 @@ mod tests {
         assert!(((error(20) / error(40)).log2() - 4.0).abs() < 0.1);
     }
 
-    /// With the hinges in one place both links are plain pendulums: small swings have `w^2 = m g a / (J + m a^2)`. And the energy stays.
+    /// Two plain pendulums, with the hinges in one place: small swings have `w^2 = m g a / (J + m a^2)`. And the energy stays.
     #[test]
     fn double_pendulum() {
         let of = |length| DoublePendulum {

@@ -129,7 +129,7 @@ mod tests {
         }
     }
 
-    /// Without stone and weight the lever is a rod on a hinge: it falls with `m g c / J` at first.
+    /// The lever without stone and weight, a rod on a hinge: it falls with `m g c / J` at first.
     #[test]
     fn the_lever_alone_falls_as_a_rod() {
         let bare = Trebuchet { weight: 1e-9, inertia: 1e-9, stone: 1e-12, start: [0.0; 3], ..MACHINE };

@@ -74,7 +74,7 @@ pub struct Case {
     pub reference: String,
     /// Estimate of its relative error.
     pub reference_error: f64,
-    /// The same for the energy that friction has dissipated.
+    /// Estimate of the relative error of the energy that friction has dissipated in the reference; `None` without friction.
     pub dissipation_error: Option<f64>,
     /// Smallest error of [`TARGETS`] that the reference can tell.
     pub least_target: f64,

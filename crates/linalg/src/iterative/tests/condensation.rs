@@ -60,7 +60,7 @@ impl Operator for Exact {
     }
 }
 
-/// With an exact inverse of what is left the preconditioner is the inverse: multipliers that constrain, that stick, and friction that slides, which is eliminated.
+/// One iteration, since the preconditioner with an exact inverse of what is left is the inverse: multipliers that constrain, that stick, and friction that slides, which is eliminated.
 #[test]
 fn one_iteration_with_an_exact_inverse() {
     for friction in [Friction::Stick, Friction::SomeSlip] {

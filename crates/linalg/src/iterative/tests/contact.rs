@@ -155,7 +155,7 @@ fn bodies_of_different_stiffness_that_stick_together() {
     assert!(counts.iter().all(|&count| count <= 45), "{counts:?}");
 }
 
-/// Without friction the middle body has three motions that nothing resists.
+/// Three motions of the middle body that nothing resists, without friction.
 #[test]
 fn a_body_that_may_slide_is_refused() {
     let system = sandwich(6, [1e3; 3], true, Friction::None);
@@ -234,7 +234,7 @@ impl Operator for Exact {
     }
 }
 
-/// With exact parts the iteration ends after two steps: multipliers that constrain, a penalty, friction that slides, an open slot.
+/// Two iterations with exact parts: multipliers that constrain, a penalty, friction that slides, an open slot.
 #[test]
 fn two_iterations_with_exact_parts() {
     let places = |m: usize| {

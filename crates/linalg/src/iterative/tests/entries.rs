@@ -18,7 +18,7 @@ fn partly_held() -> System {
     system(&[body], held, &[multiplier])
 }
 
-/// The same matrix with further entries between single components of nodes that are far from each other.
+/// Matrix of the system with further entries between single components of nodes that are far from each other.
 fn with_single_entries(system: &System) -> SparseMatrix {
     let (old, n) = (system.pattern(), system.matrix.n() as u32);
     let pairs = |j: u32| old.column(j as usize).iter().map(move |&i| vec![i, j]);

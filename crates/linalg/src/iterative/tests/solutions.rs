@@ -238,7 +238,7 @@ fn bad_input_is_an_error() {
     assert!(matches!(nan, Err(LinalgError::NonFinite { index: 7, .. })));
 }
 
-/// Without places, or below its sizes, nothing is iterated on.
+/// No iteration without places, or below the sizes of the solver.
 #[test]
 fn the_choice_depends_on_places_and_size() {
     let large = system(&[cube(10)], clamped, &[]);

@@ -46,7 +46,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     quadratic(bench, findings)
 }
 
-/// Without friction: depth 0.7 on several meshes, depth 0.9.
+/// Ironing without friction: depth 0.7 on several meshes, depth 0.9.
 fn smooth(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let run = bench.run_shipped(Path::new("scenes/ironing-mortar.toml"))?;
     let mut lines = Vec::new();
@@ -105,7 +105,7 @@ fn smooth(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     Ok(())
 }
 
-/// With friction: depth 0.4 to the end on two slabs, and 0.7 with the slab as the slave.
+/// Ironing with friction: depth 0.4 to the end on two slabs, and 0.7 with the slab as the slave.
 fn frictional(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     let (mut lines, mut rows) = (Vec::new(), Vec::new());
     for (name, slab, facet) in [
