@@ -108,7 +108,7 @@ fn mended(text: &str, finding: &Finding, remedy: usize) -> String {
     toml::to_string(&table).unwrap() + &added
 }
 
-/// With the changes of a remedy the scene runs to its end, and nothing certain is said about it.
+/// The scene with the changes of a remedy runs to its end, and nothing certain is said about it.
 pub(crate) fn is_mended(name: &str, finding: &Finding, remedy: usize) {
     let text = mended(&text_of(name), finding, remedy);
     let Left { result, diagnosis } = run(&text);
@@ -456,7 +456,7 @@ fn where_nothing_is_known_no_step_is_offered_that_failed_already() {
     }
 }
 
-/// Of a run that ended nothing is said but its verdict if no cause is known.
+/// A run that ended, of which no cause is known, has its verdict and no diagnosis.
 #[test]
 fn a_doubtful_run_without_a_known_cause_has_no_diagnosis() {
     let pressed = text_of("touching").replace("[gravity]\nacceleration = [0.0, 0.0, -9.81]\n", "")

@@ -284,7 +284,7 @@ fn impact(scheme: &str, step: f64, end: f64, friction: &str) -> Simulation {
     impact_with(scheme, step, end, &format!("friction = {friction}"))
 }
 
-/// These elements with any further keys of the contact.
+/// The two elements of [`impact`] with any further keys of the contact.
 fn impact_with(scheme: &str, step: f64, end: f64, contact: &str) -> Simulation {
     simulation(&two_blocks(scheme, step, end, [0.0; 3], &format!("method = \"nts\"\n{contact}")))
 }

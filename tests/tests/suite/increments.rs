@@ -158,7 +158,7 @@ displacement = { table = [[0, 0], [2, 3e-5]] }
     assert_eq!(plain.balance().stabilisation, 0.0);
 }
 
-/// Nothing holds a body but its stabilisation: all work of the load goes there, in every step.
+/// A body that nothing but its stabilisation holds: all work of the load goes there, in every step.
 #[test]
 fn the_work_of_a_load_on_a_free_body_goes_into_the_stabilisation() {
     let rest = r#"

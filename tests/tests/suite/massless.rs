@@ -119,7 +119,7 @@ fn momenta_and_energy_of_a_free_body_are_constant() {
     }
 }
 
-/// Nothing is lost, at any phase of the step, and the rebound is that of the mesh (1 without vibration).
+/// No energy is lost, at any phase of the step, and the rebound is that of the mesh (1 without vibration).
 #[test]
 fn a_cube_rebounds_with_all_of_its_energy() {
     for method in ["nts", "mortar"] {

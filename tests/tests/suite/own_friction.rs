@@ -58,7 +58,7 @@ fn every_law_with_every_method() {
     }
 }
 
-/// Without the limit of the shear the law is the catalogue's.
+/// The law of the catalogue, which this one is without the limit of the shear.
 #[test]
 fn a_law_of_ones_own_gives_the_bits_of_the_catalogue() {
     let own = final_speed("{ law = \"shear-limited\", mu = 0.3 }").unwrap();

@@ -249,7 +249,7 @@ fn mistakes_of_probes_are_told() {
     }
 }
 
-/// Nothing is named: a rigid box presses on a block whose foot is held. What the surface of the block gets is what the box gets, and what the foot bears, for every cell; also the moment about the origin.
+/// General contact that names no surfaces: a rigid box presses on a block whose foot is held. What the surface of the block gets is what the box gets, and what the foot bears, for every cell; also the moment about the origin.
 #[test]
 fn the_force_of_general_contact_on_a_set_is_whole_for_every_cell() {
     for cell in ["hex8", "hex20", "hex27", "tet4", "tet10", "wedge15"] {
