@@ -22,7 +22,7 @@ const ROUGHER: f64 = 2.0;
 /// Angles, in rad, below which surfaces are flat.
 const FLAT: f64 = 0.025;
 
-/// Barycentric coordinate of a point of integration at the two corners that it is far from: near the corners, so that a base acts up to its rim. The rule is exact for linear fields whatever it is (1/6: for quadratic ones).
+/// Barycentric coordinate of a point of integration at the two corners that it is far from: near the corners, so that a base acts up to its rim. The quadrature is exact for linear fields whatever it is (1/6: for quadratic ones).
 const CORNER: f64 = 0.02;
 
 /// Barycentric coordinates of the three points of integration of a triangle: [`CORNER`] is their choice.

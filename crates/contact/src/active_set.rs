@@ -1,12 +1,12 @@
 //! The primal-dual active set: which constraints are closed (theory/constraints#complementarity).
 //!
-//! Pure data and rules; when to ask (at every iterate, or after the inner iteration) is the solver's choice. The rule holds for the standard and
+//! Pure data and functions; when to ask (at every iterate, or after the inner iteration) is the solver's choice. The condition holds for the standard and
 //! for the modified constraint: only the meaning of `gaps` differs (theory/constraints#eq-modified).
 
 /// What [`ActiveSetControl::propose`] did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActiveSetOutcome {
-    /// The set satisfies the rule.
+    /// The set satisfies the complementarity condition.
     Unchanged,
     /// The set was changed.
     Changed {
@@ -28,7 +28,7 @@ pub enum ActiveSetOutcome {
     Cycling,
 }
 
-/// Thresholds of the rule, both of the size of round-off.
+/// Thresholds of the complementarity condition, both of the size of round-off.
 ///
 /// A slot opens if `p - c gamma <= 0` exactly, but closes only if `gamma < -(gap + pressure * max|p_s / c_s|)`. A node that barely touches
 /// (true pressure zero) has a computed pressure of either sign, `|dp|`; once released its gap is of the order `dp / c`. The second part of
@@ -60,7 +60,7 @@ impl ActiveSetTolerance {
     }
 }
 
-/// The bare rule: writes the set that follows from `active` into `proposed`, returns how many slots closed and opened.
+/// One update of the active set: writes the set that follows from `active` into `proposed`, returns how many slots closed and opened.
 ///
 /// * an open slot closes iff its gap is below zero (by more than the tolerance);
 /// * a closed slot opens iff `p - c gamma <= 0`.
@@ -92,7 +92,7 @@ pub fn update(
     (closed, opened)
 }
 
-/// The rule with a memory of the sets of this step, against cycling (theory/constraints#cycling).
+/// Updates of the active set with a memory of the sets of this step, against cycling (theory/constraints#cycling).
 ///
 /// If a proposed set was there before, the union of all sets since then is taken ([`ActiveSetOutcome::Union`]) and the memory is cleared. If
 /// a set comes back once more, slots are turned one at a time from then on, first the one that is most wrong, after another return the first one in their order.
@@ -146,7 +146,7 @@ impl ActiveSetControl {
         &self.flipping
     }
 
-    /// Applies the rule ([`update`]) to an iterate that is no solution yet; returns how many slots changed. Such sets are not remembered: they may
+    /// Updates the set ([`update`]) at an iterate that is no solution yet; returns how many slots changed. Such sets are not remembered: they may
     /// come back.
     pub fn follow(&mut self, active: &mut [bool], pressures: &[f64], gaps: &[f64], c: &[f64]) -> usize {
         self.proposed.resize(active.len(), false);
@@ -155,7 +155,7 @@ impl ActiveSetControl {
         closed + opened
     }
 
-    /// Applies the rule ([`update`]) to the converged values of the present set and changes `active` in place.
+    /// Updates the set ([`update`]) by the converged values of the present one and changes `active` in place.
     pub fn propose(&mut self, active: &mut [bool], pressures: &[f64], gaps: &[f64], c: &[f64]) -> ActiveSetOutcome {
         let slots = active.len();
         self.proposed.resize(slots, false);

@@ -1,7 +1,7 @@
 //! How the normal part is enforced: by a multiplier, by a penalty, or by an augmented Lagrangian (theory/constraints#enforcement; thesis, remark 6).
 //!
 //! One interface for the three: the pressure stays an unknown, and every closed slot has one scalar equation for it, [`NormalRow`]. The
-//! system has the same size and pattern in all cases, the active set the same rule, and friction, which needs pressure and its derivative,
+//! system has the same size and pattern in all cases, the active set the same condition, and friction, which needs pressure and its derivative,
 //! does not see the difference. A penalty is thus a diagonal term `-A/stiffness` in the row of the pressure: no large number
 //! enters the matrix, and the multiplier is the limit of an infinite stiffness.
 
@@ -64,7 +64,7 @@ impl Enforcement {
         }
     }
 
-    /// What stands for the gap of a closed slot in the rule of the active set, at a solution. A slot with a spring opens once it is without
+    /// What stands for the gap of a closed slot in the complementarity condition, at a solution. A slot with a spring opens once it is without
     /// penetration at the end (midpoint schemes: at both ends) of the step.
     pub fn complementarity(self, at_end: bool, ends: [f64; 2]) -> f64 {
         match self {

@@ -115,7 +115,7 @@ pub enum ContactError {
     /// The modified constraint keeps gaps, and a penalty lets them change.
     #[error("normal contact by a penalty is not available with the modified constraint")]
     PenaltyUnavailable,
-    /// Friction under a rule or constraint that has none.
+    /// Friction under a rule of the scheme, or a form of the constraint, that has none.
     #[error("contact with friction is not available with {what}")]
     FrictionUnavailable {
         /// Name of the rule or form of the constraint.
@@ -126,7 +126,7 @@ pub enum ContactError {
     RuleUnavailable {
         /// The method.
         method: &'static str,
-        /// The rule.
+        /// Name of the scheme's rule.
         rule: String,
     },
     /// The frame of a tied slave node degenerates in the step.

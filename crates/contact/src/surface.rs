@@ -190,7 +190,7 @@ impl ContactSurface {
         self.neighbours.iter().flatten().filter(|&&n| n == NONE).count()
     }
 
-    /// `A^s = int N_s dA` over the reference surface for every local node (theory/node-to-surface#symbols), an area; with the kind's rule on each facet.
+    /// `A^s = int N_s dA` over the reference surface for every local node (theory/node-to-surface#symbols), an area; with the kind's quadrature rule on each facet.
     pub fn nodal_areas(&self) -> &[f64] {
         &self.nodal_areas
     }

@@ -84,7 +84,7 @@ pub(crate) fn unique_name(name: &str, taken: &mut BTreeSet<String>) -> String {
     unique
 }
 
-/// How elements with several rules and pressures are computed.
+/// Treatment of element types that exist with several quadrature rules and with pressures as unknowns.
 struct Variants {
     is_reduced: bool,
     is_hybrid: bool,

@@ -100,7 +100,7 @@ impl SolidBody {
         let (mut volume, seen) = (0.0, material(&law, &split).law);
         for cells in mesh.elements.blocks() {
             let checked = blocks::check(cells, &mesh.nodes, options, seen, &mut volume);
-            // Where the rule of the mass has points of its own.
+            // Where the quadrature of the mass has points of its own.
             let checked = checked.and_then(|()| mass::check(cells, &mesh.nodes));
             checked.map_err(|InvertedCell { element, gauss_point, determinant }| {
                 let element = cells.first() as usize + element;

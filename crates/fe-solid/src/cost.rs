@@ -4,7 +4,7 @@ use crate::{SolidBody, Volumetric};
 
 /// Solution of the linear equations, for each node: 13 us by smoothed aggregation to 55 us by elimination of some ten thousand nodes.
 const SOLUTION: u64 = 27_000;
-/// Force and tangent of a neo-Hooke law at a point of the rule: a part of its own, and one for each two nodes.
+/// Force and tangent of a neo-Hooke law at a Gauss point: a part of its own, and one for each two nodes.
 const POINT: u64 = 240;
 const PAIR: u64 = 2;
 /// What a law with a state and averages of the change of volume take more.

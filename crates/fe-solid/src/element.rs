@@ -1,4 +1,4 @@
-//! The stress rules at the Gauss points of one element. Not the arithmetic ([`crate::kernel`]), not the loop over elements.
+//! The stress of each scheme's rule at the Gauss points of one element. Not the arithmetic ([`crate::kernel`]), not the loop over elements.
 
 use crate::{
     ForceRule, TimeLevel,

@@ -1,6 +1,6 @@
 //! The arithmetic of one element over plain arrays: gradients, deformation gradient, force, two-point moduli, tangent.
 //!
-//! Not here: laws, rules, errors, meshes. Everything is a free function over arrays that are contiguous for each element
+//! Not here: laws, rules of schemes, errors, meshes. Everything is a free function over arrays that are contiguous for each element
 //! and component-major (`[component][node]`), so that the innermost loops run over the nodes. The numbers of nodes `N` and of Gauss points
 //! `G` are constants of the types: every cell has its own code. The types of hex8 are the default.
 //!
@@ -64,7 +64,7 @@ pub(crate) fn determinant_change(m: &Matrix3, d: &Matrix3) -> f64 {
 
 /// Gradients of the shape functions and the volume weights of an element with reference positions `x`.
 ///
-/// `natural[g][A][I]` is `dN_I/dxi_A` at Gauss point `g`, `gauss_weights` the weights of the rule.
+/// `natural[g][A][I]` is `dN_I/dxi_A` at Gauss point `g`, `gauss_weights` the weights of the quadrature rule.
 ///
 /// # Errors
 /// The first Gauss point with `det dX/dxi <= 0` (or not a number), and that determinant.

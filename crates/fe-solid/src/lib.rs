@@ -18,7 +18,7 @@
 //! positions, not displacements. Symmetric tensors as six numbers are in the order 11, 22, 33, 12, 23, 13, stresses plain.
 //! Free of units: with lengths in L and stresses in P, forces are in P L^2 and energies in P L^3.
 //!
-//! The layers inside, from below: [`kernel`] (plain arrays, one element), `element` (the stress rules at the Gauss
+//! The layers inside, from below: [`kernel`] (plain arrays, one element), `element` (the stress by the scheme's rule at the Gauss
 //! points of one element, of which `laws` says what function of the strain each is), `mixed` (the same with averages of the change of volume), `block` (the elements of one kind, with the numbers of nodes and points as constants) and `nodal` (tet4 with averages at nodes), behind the trait `element_block::ElementBlock`; [`SolidBody`] (all
 //! elements, order, threads, scatter). A new kind of cell is a line in `blocks` and one in `mass`.
 //!

@@ -1,4 +1,4 @@
-//! Consistent nodal forces of surface loads on facets of any kinds (theory/elements#loads), with the rule of the facet.
+//! Consistent nodal forces of surface loads on facets of any kinds (theory/elements#loads), with the quadrature rule of the facet.
 //!
 //! Facets are global nodes, numbered so that `x_,xi x x_,eta` points out of the body. A surface may mix kinds. Functions add to the caller's
 //! arrays; nothing is stored. Not here: load tables, and loads of constant direction on the *current* area
@@ -201,7 +201,7 @@ impl FollowerPressure {
 /// (unsymmetric in general), theory/elements#loads:
 /// `f_I = -p int N_I (x_,xi x x_,eta)`, `df_I/dx_J = -p int N_I (N_J,eta [x_,xi] - N_J,xi [x_,eta])`, `[a] b = a x b`.
 ///
-/// Positive pressure pushes against the outward normal. The rule of the facet is exact here for linear facets, for triangles with straight edges
+/// Positive pressure pushes against the outward normal. The quadrature rule of the facet is exact here for linear facets, for triangles with straight edges
 /// and for parallelograms; on others the derivative is that of the force as computed.
 ///
 /// # Panics

@@ -66,7 +66,7 @@ pub struct MassMatrix {
     first_pair: usize,
 }
 
-/// The rule of the mass of one kind: gradients in natural coordinates at its points, and the shape functions.
+/// Quadrature rule of the mass of one kind: gradients in natural coordinates at its points, and the shape functions.
 struct MassRule<const N: usize> {
     rule: Rule,
     gradients: Vec<Gradients<N>>,

@@ -5,14 +5,14 @@ use stoss_reference_element::{CellKind, Integration, Rule};
 /// What elements of a body can do in more than one way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolidOptions {
-    /// The points at which stress and stiffness are taken. Kinds of cells with one rule only take that one.
+    /// The points at which stress and stiffness are taken. Kinds of cells with one quadrature rule only take that one.
     pub integration: Integration,
     /// How the change of volume is treated.
     pub volumetric: Volumetric,
 }
 
 impl SolidOptions {
-    /// The points of a kind of cells: those that are asked for if the kind has them, else those of the full rule, which every kind has.
+    /// Quadrature rule of a kind of cells: the one that is asked for if the kind has it, else the full one, which every kind has.
     pub(crate) fn rule(self, kind: CellKind) -> Rule {
         kind.rule(self.integration).or_else(|| kind.rule(Integration::Full)).unwrap_or_default()
     }

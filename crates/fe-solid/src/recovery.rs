@@ -53,7 +53,7 @@ impl SolidBody {
 
     /// Cauchy stress at the body's nodes: the function through the Gauss points of each element, evaluated at
     /// its nodes, then the mean over the elements at a node, weighted by their reference volumes. The function is that of the linear cell with the same
-    /// corners (trilinear in a hexahedron) which fits the points best, with the weights of the rule: through all of them in hex8 and wedge6; the mean if there
+    /// corners (trilinear in a hexahedron) which fits the points best, with the weights of the quadrature rule: through all of them in hex8 and wedge6; the mean if there
     /// are fewer points than corners. Order 11, 22, 33, 12, 23, 13; [`NodalSums::means`] has the stresses.
     ///
     /// # Errors
@@ -202,7 +202,7 @@ pub(crate) fn with_pressure(mut stress: [f64; 6], pressure: f64) -> [f64; 6] {
     stress
 }
 
-/// Weights of the points of a rule for values at places in a cell: a row for each place, a column for each point. Those of [`extrapolation`], or of the mean of what `jumps`.
+/// Weights of the points of a quadrature rule for values at places in a cell: a row for each place, a column for each point. Those of [`extrapolation`], or of the mean of what `jumps`.
 pub(crate) fn to_places(kind: CellKind, rule: Rule, places: &[[f64; 3]], jumps: bool) -> Vec<f64> {
     if jumps { mean(rule, places.len()) } else { extrapolation(kind, rule, places) }
 }
@@ -212,8 +212,8 @@ fn mean(rule: Rule, places: usize) -> Vec<f64> {
     (0..places).flat_map(|_| rule.iter().map(|(_, weight)| weight / total)).collect()
 }
 
-/// The values at places in a cell of the function of its linear cell that fits values at the points of a rule best in the sum of squares with the weights of
-/// the rule: a row for each place, a column for each point. The mean if there are fewer points than corners.
+/// The values at places in a cell of the function of its linear cell that fits values at the points of a quadrature rule best in the sum of squares with the weights of
+/// that rule: a row for each place, a column for each point. The mean if there are fewer points than corners.
 pub(crate) fn extrapolation(kind: CellKind, rule: Rule, places: &[[f64; 3]]) -> Vec<f64> {
     let linear = kind.table().linear.table();
     let corners = linear.corners;

@@ -25,7 +25,7 @@ const MUMPS: &str = "-ksp_type preonly -pc_factor_mat_solver_type mumps -mat_mum
 const GAMG: &str = "-ksp_norm_type unpreconditioned -ksp_max_it 200 -pc_type gamg -pc_gamg_threshold 0.0 -mg_levels_ksp_type chebyshev -mg_levels_pc_type jacobi -mg_levels_ksp_max_it 3";
 
 impl Method {
-    /// The smallest system that is iterated on by the rule.
+    /// Equations of the smallest system that is iterated on if the method is chosen by size.
     pub const MULTIGRID: usize = AutoSolver::ITERATIVE;
 
     /// Options of the solver that factorises.

@@ -93,7 +93,7 @@ impl ScatterMap {
                         return Err(missing(row));
                     }
                     let in_column = pattern.column(column as usize);
-                    // Columns of a node have the same rows as a rule.
+                    // Columns of a node have the same rows in most cases.
                     if in_column.get(offset) != Some(&row) {
                         offset = seek(in_column, offset, row);
                     }

@@ -66,7 +66,7 @@ impl Deref for ElementCoordinates {
     }
 }
 
-/// Points and weights of the rule for the stiffness.
+/// Points and weights of the quadrature of the stiffness.
 pub(crate) fn gauss_points(kind: CellKind) -> impl Iterator<Item = ([f64; 3], f64)> {
     kind.rule(Integration::Full).unwrap_or_default().iter().copied()
 }

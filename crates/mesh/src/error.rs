@@ -27,7 +27,7 @@ impl std::fmt::Display for SetKind {
 /// A point of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ElementPoint {
-    /// A point of the rule for its stiffness.
+    /// A Gauss point of its stiffness.
     Gauss(usize),
     /// A node, counted in the element.
     Node(usize),

@@ -34,7 +34,7 @@ pub struct QualityReport {
     pub min_edge: f64,
     /// Length of the longest edge.
     pub max_edge: f64,
-    /// Volume of the mesh by the rule of the mass (exact for hex8, whose `det J` has degree 2 in each coordinate, and for straight edges).
+    /// Volume of the mesh by the quadrature rule of the mass (exact for hex8, whose `det J` has degree 2 in each coordinate, and for straight edges).
     pub volume: f64,
 }
 

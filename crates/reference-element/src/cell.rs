@@ -54,12 +54,12 @@ impl CellKind {
         !self.table().edges.is_empty()
     }
 
-    /// The rule for stress and stiffness, if the cell has it.
+    /// Quadrature rule of stress and stiffness, if the cell has it.
     pub fn rule(self, integration: Integration) -> Option<Rule> {
         self.table().rules.iter().find(|(name, _)| *name == integration).map(|(_, rule)| *rule)
     }
 
-    /// Every kind with each of its rules for stress and stiffness, in the order of [`Self::ALL`].
+    /// Every kind with each of its quadrature rules of stress and stiffness, in the order of [`Self::ALL`].
     pub fn with_rules() -> impl Iterator<Item = (Self, Integration)> {
         Self::ALL.into_iter().flat_map(|kind| kind.table().rules.iter().map(move |(name, _)| (kind, *name)))
     }

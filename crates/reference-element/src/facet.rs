@@ -154,7 +154,7 @@ impl FacetKind {
         self.data().area
     }
 
-    /// Points and weights of a rule that integrates the shape functions over a parallelogram or a plane triangle exactly; the weights add up to
+    /// Points and weights of a quadrature rule that integrates the shape functions over a parallelogram or a plane triangle exactly; the weights add up to
     /// [`FacetKind::area`].
     #[inline]
     pub fn rule(self) -> &'static [([f64; 2], f64)] {

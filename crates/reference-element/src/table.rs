@@ -65,7 +65,7 @@ impl Family {
 /// At which points of a cell stress and stiffness are taken.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Integration {
-    /// Full rule: as many points as the cell needs to have no mode without stiffness. For tet10 the rule of 8 points that sees the corners, where such a
+    /// Full integration: as many points as the cell needs to have no mode without stiffness. For tet10 the 8 points that see the corners, where such a
     /// cell collapses first.
     #[default]
     Full,
@@ -102,9 +102,9 @@ pub struct CellTable {
     pub faces: &'static [Face],
     /// The linear cell with the same corners.
     pub linear: CellKind,
-    /// Rules for stress and stiffness; the first is the default.
+    /// Quadrature rules of stress and stiffness; the first is the default.
     pub rules: &'static [(Integration, Rule)],
-    /// Rule for mass and volume forces: exact for products of shape functions on cells with straight edges (parallelepipeds, if a hexahedron).
+    /// Quadrature rule of mass and volume forces: exact for products of shape functions on cells with straight edges (parallelepipeds, if a hexahedron).
     pub mass: Rule,
     /// Shape functions at natural coordinates.
     pub shape: fn([f64; 3]) -> Shape,

@@ -92,7 +92,7 @@ impl ActiveSets {
         }
     }
 
-    /// Applies the rule of the active set and renews pairings at a converged iterate.
+    /// Updates the active set and renews pairings at a converged iterate.
     fn update(
         &mut self,
         model: &mut Model,
@@ -133,7 +133,7 @@ impl ActiveSets {
         Ok(update)
     }
 
-    /// Applies the bare rule at an iterate, without memory; returns how many slots changed.
+    /// Updates the active set at an iterate, without memory; returns how many slots changed.
     fn follow(&mut self, model: &Model, iterate: &mut Iterate, trace: &mut AttemptLog) -> Result<usize, StepError> {
         let mut changes = 0;
         for (c, pair) in model.contacts.iter().enumerate() {

@@ -12,7 +12,7 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// The rule of the forces, if they are asked for.
+    /// Configuration of the forces, if they are asked for.
     pub fn force(self) -> Option<ForceRule> {
         match self {
             Self::Force(rule) => Some(rule),
@@ -20,7 +20,7 @@ impl Rule {
         }
     }
 
-    /// The rule of the constraints, if they are asked for.
+    /// Configuration of the constraint gradients, if they are asked for.
     pub fn constraint(self) -> Option<GradientRule> {
         match self {
             Self::Force(_) => None,

@@ -273,7 +273,7 @@ pub fn direction(term: &dyn Term, nodes: usize, seed: u64, length: f64, traction
     }
 }
 
-/// Whether the rule is one under which forces of an energy do its work.
+/// Whether the scheme's rule is one under which forces of an energy do its work.
 pub fn is_discrete_gradient(rule: Rule) -> bool {
     matches!(
         rule,

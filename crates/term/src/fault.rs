@@ -16,7 +16,7 @@ impl Fault {
         Self { undefined: true, cause: Arc::new(cause) }
     }
 
-    /// Anything else: a search or a projection that fails, a rule that the term does not have.
+    /// Anything else: a search or a projection that fails, a rule of the scheme that the term does not have.
     pub fn other(cause: impl Error + Send + Sync + 'static) -> Self {
         Self { undefined: false, cause: Arc::new(cause) }
     }

@@ -79,7 +79,7 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     /// Begins a step: search and projection at its start, and all that is constant in it.
     ///
     /// # Errors
-    /// A rule that the term does not have, and what search and projection refuse.
+    /// A rule of the scheme that the term does not have, and what search and projection refuse.
     fn begin(&mut self, _step: &Step<'_>) -> Result<(), Fault> {
         Ok(())
     }

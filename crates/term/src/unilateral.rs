@@ -2,7 +2,7 @@
 
 use crate::{At, Fault, ReferenceGap};
 
-/// Constraints that open and close, between one slave and one master surface. The rule of the active set asks `complementarity_gaps`,
+/// Constraints that open and close, between one slave and one master surface. The active set asks `complementarity_gaps`,
 /// `repair` and `augment` between the iterations of a step.
 pub trait Unilateral: Sync {
     /// `gamma` of theory/constraints#eq-complementarity for every slot at `q_np1`: for an active slot the value of its constraint function, for an inactive one the

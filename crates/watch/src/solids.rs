@@ -53,7 +53,7 @@ impl Frames {
     }
 }
 
-/// Tangents along the natural directions at the Gauss points of the full rule.
+/// Tangents along the natural directions at the Gauss points of full integration.
 #[derive(Debug)]
 pub(crate) struct Tangents<'a> {
     frames: &'a Frames,

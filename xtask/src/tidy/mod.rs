@@ -1,6 +1,6 @@
 //! `cargo xtask tidy`: habits that no compiler checks.
 //!
-//! A rule is a function from a file's text to findings. To add one, write it in the file that fits (`text` for any text,
+//! A check is a function from a file's text to findings. To add one, write it in the file that fits (`text` for any text,
 //! `rust` for sources, `documents` for Markdown, `citations` for what is cited, `terms` for what users read, `packages` for
 //! manifests), call it below, and give it a test that fails
 //! without it.
@@ -46,7 +46,7 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Runs all rules; false if there is a finding.
+/// Runs all checks; false if there is a finding.
 pub fn command(workspace: &Workspace) -> Outcome<bool> {
     let files = workspace.files()?;
     let texts: BTreeMap<String, String> = files

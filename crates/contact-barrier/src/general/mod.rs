@@ -98,7 +98,7 @@ pub struct GeneralContact {
 }
 
 impl GeneralContact {
-    /// Contact of a skin by rules for its classes.
+    /// Contact of a skin with the interactions of its classes.
     ///
     /// # Errors
     /// [`ContactError::EmptySurface`] if there is no facet, [`ContactError::OptionOutOfRange`] if the thickness is not positive.

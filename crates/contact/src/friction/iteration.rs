@@ -117,7 +117,7 @@ impl PointIteration {
     ///
     /// A point that slides against the direction of the iterate before would be sent back by the tangent of the sliding branch, and so on without end:
     /// the solution is a stick between them, on a branch as short as its stiffness is large. Such a point is linearised once as if it stuck; the next
-    /// iterate tells whether it does. That is the rule of the primal-dual active set, for friction.
+    /// iterate tells whether it does. That is the primal-dual active set, for friction.
     ///
     /// So is a point that has no traction yet because it has no pressure, at the first iterate of a step, if its coefficient is above 1: that it slides
     /// says nothing, and the tangent of the sliding branch would send it back the other way with a multiple of the pressure.

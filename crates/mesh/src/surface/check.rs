@@ -31,7 +31,7 @@ impl SurfaceMesh {
     }
 
     /// True if the facet uses a node twice, has no area, an edge of length zero, or a fold: `(a1 x a2) . n <= 0` at a
-    /// point of the facet's rule, with the normal `n` of its mean plane. Lengths below 1e-12 of the facet's size count
+    /// point of the facet's quadrature rule, with the normal `n` of its mean plane. Lengths below 1e-12 of the facet's size count
     /// as zero.
     ///
     /// # Panics

@@ -58,8 +58,8 @@ impl MassProperties {
         surface.moments()?.properties(density)
     }
 
-    /// Mass properties of a mesh. `det J x x^T` has degree 4 in each natural coordinate of a trilinear hexahedron, so that the rule of 3 x 3 x 3
-    /// points is exact for it; the rules of the other cells are exact for straight edges.
+    /// Mass properties of a mesh. `det J x x^T` has degree 4 in each natural coordinate of a trilinear hexahedron, so that the Gauss rule of 3 x 3 x 3
+    /// points is exact for it; the quadrature rules of the other cells are exact for straight edges.
     ///
     /// # Errors
     /// [`MeshError::Parameter`] (density), [`MeshError::NoElements`], [`MeshError::NodeOutOfRange`], [`MeshError::Volume`].

@@ -218,7 +218,7 @@ fn joined_pairs(pairs: &BTreeSet<[&str; 2]>) -> Option<String> {
     ))
 }
 
-/// Takes pairs whose joints end later, and which overlap at the start, from the rules.
+/// Takes pairs whose joints end later, and which overlap at the start, from the interactions.
 pub(super) fn without_joined_overlaps(
     scene: &Scene,
     placed: &[Placed],

@@ -41,7 +41,7 @@ const QUOTIENT: f64 = 1e-7;
 /// Random states of a law.
 const STATES: usize = 500;
 
-/// Random steps of an element, for each law and rule.
+/// Random steps of an element, for each law and each rule of a scheme.
 const ELEMENTS: usize = 30;
 
 /// Nodes of the element move by up to this fraction of its edge: from the reference position, and in the step.
@@ -161,7 +161,7 @@ fn of_law(findings: &mut Findings, law: &dyn HyperelasticLaw) -> Outcome<()> {
     Ok(())
 }
 
-/// Stress rules and their names.
+/// Rules of schemes at which stresses are taken, and their names.
 const RULES: [(&str, ForceRule); 4] = [
     ("hex8, end point", ForceRule::END_POINT),
     ("hex8, midpoint", ForceRule::MIDPOINT),

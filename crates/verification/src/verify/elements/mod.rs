@@ -56,7 +56,7 @@ impl Suite for Elements {
     }
 }
 
-/// A cell and its rule in words.
+/// A cell and its quadrature in words.
 pub(super) fn name(kind: CellKind, integration: Integration) -> String {
     match integration {
         Integration::Full => kind.name().to_owned(),
@@ -64,7 +64,7 @@ pub(super) fn name(kind: CellKind, integration: Integration) -> String {
     }
 }
 
-/// Keys of a `[[body]]` for a cell and its rule.
+/// Keys of a `[[body]]` for a cell and its quadrature.
 pub(super) fn keys(kind: CellKind, integration: Integration) -> String {
     let rule = match integration {
         Integration::Full => "full",

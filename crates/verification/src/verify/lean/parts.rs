@@ -57,7 +57,7 @@ pub struct Called {
     pub solve: bool,
     /// Output.
     pub output: bool,
-    /// Stress rule of the solids.
+    /// Configuration at which the stress of the solids is taken.
     pub stress: String,
     /// Rule of the contact gradient, of steps in which a constraint was active.
     pub contact: String,

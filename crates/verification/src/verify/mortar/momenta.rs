@@ -20,7 +20,7 @@ const PENALTY: f64 = 40.0;
 /// Least moment that counts as the known defect of the slip `direct` at a gap.
 const DEFECT: f64 = 1e-3;
 
-/// Name, rule, and the place at which its force has no moment: start, middle or end of the step.
+/// Name, configuration of the gradients, and the place at which its force has no moment: start, middle or end of the step.
 const RULES: [(&str, GradientRule, f64); 4] = [
     ("start of the step", GradientRule::StartPoint, 0.0),
     ("end of the step", GradientRule::EndPoint, 1.0),

@@ -2,7 +2,7 @@
 //! bound, or a named error with all completed steps kept. What is neither is a verdict with a figure, and
 //! `docs/verification/stability.md` has its reason.
 //!
-//! A case is a [`Case`] in one of the files of `cases`; [`judge`] has the rules.
+//! A case is a [`Case`] in one of the files of `cases`; [`judge`] has the bounds.
 
 mod case;
 mod cases;
