@@ -13,7 +13,7 @@ use crate::workspace::{Outcome, Workspace, read, write};
 /// Where the picture is committed.
 const PAGE: &str = "docs/layers.md";
 
-/// What is allowed for one crate.
+/// Dependencies that are allowed for one crate.
 #[derive(Clone, Debug, Default)]
 struct Layer {
     ours: BTreeSet<String>,

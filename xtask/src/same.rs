@@ -10,7 +10,7 @@ use std::time::Instant;
 use crate::program::Program;
 use crate::workspace::{Outcome, Workspace, read};
 
-/// What is compared, and with what.
+/// Programs and scenes that are compared.
 #[derive(Debug)]
 pub struct Comparison {
     /// The other program `stoss`, mostly that of the commit before.

@@ -21,7 +21,7 @@ fn worst(watched: &Watched) -> String {
     if depth > 0.0 { format!("{drift}  depth {depth:.3} edges") } else { drift }
 }
 
-/// What was decided.
+/// Words of a decision on the step, for the terminal.
 fn words(kind: DecisionKind) -> &'static str {
     match kind {
         DecisionKind::Cut => "cutback",

@@ -20,7 +20,7 @@ pub struct Nearest {
     pub place: [f64; 3],
 }
 
-/// What is found at the start.
+/// Crossings and small distances of the skin at the start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InitialCheck {
     /// Facets that go through each other, each pair once, with a point near the place: first those of an edge.

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Relative to the squared distances: what decides where the patterns of both ends are the same.
 const BALANCE: f64 = 1e-20;
 
-/// Below this part of the squared distances the excesses are round-off, and the patterns are the same to half of the digits: the balance has no derivative.
+/// Part of the squared distances below which the excesses are round-off, and the patterns are the same to half of the digits: the balance has no derivative.
 const SAME_PATTERN: f64 = 1e-18;
 
 /// Closest weights over a list of points at the start of a step and at its end, with the positions there. The weights of each end have the sum zero.

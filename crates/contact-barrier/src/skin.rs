@@ -448,7 +448,7 @@ impl Skin {
     }
 }
 
-/// By how much one surface is rougher than another one that has not much smaller triangles, from 0 to 1: then its points follow its shape, and points of the smoother one would meet it at an angle.
+/// Degree to which one surface is rougher than another one that has not much smaller triangles, from 0 to 1: then its points follow its shape, and points of the smoother one would meet it at an angle.
 fn rougher(own: &Around, other: &Around) -> f64 {
     let (low, high) = (other.roughness + FLAT, ROUGHER * (other.roughness + FLAT));
     let by_angle = ((own.roughness - low) / (high - low)).clamp(0.0, 1.0);

@@ -300,7 +300,7 @@ mod tests {
             prop_assert!(shares.is_some_and(|inverse| inverse.amax() * moments[0] < 100.0), "{:?}", shares);
         }
 
-        /// Against differences, where the same rays leave through the same edges.
+        /// Derivatives against differences, where the same rays leave through the same edges.
         #[test]
         fn the_functions_at_the_centres_have_their_derivatives(
             angle in 0.0f64..6.2, offset in -1.0f64..0.8, triangle in any::<bool>(),

@@ -12,7 +12,7 @@ pub enum MortarError {
     Segmentation {
         /// Local number of the slave facet.
         facet: u32,
-        /// What is wrong.
+        /// Error of the segmentation.
         source: SegmentationError,
     },
     /// A search range is not an interval.

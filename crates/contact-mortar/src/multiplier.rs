@@ -20,7 +20,7 @@ pub enum MultiplierSpace {
     Centred,
 }
 
-/// Below this smallest eigenvalue of the scaled mass matrix (1/9 for a parallelogram that is wholly covered, 1/4 for a triangle) dual
+/// Smallest eigenvalue of the scaled mass matrix (1/9 for a parallelogram that is wholly covered, 1/4 for a triangle) below which dual
 /// functions would be larger than 1e7 and their integrals lose all digits.
 const SMALLEST_EIGENVALUE: f64 = 1e-7;
 

@@ -13,7 +13,7 @@ use stoss_contact::{ContactError, ContactSurface, in_order};
 use stoss_reference_element::MAX_NODES;
 use stoss_segmentation::{FacetSegmentation, GapRange, Segment};
 
-/// What is built once.
+/// Surfaces and rows, which are built once.
 #[derive(Clone, Debug)]
 pub(crate) struct Surfaces {
     pub slave: ContactSurface,
@@ -34,7 +34,7 @@ pub(crate) struct Surfaces {
     pub integration: Integration,
 }
 
-/// What is constant in a step.
+/// State of the method that is constant in a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StepState {
     pub candidates: Candidates,
@@ -93,7 +93,7 @@ impl StepState {
     }
 }
 
-/// What is asked of a slave facet.
+/// Integrals that are asked of a slave facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Need {
     Nothing,

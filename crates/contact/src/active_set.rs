@@ -110,7 +110,7 @@ pub struct ActiveSetControl {
     pace: Pace,
 }
 
-/// How many slots are turned at once.
+/// Choice of the slots that are turned at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pace {
     /// All slots that are wrong.

@@ -138,7 +138,7 @@ pub enum ContactError {
     /// Surfaces cannot be segmented.
     #[error("segmentation failed: {reason}")]
     Segmentation {
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// The normals of the facets around a slave node cancel.
@@ -182,7 +182,7 @@ pub enum ContactError {
     Joint {
         /// Name of the joint.
         joint: String,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// History bytes do not fit.

@@ -22,7 +22,7 @@ fn length(facets: &[FacetNodes], along: Vector, reference: &[f64]) -> f64 {
     facets.iter().map(of).sum::<f64>() / facets.len().max(1) as f64
 }
 
-/// What is kept out of the master.
+/// Part of the slave that is kept out of the master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeptOut {
     /// Nodes: between them the master comes in by the whole height of its arch.
@@ -63,7 +63,7 @@ impl Sinking {
         (worth && differ).then_some(usize::from(b.depth < a.depth))
     }
 
-    /// By how much the master may sink in (a length), if that is not small against a facet.
+    /// Depth to which the master may sink in (a length), if that is not small against a facet.
     pub fn by(&self, kept_out: KeptOut) -> Option<f64> {
         let part: f64 = match kept_out {
             KeptOut::Nodes => 1.5,

@@ -25,7 +25,7 @@ pub(crate) enum Which<'a> {
     Of(&'a [u32]),
 }
 
-/// What was moved.
+/// Nodes that were moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moved {
     pub count: usize,
@@ -240,7 +240,7 @@ mod tests {
         assert_eq!((moved.count, heights(&mesh)), (2, vec![0.0, -0.04, 0.0, 0.1]));
     }
 
-    /// Beside the rim there is no foot along the normal.
+    /// Nodes beside the rim, which have no foot along the normal.
     #[test]
     fn nodes_beside_the_master_surface_stay() {
         let (mut mesh, slave, master) = touching([0.05; 4], 1.0);

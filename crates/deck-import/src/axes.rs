@@ -14,7 +14,7 @@ const ROUND_OFF: f64 = 1e-9;
 
 /// Axes of the nodes that have some of their own.
 pub(crate) struct LocalAxes {
-    /// For each node the three axes; nothing for those that are not known.
+    /// The three axes of each node; nothing for those that are not known.
     of_node: BTreeMap<u32, [Direction; 3]>,
 }
 

@@ -338,7 +338,7 @@ mod tests {
         assert_eq!(rows(&[&[0], &[0]], &values, &two(true), false), [[0.0, 0.0], [0.1, 5.0]]);
     }
 
-    /// At the beginning of a dynamic stage a load jumps, from what the static one left and from stage to stage; what ends is zero at once.
+    /// Loads that jump at the beginning of a dynamic stage, from what the static one left and from stage to stage; what ends is zero at once.
     #[test]
     fn loads_jump_at_the_beginning_of_a_dynamic_stage() {
         let values = [plain(5.0), plain(-1.0), plain(2.0)];

@@ -13,7 +13,7 @@ use crate::text::{count, string};
 /// Something of a deck that the scene does not have, or has in another form.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// What it means for the results.
+    /// Meaning for the results.
     pub severity: Severity,
     /// "part.inp:12"; the file alone where it concerns no line.
     pub place: String,

@@ -81,7 +81,7 @@ pub struct Import {
     /// The mesh to be written under [`FileNames::mesh`]: that of the deck, with the sets that the deck has no name for, and with the nodes that `ADJUST` moves in
     /// their new places. None if the scene refers to the deck itself.
     pub mesh: Option<Mesh>,
-    /// What was mapped, one line each.
+    /// Things that were mapped, one line each.
     pub mapped: Vec<String>,
     /// What was left out, the worst first, then in the order of the deck; first what concerns no line of it.
     pub left_out: Vec<LeftOut>,

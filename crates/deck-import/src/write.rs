@@ -39,7 +39,7 @@ pub(crate) struct Tables {
     parts: Vec<String>,
     /// Couplings, equations, joints, springs, supports.
     joined: Vec<String>,
-    /// How many of each kind of those.
+    /// Number of each kind of these.
     numbers: BTreeMap<&'static str, usize>,
     ties: Vec<String>,
     contacts: Vec<String>,
@@ -155,7 +155,7 @@ impl Tables {
         line
     }
 
-    /// What was mapped, for people.
+    /// Lines that say what was mapped.
     pub fn mapped(&self, bodies: &Bodies, timeline: &Timeline) -> Vec<String> {
         let elements: usize = bodies.all.iter().map(|body| body.elements.len()).sum();
         let mut lines = vec![format!(

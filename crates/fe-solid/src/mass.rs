@@ -12,7 +12,7 @@ use std::sync::Arc;
 use stoss_mesh::{CellBlock, Elements};
 use stoss_reference_element::{CellKind, Rule};
 
-/// How the mass is distributed.
+/// Distribution of the mass over the nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum MassKind {
     /// `M_IJ = int rho_0 N_I N_J dV`, exact for parallelepipeds, and for tetrahedra and wedges with straight edges.

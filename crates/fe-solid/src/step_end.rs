@@ -9,7 +9,7 @@ pub struct StepEnd {
     pub stored: f64,
     /// What of it hardening has stored.
     pub hardening: f64,
-    /// What was lost in the step.
+    /// Energy lost in the step, by cause.
     pub loss: Loss,
     /// Largest increment of the equivalent plastic strain of a point.
     pub flow: f64,

@@ -39,7 +39,7 @@ impl Term for SolidBody {
         SolidBody::stencils(self).for_each(|nodes| visit(nodes, &[]));
     }
 
-    /// In rayon's current pool, if it has more than one thread; the bits do not depend on their number. Nothing is allocated after the first call.
+    /// Residual and tangent of the elements, in rayon's current pool if it has more than one thread; the bits do not depend on their number. Nothing is allocated after the first call.
     fn assemble(&self, at: &At<'_>, want_tangent: bool, visit: &mut (dyn FnMut(&Local) + Send)) -> Result<(), Fault> {
         let At { q_n, q_np1, before, .. } = *at;
         let Some(rule) = at.rule.force() else { return Ok(()) };

@@ -40,7 +40,7 @@ impl BoundingVolume for Aabb {
 pub struct MovingBox {
     /// Where the points start.
     pub start: Aabb,
-    /// By how much they move.
+    /// Box of the motions of the points.
     pub motion: Aabb,
 }
 

@@ -164,7 +164,7 @@ fn closest_edge(patch: &Monomials, target: &Vector3<f64>) -> Candidate {
     best
 }
 
-/// For a convex distance: whether the best point of the boundary is the best of the facet.
+/// Whether the best point of the boundary is the best of the facet, for a convex distance.
 fn is_minimal_at_boundary(patch: &Monomials, target: &Vector3<f64>, best: &Candidate) -> bool {
     let r = target - patch.point(best.xi);
     let [a_1, a_2] = patch.tangents(best.xi);

@@ -164,7 +164,7 @@ impl ClosestPair {
 struct Best<'a> {
     points: &'a [Vector3<f64>; 4],
     pair: ClosestPair,
-    /// By how much the best weights violate the condition of the minimum.
+    /// Amount by which the best weights violate the condition of the minimum.
     violation: f64,
     /// Round-off of a difference of two points.
     noise: f64,
@@ -221,10 +221,10 @@ impl<'a> Best<'a> {
     }
 }
 
-/// Below this squared sine a pair counts as ill-conditioned: the inside is compared with the boundary.
+/// Squared sine below which a pair counts as ill-conditioned: the inside is compared with the boundary.
 const ILL_CONDITIONED: f64 = 1e-12;
 
-/// Below this squared sine what is left of a vector after orthogonalisation is round-off alone.
+/// Squared sine below which what is left of a vector after orthogonalisation is round-off alone.
 const PARALLEL: f64 = 16.0 * f64::EPSILON * f64::EPSILON;
 
 /// The part of `v` across `u`. The second pass makes it orthogonal to `u` to round-off of its own length, however short it is.

@@ -135,7 +135,7 @@ pub enum SchemeError {
     /// A name that is not in the table.
     #[error("there is no scheme `{name}`")]
     Unknown {
-        /// What was asked for.
+        /// Name that was asked for.
         name: String,
     },
     /// The scheme has no such parameter.
@@ -143,7 +143,7 @@ pub enum SchemeError {
     UnknownParameter {
         /// The scheme.
         scheme: &'static str,
-        /// What was given.
+        /// Name of the parameter given.
         name: String,
     },
     /// Out of range.
@@ -153,7 +153,7 @@ pub enum SchemeError {
         scheme: &'static str,
         /// The parameter.
         name: &'static str,
-        /// What was given.
+        /// Value given.
         value: f64,
         /// Smallest and largest value.
         range: (f64, f64),

@@ -362,7 +362,7 @@ mod tests {
         }
     }
 
-    /// At 1e6 positions are known to 1e-10, and their differences over the step size to 1e-5.
+    /// Positions at 1e6, which are known to 1e-10, and their differences over the step size to 1e-5.
     #[test]
     fn far_from_the_origin_a_free_mass_keeps_its_velocity() {
         for row in SCHEMES {

@@ -245,7 +245,7 @@ impl std::fmt::Display for Failure {
     }
 }
 
-/// How a solution has ended.
+/// End of a solution.
 #[derive(Clone, Debug)]
 pub struct Ended {
     /// Why, in PETSc's words.
@@ -258,7 +258,7 @@ pub struct Ended {
     pub iterations: u64,
 }
 
-/// How good a solution is.
+/// Accuracy of a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Quality {
     /// 2-norm of the residual over that of the right-hand side.

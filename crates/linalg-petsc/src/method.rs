@@ -2,7 +2,7 @@
 
 use stoss_linalg::{AutoSolver, MatrixKind};
 
-/// How systems are solved.
+/// Method by which systems are solved.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Method {
     /// [`Method::Multigrid`] from [`Method::MULTIGRID`] equations on if all of them are of nodes of bodies, else [`Method::Direct`].

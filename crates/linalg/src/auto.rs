@@ -36,7 +36,7 @@ pub struct AutoSolver {
     kind: MatrixKind,
 }
 
-/// From which size on an [`AutoSolver`] iterates.
+/// Size from which on an [`AutoSolver`] iterates.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Preference {
     /// Iterates from the size on from which that is faster.

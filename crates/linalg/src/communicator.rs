@@ -47,7 +47,7 @@ pub trait Communicator: Send + Sync + Debug {
     /// What each rank gives, of any length.
     fn gather_bytes(&self, mine: &[u8]) -> Vec<Vec<u8>>;
 
-    /// What was received so far.
+    /// Operations, messages and bytes so far.
     fn traffic(&self) -> Traffic {
         Traffic::default()
     }

@@ -50,7 +50,7 @@ pub enum LinalgError {
     /// More equations or entries than 32-bit positions can number.
     #[error("the system is too large: {what} = {count} does not fit into 32 bits")]
     TooLarge {
-        /// What is counted.
+        /// Name of what is counted.
         what: &'static str,
         /// The count.
         count: usize,

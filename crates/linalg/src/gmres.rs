@@ -25,7 +25,7 @@ pub(crate) struct Gmres {
     work: Vec<f64>,
 }
 
-/// How a solution ended.
+/// Iterations and residual of a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct GmresReport {
     pub iterations: u32,

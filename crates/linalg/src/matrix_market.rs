@@ -32,7 +32,7 @@ pub enum SystemFileError {
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// The entries do not form a valid pattern.

@@ -6,7 +6,7 @@ use crate::{LinalgError, NONE, SparsityPattern};
 /// Rows of a run at most: the components of a node.
 const LONGEST_RUN: usize = 3;
 
-/// For a list of stencils, the positions in the values of their local entries.
+/// Positions in the values of a pattern of the local entries of a list of stencils.
 ///
 /// Rows of a stencil whose equations follow each other, as those of a node do, follow each other in every column of the pattern too. A map
 /// therefore has one position for such a run of rows and a column: for solids a third of the entries.

@@ -8,7 +8,7 @@ pub enum FitError {
     Line {
         /// Number of the line, from one.
         line: usize,
-        /// What is wrong.
+        /// Message: what is wrong.
         message: String,
         /// Remedy: what to do.
         remedy: String,

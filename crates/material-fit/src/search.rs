@@ -9,7 +9,7 @@ use stoss_continuum::HyperelasticLaw;
 /// Bulk modulus during the search, in shear moduli; it has no part in the stresses.
 const SOME_BULK: f64 = 1e3;
 
-/// What was found for a law.
+/// Parameters found for a law, and the deviations of the law with them.
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// Name of the law.

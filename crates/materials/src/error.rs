@@ -43,7 +43,7 @@ pub enum MaterialError {
     NoSplit {
         /// The law.
         law: &'static str,
-        /// What was to be added.
+        /// Name of what was to be added.
         part: &'static str,
     },
     /// The body would not be stable at the reference state.

@@ -16,7 +16,7 @@ pub enum Hardening {
         h: f64,
         /// The yield stress that the rest tends to.
         saturation: f64,
-        /// How fast, a number.
+        /// Rate of the saturation over the equivalent plastic strain, a number.
         rate: f64,
     },
     /// Points `(a, stress)`, linear between them, constant behind the last one. The first has `a = 0`.

@@ -8,7 +8,7 @@ use stoss_registry::Refusal;
 /// Families of fibres that differ by their directions only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FibreFamilies {
-    /// What they are like.
+    /// Stiffness, exponent and dispersion.
     pub fibres: Fibres,
     /// A direction each, of any length but zero: those of all points, but for points whose states get others.
     pub directions: Vec<[f64; 3]>,

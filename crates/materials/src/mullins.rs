@@ -8,7 +8,7 @@ const NAME: &str = "mullins";
 /// `eta = 1 - erf((M - W)/(m + beta M))/r` for `W < M`, the largest energy of the rest of a law so far (Ogden and Roxburgh 1999).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mullins {
-    /// Above 1; the stress goes down to `1 - 1/r` of that of the virgin material at most.
+    /// Parameter `r`, above 1; the stress goes down to `1 - 1/r` of that of the virgin material at most.
     pub r: f64,
     /// An energy per volume (a stress), positive.
     pub m: f64,

@@ -147,7 +147,7 @@ impl Ogden {
         stress
     }
 
-    /// What is wanted at a strain.
+    /// Writes what is wanted at a strain.
     fn write(
         &self,
         c: &SymmetricTensor2,

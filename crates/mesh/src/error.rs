@@ -56,7 +56,7 @@ pub enum MeshError {
         parameter: &'static str,
         /// The value given.
         value: String,
-        /// What is admissible.
+        /// Remedy: what is admissible.
         remedy: String,
     },
     /// A mesh with this number of elements is refused.
@@ -82,7 +82,7 @@ pub enum MeshError {
         name: String,
         /// What the set has.
         has: SetKind,
-        /// What is needed.
+        /// Kind that is needed.
         wanted: SetKind,
     },
     /// A set of this name exists already.
@@ -123,7 +123,7 @@ pub enum MeshError {
     SetOutOfRange {
         /// The set.
         name: String,
-        /// What it holds.
+        /// Kind of its members.
         kind: SetKind,
         /// The bad number.
         index: u32,

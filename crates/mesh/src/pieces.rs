@@ -20,7 +20,7 @@ impl Mesh {
         self.piece_of_elements(&all).into_iter().max().map_or(0, |last| last + 1)
     }
 
-    /// For each of these elements the number of its piece among them; pieces are numbered from 0 in the order of their first elements.
+    /// Number of the piece, among these elements, that each of them is in; pieces are numbered from 0 in the order of their first elements.
     ///
     /// # Panics
     /// If an element does not exist; this is a programming error.

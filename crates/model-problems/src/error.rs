@@ -15,7 +15,7 @@ pub enum ModelError {
     /// The step size is not positive and finite.
     #[error("the step size must be positive and finite, found {dt}")]
     StepSize {
-        /// What was given.
+        /// Step size given.
         dt: f64,
     },
     /// `M x = b` has no solution.

@@ -11,7 +11,7 @@ pub enum PartDataError {
         what: &'static str,
         /// The number.
         value: f64,
-        /// What it must be.
+        /// Condition that it violates.
         must: &'static str,
     },
     /// The nodes do not make elements of this order.

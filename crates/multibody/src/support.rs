@@ -96,7 +96,7 @@ impl ElasticSupport {
         Ok(Self { name: name.to_owned(), items, foundation, length })
     }
 
-    /// What is supported.
+    /// Vectors that are supported.
     pub fn items(&self) -> &[Supported] {
         &self.items
     }

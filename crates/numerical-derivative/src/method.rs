@@ -3,7 +3,7 @@
 use crate::DerivativeError;
 use std::fmt;
 
-/// How a derivative is taken.
+/// Method by which a derivative is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
     /// `(f(x + h) - f(x))/h`, first order.

@@ -14,7 +14,7 @@ impl FaceKind {
         }
     }
 
-    /// For each node of [`FaceKind::layer`] the node of the face that it is above, and its `zeta`: -1, 0 or 1.
+    /// Node of the face that each node of [`FaceKind::layer`] is above, and its `zeta`: -1, 0 or 1.
     pub fn layer_nodes(self) -> impl Iterator<Item = (usize, f64)> {
         self.layer().table().nodes.iter().map(move |&[x, y, zeta]| {
             // cannot fail, as the test says: a layer has no node beside those of its face.

@@ -62,7 +62,7 @@ impl Family {
     }
 }
 
-/// At which points of a cell stress and stiffness are taken.
+/// Choice of the points of a cell at which stress and stiffness are taken.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Integration {
     /// Full integration: as many points as the cell needs to have no mode without stiffness. For tet10 the 8 points that see the corners, where such a
@@ -88,7 +88,7 @@ pub struct Face {
 pub struct CellTable {
     /// Name in messages and files.
     pub name: &'static str,
-    /// What it is, a sentence.
+    /// Description, a sentence.
     pub about: &'static str,
     /// Shape of the cell.
     pub family: Family,

@@ -18,7 +18,7 @@ pub enum Unit {
 pub enum Values {
     /// Any.
     Any,
-    /// Above zero.
+    /// Number above zero.
     Positive,
     /// Zero and above.
     NotNegative,
@@ -49,7 +49,7 @@ pub struct Parameter {
     pub name: &'static str,
     /// Meaning, a sentence.
     pub about: &'static str,
-    /// What it is measured in.
+    /// Unit.
     pub unit: Unit,
     /// Values of it, or of each number of a list.
     pub values: Values,

@@ -8,7 +8,7 @@ use crate::{Given, Parameter};
 pub struct Refusal {
     /// The parameter that is to be changed.
     pub parameter: &'static str,
-    /// What is wrong with it.
+    /// Message: what is wrong with it.
     pub message: String,
     /// Remedy: what to do.
     pub remedy: String,

@@ -9,7 +9,7 @@ use crate::Outcome;
 use crate::paint::{Colour, Finish, Layout, Raster, Style, colour, draw_raster, value_range, window};
 use crate::picture::{self, Motif, Options, unfit};
 
-/// How frames follow each other.
+/// Speed and choice of the frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// Frames a second; files have hundredths of a second.

@@ -259,7 +259,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// From where the place is seen: as other pictures, turned to the side of the model on which it is.
+/// Camera by which the place is seen: as in other pictures, turned to the side of the model on which it is.
 fn camera(grid: &Grid, place: [f64; 3]) -> Camera {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for point in 0..grid.points.len() {

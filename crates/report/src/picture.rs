@@ -110,14 +110,14 @@ impl<'a> Motif<'a> {
         self.options.deformation.unwrap_or(1.0)
     }
 
-    /// Above the picture.
+    /// Title above the picture.
     pub fn title(&self) -> String {
         let bodies = &self.options.bodies;
         let bodies = if bodies.is_empty() { String::new() } else { format!(": {}", bodies.join(", ")) };
         format!("{}{bodies}", title(&self.folder))
     }
 
-    /// Below the picture of a frame, with its surface.
+    /// Snapshot of a frame: its surface and the text below.
     pub fn shot(&self, frame: usize, grid: &Grid, surface: Surface) -> Outcome<Shot> {
         let frame_of = &self.folder.frames[frame];
         if !surface.places().flatten().all(f64::is_finite) {

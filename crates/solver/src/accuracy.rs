@@ -23,7 +23,7 @@ impl Accuracy {
         self.enough = if self.ends_at_tolerance { relative } else { 0.0 };
     }
 
-    /// To what the linear equations of the iterate are to be solved.
+    /// Relative tolerance to which the linear equations of the iterate are to be solved.
     pub fn tolerance(self) -> f64 {
         self.enough.clamp(LEAST, LARGEST)
     }

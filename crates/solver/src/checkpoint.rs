@@ -31,7 +31,7 @@ pub enum CheckpointError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason.
         reason: String,
     },
     /// A checkpoint of another scene or model.
@@ -62,7 +62,7 @@ pub struct Checkpoint {
     pub ledger: Ledger,
     /// Forces of the last step, for output.
     pub forces: NodalForces,
-    /// What was done.
+    /// Times, decisions and counts so far.
     pub log: Log,
     /// Largest rate of a gap that closed under the law of impact.
     pub largest_rate: f64,
@@ -72,7 +72,7 @@ pub struct Checkpoint {
     pub attachments: BTreeMap<String, Vec<u8>>,
 }
 
-/// How a state is written.
+/// State as it is written.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "State")]
 struct StateParts {

@@ -202,9 +202,9 @@ pub enum SimulationError {
         "{what} cannot be switched on: {place} is {distance:.3e} away from where it has to be, more than an edge length ({length:.3e})"
     )]
     Jump {
-        /// What is switched on.
+        /// Name of what is switched on.
         what: String,
-        /// Where it is farthest away.
+        /// Place where it is farthest away.
         place: String,
         /// Distance there.
         distance: f64,

@@ -16,7 +16,7 @@ impl AxisRotation {
         (0..3).all(|i| i == usize::from(component) || self.axis[i] == 0.0)
     }
 
-    /// About the direction `axis` (any length but zero) through the point `about` (a length each); `degrees` has one column, positive by the
+    /// Rotation about the direction `axis` (any length but zero) through the point `about` (a length each); `degrees` has one column, positive by the
     /// right-hand rule. Nothing if the axis is zero, a number is not finite or the table has not one column.
     pub fn new(axis: [f64; 3], about: [f64; 3], degrees: Table) -> Option<Self> {
         let largest = axis.iter().fold(0.0_f64, |m, a| m.max(a.abs()));

@@ -10,7 +10,7 @@ use stoss_term::{Support, SurfaceForce};
 pub struct StageState {
     /// Number of the stage, from 1.
     pub number: u32,
-    /// What is switched off in it.
+    /// Things that are switched off in it.
     pub off: Switches,
     /// What has been released.
     pub released: Vec<Release>,
@@ -70,7 +70,7 @@ pub struct NodalForces {
     pub(crate) pushed: Vec<u32>,
 }
 
-/// What was done.
+/// Times, decisions and counts of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Log {
     /// Seconds.

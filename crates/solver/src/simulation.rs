@@ -130,7 +130,7 @@ pub struct Plan {
     pub memory_bytes: usize,
 }
 
-/// How steps are done.
+/// Settings by which steps are done.
 #[derive(Debug)]
 struct How {
     control: StepControl,

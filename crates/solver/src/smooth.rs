@@ -54,10 +54,10 @@ const LESS: f64 = 0.25;
 /// Shifts that are tried in an iterate.
 const MAX_SHIFTS: u32 = 14;
 
-/// After so many the best part of an increment is taken, however bad.
+/// Number of shifts after which the best part of an increment is taken, however bad.
 const ENOUGH: u32 = 6;
 
-/// Below this no shift is needed.
+/// Value of the merit function below which no shift is needed.
 const NEAR: f64 = 1.0e-3;
 
 /// Parts of an increment that are tried: 1, 1/2, .. 1/16.
@@ -101,7 +101,7 @@ struct Merit {
     scale: f64,
 }
 
-/// By what lengths and pressures are measured.
+/// Scales by which lengths and pressures are measured.
 struct Scale {
     /// Stress of each pair by which pressures are measured.
     moduli: Vec<f64>,
@@ -456,7 +456,7 @@ impl<'a> Path<'a> {
         });
     }
 
-    /// What is pressed is closed.
+    /// Closes the slots that are pressed.
     fn close(mut self) -> Result<Iterate, StepError> {
         for (c, pair) in self.model.contacts.iter_mut().enumerate() {
             let Some(method) = pair.unilateral_mut() else { continue };

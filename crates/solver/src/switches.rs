@@ -26,7 +26,7 @@ pub enum Release {
     Part(usize),
 }
 
-/// For each load, prescription, contact pair and part of a model whether it acts.
+/// Flags of the loads, prescriptions, contact pairs and parts of a model that act.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Acting {
     pub loads: Vec<bool>,

@@ -82,7 +82,7 @@ pub enum OutputError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// A stored result cannot be judged.
@@ -90,7 +90,7 @@ pub enum OutputError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// A file has the name of a file of results, but is none.

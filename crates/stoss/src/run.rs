@@ -21,7 +21,7 @@ pub use crate::error::RunError;
 pub use crate::output::{Summary, judge_folder};
 pub use session::Session;
 
-/// How to run.
+/// Options of a run.
 #[derive(Clone, Debug, Default)]
 pub struct RunOptions {
     /// Folder of the results.
@@ -68,7 +68,7 @@ pub enum Event<'a> {
     Warning(&'a str),
     /// A step was completed.
     Step {
-        /// What it did.
+        /// Record of the step.
         record: &'a StepRecord,
         /// End time.
         end: f64,

@@ -41,7 +41,7 @@ pub struct Case {
     scene: Result<String, String>,
 }
 
-/// How far a case is.
+/// State of a case of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaseState {
     /// A case of which nothing is there, or what is there is of another scene.
@@ -149,7 +149,7 @@ impl SweepPlan {
         words
     }
 
-    /// How far a case is.
+    /// State of a case.
     pub fn state(&self, out: &Path, case: &Case) -> CaseState {
         let Ok(scene) = &case.scene else { return CaseState::Failed };
         let mark = std::fs::read(case.mark(out)).ok().and_then(|bytes| serde_json::from_slice::<Mark>(&bytes).ok());
@@ -286,7 +286,7 @@ impl SweepPlan {
     }
 }
 
-/// How a case ended.
+/// End and results of a case.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CaseResult {
     /// `completed`, `stopped`, `interrupted`, `running`, `failed`, or `missing` if it was not run.

@@ -108,7 +108,7 @@ pub struct SupportedNode {
 /// How the surfaces of a discretisation are covered by what it integrates over.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coverage {
-    /// By how much the invariant is missed, round-off: of mortar contact the largest part of a slave facet that lies opposite the master and has no
+    /// Defect of the invariant, round-off: of mortar contact the largest part of a slave facet that lies opposite the master and has no
     /// segment, or has two.
     pub defect: f64,
 }

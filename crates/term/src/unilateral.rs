@@ -57,7 +57,7 @@ pub trait Unilateral: Sync {
     fn surface_way(&self) -> [f64; 3] {
         [0.0; 3]
     }
-    /// By how much the constraint function that a closed slot keeps changes in the step: negative where a gap that is held comes down, else zero.
+    /// Change in the step of the constraint function that a closed slot keeps: negative where a gap that is held comes down, else zero.
     fn settling(&self, _slot: usize) -> f64 {
         0.0
     }

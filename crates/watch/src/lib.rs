@@ -57,7 +57,7 @@ pub struct WatchBody {
     pub name: String,
     /// Global numbers of its nodes.
     pub nodes: Range<u32>,
-    /// What it consists of.
+    /// Elements or facets that it consists of.
     pub shape: WatchShape,
 }
 

@@ -51,7 +51,7 @@ pub struct Meeting {
     /// Mean height of the arches of facets over the nodes of the other surface that lie on them (a length), of surfaces that are curved alike; zero of others. By so much the gap between the
     /// facets is not that between the curved surfaces, unless contact knows the true positions.
     pub arch: f64,
-    /// By how much the distance of the facets, which the watch measures, may differ from that of the true surfaces which contact knows (a length).
+    /// Amount by which the distance of the facets, which the watch measures, may differ from that of the true surfaces which contact knows (a length).
     pub known_arches: f64,
     /// Whether loads alone press them together. Forces are right then whatever is left between the surfaces, but how bodies share them depends on the arches.
     pub by_loads: bool,
@@ -146,7 +146,7 @@ fn opposite(body: &Surface, other: &Surface, near: &Near) -> Option<(usize, [Vec
 struct Arches {
     /// Mean of the heights, if the surfaces are curved alike.
     mean: f64,
-    /// By how much the smallest distance of the nodes from the facets differs from that from the curved surface, if they are curved alike.
+    /// Amount by which the smallest distance of the nodes from the facets differs from that from the curved surface, if they are curved alike.
     of_gap: f64,
     /// The highest arch over these facets.
     highest: f64,
@@ -269,7 +269,7 @@ impl Watch {
         surface
     }
 
-    /// By how much the arches of each of two bodies change the gap in the reference (a length).
+    /// Amounts by which the arches of each of two bodies change the gap in the reference (a length).
     fn arches_of_gap(&mut self, [a, b]: [usize; 2]) -> [f64; 2] {
         let key = [a.min(b), a.max(b)];
         let known = self.arches.get(&key).copied();

@@ -41,7 +41,7 @@ pub struct Tunnelling {
     pub node: u32,
     /// The body that it passed through.
     pub through: usize,
-    /// Where it went in.
+    /// Point where it went in.
     pub position: [f64; 3],
 }
 
@@ -87,7 +87,7 @@ pub struct Watch {
     inside: Vec<bool>,
     /// Gaps between bodies in the reference, as far as they were asked for.
     pub(crate) gaps: BTreeMap<[usize; 2], f64>,
-    /// By how much the arches of the facets of two bodies change their gap in the reference.
+    /// Amounts by which the arches of the facets of two bodies change their gap in the reference.
     pub(crate) arches: BTreeMap<[usize; 2], [f64; 2]>,
 }
 

@@ -316,7 +316,7 @@ mod tests {
         judge.observe_stabilisation(3, 0.3, 0.0, 0.0);
         assert_eq!(kinds(&judge), []);
     }
-    /// Under loads alone only the arches count; what contact knows of them is no depth.
+    /// Arches alone count under loads alone; what contact knows of them is no depth.
     #[test]
     fn loads_alone_and_known_arches() {
         let solids = SolidObservation::default();

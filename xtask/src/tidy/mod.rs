@@ -26,7 +26,7 @@ pub struct Finding {
     pub file: String,
     /// Line from 1; 0 for the file as a whole.
     pub line: usize,
-    /// What is wrong.
+    /// Message: what is wrong.
     pub message: String,
 }
 

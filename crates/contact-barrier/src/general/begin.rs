@@ -114,7 +114,7 @@ impl Scene<'_> {
         (!is_sharp && skin.triangle_of_integration_point(p).is_none_or(faces)).then_some([weight, 1.0])
     }
 
-    /// By how much, from 0 to 1, the surface of a point and the triangle that it meets touch each other with an edge or a corner of their body: that surface alone has points then, for the direction of the force is the normal of the other one.
+    /// Degrees, from 0 to 1, to which the surface of a point and the triangle that it meets touch each other with an edge or a corner of their body: that surface alone has points then, for the direction of the force is the normal of the other one.
     fn corners(&self, point: u32, triangle: u32, x: &dyn Fn(u32) -> Vector3<f64>) -> [f64; 2] {
         if !self.skin.is_integration_point(point) && self.skin.is_sharp(point) {
             return [0.0; 2];

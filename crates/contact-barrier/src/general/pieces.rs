@@ -179,7 +179,7 @@ mod tests {
         (Skin::new(facets, &q, &|_| None), q)
     }
 
-    /// On surfaces that are flat or turn outward the pieces are the nearest place; where they turn inward they are more, and their energy has no kink where two places are equally near.
+    /// Pieces are the nearest place on surfaces that are flat or turn outward; where they turn inward they are more, and their energy has no kink where two places are equally near.
     #[test]
     fn pieces_are_the_nearest_place_unless_the_surface_turns_inward() {
         let mut rng = Rng::with_seed(4);

@@ -9,11 +9,11 @@ use std::fmt;
 pub enum StartFault {
     /// The thickness is less than [`crate::THINNEST`] of the shortest edge: no step size is small enough for so thin a layer.
     TooThin {
-        /// What is given.
+        /// Thickness given, a length.
         thickness: f64,
         /// The shortest edge.
         shortest: f64,
-        /// What it would be.
+        /// Thickness without the option, a length.
         default: f64,
     },
     /// The surface of a body crosses itself.
@@ -102,7 +102,7 @@ pub enum StartFault {
 /// [`StartFault`], with the edge that the layer is thin for, a length: places are told with its digits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StartError {
-    /// What is wrong.
+    /// Fault of the skin.
     pub fault: StartFault,
     /// The edge.
     pub edge: f64,

@@ -75,7 +75,7 @@ pub struct Start {
     pub thickness: f64,
     /// Pairs of bodies of which one alone goes inside, by all of the thickness: their layer is to have [`ONE_SIDED`] of the modulus.
     pub one_sided: Vec<[u32; 2]>,
-    /// What is doubtful.
+    /// Pairs of bodies that are nearer to each other than a thickness that is given.
     pub nearer: Vec<Nearer>,
     /// Edge that the layer is thin for, a length.
     pub edge: f64,

@@ -255,7 +255,7 @@ impl MortarContact {
         self.surfaces.integration.factors
     }
 
-    /// Another choice of the factors, for tests and comparisons; the same in statics and dynamics.
+    /// The method with other factors of the integrand, for tests and comparisons; the same in statics and dynamics.
     #[must_use]
     pub fn with_factors(mut self, factors: Factors) -> Self {
         self.surfaces.integration.factors = factors;

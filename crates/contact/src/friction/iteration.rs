@@ -83,7 +83,7 @@ impl Stiffening {
         self.factor
     }
 
-    /// After a round that left a gap or slip of this size, a length; the factor does not exceed `stiffest`, or 1.
+    /// Adapts the factor to a round that left a gap or slip of this size, a length; it does not exceed `stiffest`, or 1.
     pub fn follow(&mut self, left: f64, stiffest: f64) {
         if left > SLOWLY * self.last {
             self.factor = (STIFFER * self.factor).min(stiffest).max(1.0);

@@ -1,4 +1,4 @@
-//! From the closest facet to the signed gap: faces, edges, vertices and rims.
+//! The way from the closest facet to the signed gap: faces, edges, vertices and rims.
 
 use super::view::Foot;
 use super::{Feature, MasterPoint, Pairing, SearchView};

@@ -28,7 +28,7 @@ pub struct GeneralisedAlpha {
     pub beta: f64,
     /// Newmark's gamma.
     pub gamma: f64,
-    /// How forces are averaged.
+    /// Average of the forces over the step.
     pub average: ForceAverage,
 }
 

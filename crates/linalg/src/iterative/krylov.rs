@@ -36,7 +36,7 @@ const WINDOW: usize = 20;
 /// An iteration is not broken off before so many steps: one of few soft motions is slow until it has found them, and fast then.
 const PATIENCE: u32 = 60;
 
-/// How the residual has fallen.
+/// Rate at which the residual falls.
 #[derive(Debug, Default)]
 struct Pace {
     steps: u32,

@@ -75,7 +75,7 @@ impl Layout {
         before.0 != self.place || before.1 != self.labels || before.2 != self.slots
     }
 
-    /// Into this numbering; zero where there is no equation.
+    /// Writes a vector in this numbering; zero where there is no equation.
     pub fn gather(&self, v: &[f64], out: &mut Vec<f64>) {
         out.clear();
         out.resize(self.len(), 0.0);

@@ -66,7 +66,7 @@ impl Coupling {
         self.indices[range.clone()].iter().map(|&j| j as usize).zip(&self.values[range])
     }
 
-    /// Into `out`, with so many columns.
+    /// Writes the transpose into `out`, with so many columns.
     fn transpose_into(&self, columns: usize, out: &mut Self) {
         out.starts.clear();
         out.starts.resize(columns + 1, 0);

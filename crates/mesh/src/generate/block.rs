@@ -17,7 +17,7 @@ pub struct Block {
     pub max: [f64; 3],
     /// Numbers of elements along x, y, z.
     pub divisions: [usize; 3],
-    /// For each axis the size of the last element over that of the first; sizes in between in geometric progression.
+    /// Size of the last element over that of the first along each axis; sizes in between in geometric progression.
     pub grading: [f64; 3],
 }
 

@@ -43,7 +43,7 @@ pub struct Refinement {
 pub struct Ball {
     /// Radius (length).
     pub radius: f64,
-    /// What is meshed.
+    /// Portion that is meshed.
     pub part: Part,
     /// Numbers of elements of an eighth: across (along x and along y, from the axis to the edge of the cube), upwards (along z, the same), and from
     /// the cube to the surface.
@@ -97,7 +97,7 @@ pub struct Cylinder {
     pub radius: f64,
     /// Length along y (length).
     pub length: f64,
-    /// What is meshed.
+    /// Portion that is meshed.
     pub part: Part,
     /// Numbers of elements of a quarter: across (along x, from the axis to the edge of the square), upwards (along z, the same), from the square to the
     /// surface, and along y.

@@ -49,7 +49,7 @@ pub enum JointError {
         joint: String,
         /// Kind of the joint.
         kind: &'static str,
-        /// What is misplaced.
+        /// Name of what is misplaced.
         what: &'static str,
         /// Distance from what is required: a length, or the difference of two directions.
         distance: f64,

@@ -95,7 +95,7 @@ impl CoordinateOptions {
             || self.limits.is_some()
     }
 
-    /// What is out of its range.
+    /// Name and value of an option that is out of its range.
     pub(crate) fn fault(&self) -> Option<(&'static str, f64)> {
         let not_negative = |what, value: f64| (!(value >= 0.0 && value.is_finite())).then_some((what, value));
         let finite = |what, value: f64| (!value.is_finite()).then_some((what, value));

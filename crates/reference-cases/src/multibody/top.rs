@@ -48,7 +48,7 @@ impl FreeTop {
 pub struct LagrangeTop {
     /// Moment of inertia about the axis of symmetry, `I_3`.
     pub axial: f64,
-    /// About an axis through the fixed point at right angles to it, `I_1`.
+    /// Moment of inertia about an axis through the fixed point at right angles to it, `I_1`.
     pub transverse: f64,
     /// Weight times distance of the centre of mass from the fixed point, `m g l`.
     pub moment: f64,

@@ -21,7 +21,7 @@ pub struct Trebuchet {
     pub sling: f64,
     /// Gravity, positive.
     pub gravity: f64,
-    /// At the start, where everything rests: angle of the lever above the horizontal, of the hanger and of the sling from the vertical, positive towards positive x; radians.
+    /// Angles at the start, where everything rests: of the lever above the horizontal, of the hanger and of the sling from the vertical, positive towards positive x; radians.
     pub start: [f64; 3],
 }
 

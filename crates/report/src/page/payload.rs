@@ -109,7 +109,7 @@ struct Header<'a> {
     notes: Vec<String>,
 }
 
-/// How a run is packed.
+/// Options by which a run is packed.
 #[derive(Clone, Debug)]
 pub struct Packing<'a> {
     /// Name of the run on the page.
@@ -257,7 +257,7 @@ impl Cache {
         of_shape(Shape::new(first, &folder.bodies, false))
     }
 
-    /// How many numbers a frame has.
+    /// Count of the numbers of a frame.
     fn numbers(&self) -> usize {
         self.shape.nodes.len() * (3 + self.streams.components.len())
     }

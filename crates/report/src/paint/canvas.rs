@@ -30,7 +30,7 @@ pub trait Canvas {
     fn text(&mut self, text: &str, place: [f64; 2], size: f64, anchor: Anchor);
     /// A filled rectangle, from its upper left corner.
     fn rectangle(&mut self, colour: Colour, corner: [f64; 2], size: [f64; 2]);
-    /// Until [`Canvas::leave`] places are counted from this one.
+    /// Begins a drawing whose places are counted from this one, until [`Canvas::leave`].
     fn enter(&mut self, origin: [f64; 2]);
     /// Ends what [`Canvas::enter`] began.
     fn leave(&mut self);

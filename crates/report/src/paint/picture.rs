@@ -12,9 +12,9 @@ use super::visible::{Finish, Visible, bounds, range};
 /// One snapshot.
 #[derive(Clone, Debug)]
 pub struct Shot {
-    /// Below the snapshot.
+    /// Text below the snapshot.
     pub caption: String,
-    /// What is drawn.
+    /// Faces, lines and points of the snapshot.
     pub surface: Surface,
 }
 

@@ -5,7 +5,7 @@ use super::canvas::{Canvas, Colour, DOT, LINE};
 use super::colour::colour;
 use super::surface::{Quad, Surface};
 
-/// How fine colours are.
+/// Fineness of colours.
 #[derive(Clone, Copy, Debug)]
 pub struct Finish {
     /// Every face is drawn as `parts * parts` pieces of one colour each.

@@ -32,11 +32,11 @@ impl Series {
 /// What a chart says around its lines.
 #[derive(Clone, Copy, Debug)]
 pub struct Labels<'a> {
-    /// Above the chart.
+    /// Title above the chart.
     pub title: &'a str,
-    /// Below the horizontal axis.
+    /// Label of the horizontal axis.
     pub x: &'a str,
-    /// Beside the vertical axis.
+    /// Label of the vertical axis.
     pub y: &'a str,
 }
 

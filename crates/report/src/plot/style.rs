@@ -25,7 +25,7 @@ enum Marker {
     Plus,
 }
 
-/// How one series looks.
+/// Colour, dash and marks of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
     colour: &'static str,

@@ -31,7 +31,7 @@ fn is_refused(cause: &StepError) -> bool {
     matches!(cause, StepError::Linear(LinalgError::Settings { .. }))
 }
 
-/// From where the iterations start.
+/// Iterate from which the iterations start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Start {
     /// The scheme's predictor; in statics the last increment once more.
@@ -42,14 +42,14 @@ pub(super) enum Start {
     Last,
 }
 
-/// How a step is tried.
+/// Way in which a step is tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Way {
-    /// By Newton's method with a set of closed slots.
+    /// Newton's method with a set of closed slots.
     Plain,
-    /// By Newton's method from where springs have led it.
+    /// Newton's method from where springs have led it.
     Anchored,
-    /// By Newton's method with compliant rows and slips of little weight.
+    /// Newton's method with compliant rows and slips of little weight.
     Careful,
     /// Along smoothed complementarity.
     Smoothed,

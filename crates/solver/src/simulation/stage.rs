@@ -30,7 +30,7 @@ pub struct Stage {
     pub automatic: Option<Automatic>,
     /// End of the stage, a time counted from the beginning of the run.
     pub end: f64,
-    /// What is switched off.
+    /// Things that are switched off.
     pub off: Switches,
     /// Stabilisation, if it is static.
     pub stabilise: Option<Stabilise>,

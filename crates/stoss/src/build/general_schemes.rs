@@ -53,7 +53,7 @@ fn free_pair<'a>(scene: &Scene, placed: &'a [Placed]) -> Option<[&'a str; 2]> {
     })
 }
 
-/// How joints connect two parts.
+/// Bond of two parts by joints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Bond {
     /// Joints all of which are released by an event, or switched off in a stage.

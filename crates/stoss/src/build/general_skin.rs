@@ -86,7 +86,7 @@ pub(super) fn skin(
     }
 }
 
-/// What is wrong, and what to do.
+/// Message and remedy of an error of the skin.
 fn words<'a>(
     table: &Table,
     name: &dyn Fn(u32) -> &'a str,

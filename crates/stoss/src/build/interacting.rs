@@ -120,7 +120,7 @@ fn sides(scene: &Scene, placed: &[Placed], ties: &Ties) -> Vec<Side> {
     sides
 }
 
-/// Who acts on whom, and how.
+/// Interactions of the parts of a scene.
 pub(super) fn interactions(
     scene: &Scene,
     placed: &[Placed],

@@ -98,7 +98,7 @@ pub(super) fn held_of(placed: &[Placed], sides: &[String; 2]) -> BTreeSet<u32> {
     held.flat_map(|(nodes, _)| nodes).collect()
 }
 
-/// For each joint between two parts with surfaces, the nodes around it: those of the sets that it holds on to; as far as one part lies in the other in the reference, and half the diagonal of the thinner one's section beyond; and the corners of facets that lie in the other.
+/// Nodes around each joint between two parts with surfaces: those of the sets that it holds on to; as far as one part lies in the other in the reference, and half the diagonal of the thinner one's section beyond; and the corners of facets that lie in the other.
 pub(super) fn surroundings(scene: &Scene, placed: &[Placed], reference: &[f64]) -> Vec<Joined> {
     let mut list = Vec::new();
     for joint in &scene.joints {

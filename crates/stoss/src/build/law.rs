@@ -40,7 +40,7 @@ impl std::fmt::Debug for OwnLaws {
 pub struct LawNameError {
     /// The name.
     pub name: String,
-    /// What is wrong with it.
+    /// Reason.
     pub reason: &'static str,
 }
 
@@ -199,7 +199,7 @@ impl LawParameters<'_> {
 pub struct ParameterError {
     /// The key; empty if the parameters together are wrong.
     pub key: String,
-    /// What is wrong.
+    /// Message: what is wrong.
     pub message: String,
     /// Remedy: what to do.
     pub remedy: String,

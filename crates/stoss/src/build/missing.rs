@@ -1,4 +1,4 @@
-//! In the place of [`super::contact`] where no contact method is built in.
+//! Replacement of [`super::contact`] where no contact method is built in.
 
 /// Reports each contact.
 pub(super) fn contacts(

@@ -1,4 +1,4 @@
-//! In the place of [`super::multibody`] where the feature is not built in: there are no parts. Scenes with some are refused before.
+//! Replacement of [`super::multibody`] where the feature is not built in: there are no parts. Scenes with some are refused before.
 
 use super::condition::RigidMotion;
 use super::mesh_files::MeshFiles;

@@ -223,7 +223,7 @@ impl PairInput<'_> {
         self.bodies.iter().any(|&b| self.placed[b].mesh().is_some())
     }
 
-    /// After how many steps a gap that is held in the step in which it closes comes down; `None` if gaps are closed.
+    /// Number of steps after which a gap that is held in the step in which it closes comes down; `None` if gaps are closed.
     pub fn hold(&self, model: &Model) -> Option<u32> {
         let holds = match self.item.gap {
             GapAtClosing::Auto => {

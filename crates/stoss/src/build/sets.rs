@@ -38,7 +38,7 @@ struct Made {
 }
 
 impl Made {
-    /// What it holds, for `stoss check`.
+    /// Line of `stoss check` that says what the set holds.
     fn line(&self, SetExpression { name, region, .. }: &SetExpression) -> String {
         let text = &region.text;
         let label = if name.contains(|c: char| !(c.is_alphanumeric() || c == '-' || c == '_')) {

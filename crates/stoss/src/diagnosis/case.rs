@@ -120,7 +120,7 @@ impl<'a> Case<'a> {
         self.error.clone().or(found).unwrap_or_default()
     }
 
-    /// Where it happened.
+    /// Place where it happened.
     pub(super) fn place(&self) -> Where {
         if let Some(failure) = self.failure() {
             return self.place_of(&failure.place);

@@ -15,7 +15,7 @@ fn is_dissipative(scheme: &dyn Scheme) -> bool {
     rule.force.rule == ForceRule::END_POINT && rule.history.is_none() && rule.acceleration.is_none()
 }
 
-/// How many terms are named.
+/// Number of terms that are named.
 const MOST_TERMS: usize = 3;
 
 /// Which bodies, parts and couplings made the energy that is too much, or lost what is missing: their remainders since the process began.

@@ -43,7 +43,7 @@ pub const PAGE: &str = "diagnosis.html";
 /// What looks for the signs of a cause.
 type Look = fn(&Case<'_>) -> Vec<Finding>;
 
-/// What is examined.
+/// Functions that look for the signs of a cause.
 const FINDINGS: [Look; 19] = [
     supports::supports,
     density::density,
@@ -144,7 +144,7 @@ impl Cause {
     }
 }
 
-/// How certain a finding is.
+/// Certainty of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Confidence {
@@ -261,7 +261,7 @@ pub struct Diagnosis {
     pub step: u64,
     /// Time of the last completed step.
     pub time: f64,
-    /// Where it happened.
+    /// Place where it happened.
     pub place: Where,
     /// What is new in the step that failed: a stage, a load, a contact that closes, friction that begins, a release.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -121,7 +121,7 @@ fn finding(
     })
 }
 
-/// For bodies that contact has to hold once it is closed: stabilisation until then, with a prescription of what contact never holds. Nothing for what is not
+/// Remedies for bodies that contact has to hold once it is closed: stabilisation until then, with a prescription of what contact never holds. Nothing for what is not
 /// stabilised, or is already.
 fn stabilised(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) -> Option<Vec<Remedy>> {
     let solids = case.model().bodies.len();
@@ -162,7 +162,7 @@ fn stabilised(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]
     Some(rest)
 }
 
-/// For bodies that contact has to hold once it is closed, and that are not stabilised: the motion that closes it, or inertia.
+/// Remedies for bodies that contact has to hold once it is closed, and that are not stabilised: the motion that closes it, or inertia.
 fn touch_first(case: &Case<'_>, members: &[Member], group: &[usize]) -> Vec<Remedy> {
     let names: Vec<String> = group.iter().map(|&m| format!("`{}`", members[m].name)).collect();
     let start = format!(

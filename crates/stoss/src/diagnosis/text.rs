@@ -47,7 +47,7 @@ impl fmt::Display for Confidence {
 }
 
 impl Finding {
-    /// What it is and how certain.
+    /// Title of the cause and how certain it is.
     pub fn title(&self) -> String {
         match self.cause {
             Cause::Unknown => self.cause.title().to_owned(),

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 /// Of parameters what counts is where they are used.
 const WITHOUT_INFLUENCE: [&str; 6] = ["output", "watch", "expect", "parameters", "sweep", "left_out"];
 
-/// How many differences are named.
+/// Number of differences that are named.
 const NAMED: usize = 5;
 
 /// Version, parsed scene and mesh files; comments, title, units, end, probes on which no event depends, `[output]`, `[watch]`, `[expect]` and `[[left_out]]` do not count.

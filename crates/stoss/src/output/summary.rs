@@ -9,7 +9,7 @@ use std::path::Path;
 use stoss_solver::{Decision, Timings, digits};
 use stoss_watch::{Severity, Verdict};
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Outcome {
@@ -82,7 +82,7 @@ pub struct Summary {
     pub version: String,
     /// Title of the scene.
     pub title: String,
-    /// How it ended.
+    /// End of the run.
     pub outcome: Outcome,
     /// What the watch found: sound, doubtful or wrong, and why. Of a run that is not completed it is the verdict on the part up to `time`.
     pub verdict: Verdict,

@@ -51,7 +51,7 @@ pub struct Session {
     state: Progress,
 }
 
-/// How far a session is.
+/// Progress of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Progress {
     /// A session in which there may be another step.

@@ -26,7 +26,7 @@ const ROUND_OFF: f64 = 1e-15;
 pub(super) struct Response {
     /// Made with the first matrix.
     solver: Option<Box<dyn LinearSolver>>,
-    /// In the place of factors on several ranks, where there are no rows: no rank has the whole mass.
+    /// Products with the inverse mass in place of factors on several ranks, where there are no rows: no rank has the whole mass.
     products: Option<MassSolver>,
     /// The pattern of the bodies that `pattern` was made from, and the columns of the rows.
     base: Option<Arc<SparsityPattern>>,

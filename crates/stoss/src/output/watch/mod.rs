@@ -331,7 +331,7 @@ impl RunWatch {
         meetings
     }
 
-    /// In statics, what elements force on the deformable bodies.
+    /// Observes what elements force on the deformable bodies, in statics.
     fn observe_strains(&mut self, simulation: &Simulation, record: &StepRecord, q: &[f64]) {
         if promised(&self.promises, record.stage).is_some() {
             return;
