@@ -29,8 +29,8 @@ pub use registry::{Parameter, SCHEMES, SchemeEntry, SchemeError, entry, scheme};
 pub use rule::{Combination, ConstraintTerm, ForceRule, ForceTerm, GradientRule, HistoryTerm, StepRule};
 pub use scheme::{Claims, Scheme};
 pub use schemes::{
-    BackwardEuler, EnergyMomentum, EnergyMomentumAugmented, ForceAverage, ForwardEuler, GeneralisedAlpha, Midpoint,
-    Trapezoidal, VariationalMidpoint,
+    BackwardEuler, EnergyMomentum, ForceAverage, ForwardEuler, GeneralisedAlpha, Midpoint, Trapezoidal,
+    VariationalMidpoint,
 };
 pub use state::State;
 pub use step::{Buffers, EndPoint, Step, evaluate, evaluate_constraints, finish, start};

@@ -1,8 +1,7 @@
 //! The table of all schemes by name.
 
 use crate::{
-    BackwardEuler, EnergyMomentum, EnergyMomentumAugmented, ForwardEuler, GeneralisedAlpha, Midpoint, Scheme,
-    Trapezoidal, VariationalMidpoint,
+    BackwardEuler, EnergyMomentum, ForwardEuler, GeneralisedAlpha, Midpoint, Scheme, Trapezoidal, VariationalMidpoint,
 };
 
 /// A parameter of a scheme.
@@ -45,13 +44,6 @@ pub const SCHEMES: &[SchemeEntry] = &[
         about: "Conserves energy, linear and angular momentum for every law and step size.",
         parameters: &[],
         make: |_| Box::new(EnergyMomentum),
-    },
-    SchemeEntry {
-        name: "energy-momentum-augmented",
-        about: "Energy-momentum scheme on the system augmented by further coordinates (CAT); finite elements eliminate them, which \
-                gives the equations of energy-momentum.",
-        parameters: &[],
-        make: |_| Box::new(EnergyMomentumAugmented),
     },
     SchemeEntry {
         name: "midpoint",

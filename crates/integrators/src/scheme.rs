@@ -26,11 +26,6 @@ pub trait Scheme: std::fmt::Debug + Send + Sync {
     fn claims(&self) -> Claims;
     /// Residual and updates of a step of size `dt > 0`.
     fn rule(&self, dt: f64) -> StepRule;
-    /// True if the scheme is meant for the system augmented by further coordinates (theory/integrators#eq-spring-augmented). A system that has no augmented form, or
-    /// eliminates its additional coordinates itself, uses the same equations.
-    fn augmented(&self) -> bool {
-        false
-    }
     /// Predictor of the increment `q_np1 - q_n`: by default `dt v_n`.
     fn predict(&self, state_n: &State, dt: f64, increment: &mut [f64]) {
         for (out, v) in increment.iter_mut().zip(&state_n.v) {

@@ -59,8 +59,4 @@ pub trait ModelProblem: std::fmt::Debug {
     fn spatial_nodes(&self) -> usize {
         0
     }
-    /// The system with augmented coordinates, if there is one.
-    fn augmented(&self) -> Option<Box<dyn ModelProblem>> {
-        None
-    }
 }

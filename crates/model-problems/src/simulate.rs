@@ -156,8 +156,6 @@ fn options() -> NewtonOptions {
 
 /// Runs `steps` steps of size `dt`; `observe` sees the start and every completed step.
 ///
-/// A scheme that wants augmented coordinates gets the problem's augmented form, if it has one.
-///
 /// # Errors
 /// [`ModelError`]; the first failing step ends the run, for step sizes are what these problems are about.
 pub fn simulate(
@@ -166,19 +164,6 @@ pub fn simulate(
     dt: f64,
     steps: u64,
     mut observe: impl FnMut(&Sample<'_>),
-) -> Result<Effort, ModelError> {
-    if let Some(augmented) = problem.augmented().filter(|_| scheme.augmented()) {
-        return run(augmented.as_ref(), scheme, dt, steps, &mut observe);
-    }
-    run(problem, scheme, dt, steps, &mut observe)
-}
-
-fn run(
-    problem: &dyn ModelProblem,
-    scheme: &dyn Scheme,
-    dt: f64,
-    steps: u64,
-    observe: &mut dyn FnMut(&Sample<'_>),
 ) -> Result<Effort, ModelError> {
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(ModelError::StepSize { dt });

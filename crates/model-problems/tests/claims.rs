@@ -2,7 +2,8 @@
 
 use stoss_integrators::{SCHEMES, Scheme, scheme};
 use stoss_model_problems::{
-    ConstraintForm, MassPoint, ModelError, ModelProblem, Pendulum, SpringPair, SpringPendulum, StringPendulum, simulate,
+    AugmentedSpringPendulum, ConstraintForm, MassPoint, ModelError, ModelProblem, Pendulum, SpringPair, SpringPendulum,
+    StringPendulum, simulate,
 };
 
 fn norm(v: [f64; 3]) -> f64 {
@@ -76,6 +77,16 @@ fn every_scheme_has_its_order() {
             assert!(difference < tolerance, "{}, {}: order {order}, claimed {claimed}", problem.name(), entry.name);
         }
     }
+}
+
+/// Solved for the augmented coordinate and its multiplier, its equations are those of the discrete gradient (theory/integrators#eq-spring-augmented).
+#[test]
+fn an_augmented_coordinate_gives_the_discrete_gradient() {
+    let scheme = scheme("energy-momentum").unwrap();
+    let pendulum = SpringPendulum::soft();
+    let direct = position(scheme.as_ref(), &pendulum, 100);
+    let augmented = position(scheme.as_ref(), &AugmentedSpringPendulum(pendulum), 100);
+    assert!(distance(&direct, &augmented[..3]) < 1e-11, "{direct:?} {augmented:?}");
 }
 
 #[test]

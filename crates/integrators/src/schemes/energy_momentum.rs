@@ -11,38 +11,14 @@ use crate::{Claims, ForceRule, GradientRule, Scheme, StepRule};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnergyMomentum;
 
-const CLAIMS: Claims =
-    Claims { order: 2, linear_momentum: true, angular_momentum: true, energy: true, constraints: true };
-
 impl Scheme for EnergyMomentum {
     fn name(&self) -> &'static str {
         "energy-momentum"
     }
     fn claims(&self) -> Claims {
-        CLAIMS
+        Claims { order: 2, linear_momentum: true, angular_momentum: true, energy: true, constraints: true }
     }
     fn rule(&self, dt: f64) -> StepRule {
         mean_velocity(dt, ForceRule::DiscreteGradient, GradientRule::DiscreteGradient)
-    }
-}
-
-/// The energy-momentum scheme on the system with augmented coordinates (CAT, theory/integrators#eq-spring-augmented): an invariant of the configuration becomes a
-/// coordinate without mass, tied by a constraint that is quadratic in the positions. Its gradient at the midpoint is exact, and the discrete
-/// gradient of the potential is that of a function of one variable.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct EnergyMomentumAugmented;
-
-impl Scheme for EnergyMomentumAugmented {
-    fn name(&self) -> &'static str {
-        "energy-momentum-augmented"
-    }
-    fn claims(&self) -> Claims {
-        CLAIMS
-    }
-    fn rule(&self, dt: f64) -> StepRule {
-        EnergyMomentum.rule(dt)
-    }
-    fn augmented(&self) -> bool {
-        true
     }
 }

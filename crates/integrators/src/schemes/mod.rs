@@ -7,7 +7,7 @@ mod midpoint;
 mod trapezoidal;
 mod variational;
 
-pub use energy_momentum::{EnergyMomentum, EnergyMomentumAugmented};
+pub use energy_momentum::EnergyMomentum;
 pub use euler::{BackwardEuler, ForwardEuler};
 pub use generalised_alpha::{ForceAverage, GeneralisedAlpha};
 pub use midpoint::Midpoint;

@@ -139,9 +139,6 @@ impl ModelProblem for SpringPendulum {
     fn spatial_nodes(&self) -> usize {
         1
     }
-    fn augmented(&self) -> Option<Box<dyn ModelProblem>> {
-        Some(Box::new(AugmentedSpringPendulum(*self)))
-    }
 }
 
 /// [`SpringPendulum`] with the augmented coordinate `w = |q|^2/L^2` (theory/integrators#eq-spring-augmented; thesis (6.40)): no mass, `V = c L^2/8 (w - 1)^2`, and the constraint

@@ -12,7 +12,7 @@ struct Old {
     remedy: &'static str,
 }
 
-const OLD: [Old; 11] = [
+const OLD: [Old; 13] = [
     Old {
         key: "contact.normals",
         word: None,
@@ -72,6 +72,18 @@ const OLD: [Old; 11] = [
         word: Some("yang"),
         message: "is no longer a measure of the slip",
         remedy: "remove it: \"objective\" counts no rigid motion as slip either",
+    },
+    Old {
+        key: "time.integrator.scheme",
+        word: Some("energy-momentum-augmented"),
+        message: "is no longer a scheme: elements eliminate the augmented coordinates, which gave the equations of `energy-momentum`",
+        remedy: "write \"energy-momentum\"",
+    },
+    Old {
+        key: "stage.integrator.scheme",
+        word: Some("energy-momentum-augmented"),
+        message: "is no longer a scheme: elements eliminate the augmented coordinates, which gave the equations of `energy-momentum`",
+        remedy: "write \"energy-momentum\"",
     },
     Old {
         key: "stage.kind",

@@ -38,9 +38,7 @@ pub(super) fn schemes_that_fit() -> String {
     let all = || SCHEMES.iter().filter_map(|entry| Some((entry.name, entry.with([]).ok()?)));
     let fit = || {
         all().filter(|(_, scheme)| {
-            scheme.claims().constraints
-                && Friction::is_available(scheme.rule(1.0).constraint.rule)
-                && !scheme.augmented()
+            scheme.claims().constraints && Friction::is_available(scheme.rule(1.0).constraint.rule)
         })
     };
     let names = |gains: bool| {

@@ -151,9 +151,7 @@ fn scheme_needs(name: &str, parameter: impl Fn(&str) -> f64) -> Option<SchemeNee
         ..plain(at(1.0 - alpha_f), GradientRule::EndPoint)
     };
     Some(match name {
-        "energy-momentum" | "energy-momentum-augmented" => {
-            plain(ForceRule::DiscreteGradient, GradientRule::DiscreteGradient)
-        }
+        "energy-momentum" => plain(ForceRule::DiscreteGradient, GradientRule::DiscreteGradient),
         "midpoint" => plain(at(0.5), GradientRule::Midpoint),
         // Velocities come from momenta.
         "variational-midpoint" => {

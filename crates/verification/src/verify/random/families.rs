@@ -29,7 +29,7 @@ const COLLIDING: [&str; 8] = [
     "energy-momentum",
     "energy-momentum",
     "energy-momentum",
-    "energy-momentum-augmented",
+    "energy-momentum",
     "midpoint",
     "backward-euler",
     "newmark",
@@ -39,7 +39,7 @@ const COLLIDING: [&str; 8] = [
 /// All schemes.
 const ALL: [&str; 10] = [
     "energy-momentum",
-    "energy-momentum-augmented",
+    "energy-momentum",
     "midpoint",
     "variational-midpoint",
     "trapezoidal",
@@ -215,9 +215,7 @@ pub fn flight(rng: &mut Rng, quadratic: bool) -> Draft {
 pub fn flat(rng: &mut Rng, quadratic: bool) -> Draft {
     let method = one_of(rng, &["nts", "nts", "mortar", "mortar", "cat", "general", "general"]);
     let scheme = match method {
-        "general" => {
-            one_of(rng, &["energy-momentum", "energy-momentum", "energy-momentum-augmented", "backward-euler"])
-        }
+        "general" => one_of(rng, &["energy-momentum", "energy-momentum", "energy-momentum", "backward-euler"]),
         "cat" => one_of(rng, &["energy-momentum", "midpoint", "backward-euler", "generalised-alpha"]),
         _ => one_of(rng, &COLLIDING),
     };

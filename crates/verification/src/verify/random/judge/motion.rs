@@ -28,7 +28,7 @@ const RATE: [f64; 2] = [0.05, 0.3];
 const SLOW: f64 = 1e-9;
 
 /// Schemes whose forces of a step change the momentum by their size times the step.
-const OF_THE_STEP: [&str; 4] = ["energy-momentum", "energy-momentum-augmented", "midpoint", "backward-euler"];
+const OF_THE_STEP: [&str; 3] = ["energy-momentum", "midpoint", "backward-euler"];
 
 /// Adds what is to be said.
 pub fn judge(evidence: &Evidence<'_>, all: &mut Vec<Criterion>) {
