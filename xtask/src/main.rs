@@ -1,7 +1,7 @@
 //! Chores of the workspace: `cargo xtask <command>`.
 //!
 //! `schema`, `gallery` and the suites of `verify` that measure scenes run the program `stoss` and read the files that it
-//! leaves; the suites that measure a crate (`tangents`, `materials`) call it. Which crates those are is in `layers.toml`.
+//! leaves; the suites that measure a crate (`tangents`, `multibody`) call it. Which crates those are is in `layers.toml`.
 
 mod bench;
 mod circles;
@@ -12,8 +12,10 @@ mod reference;
 mod reuse;
 mod same;
 mod schema;
+mod slow;
 mod tidy;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -99,13 +101,29 @@ enum Command {
         /// One picture only.
         scene: Option<String>,
     },
+    /// Runs all tests and lists the slowest ones and the slowest programs of tests.
+    Slow {
+        /// What `cargo xtask slow` has written before, by default target/slow/tests.log: nothing is run.
+        #[arg(long)]
+        log: Option<PathBuf>,
+    },
+    /// Runs a program of tests so that it tells the duration of each; cargo calls it for `slow`.
+    #[command(hide = true)]
+    Timed {
+        /// The program and its arguments.
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        words: Vec<OsString>,
+    },
     /// Writes the archive of a release into target/dist and tries it.
     Dist,
 }
 
-fn dispatch(arguments: Arguments) -> Outcome<bool> {
+fn dispatch(arguments: Arguments) -> Outcome<ExitCode> {
+    if let Command::Timed { words } = arguments.command {
+        return slow::timed(words);
+    }
     let workspace = Workspace { program: arguments.program, ..Workspace::find()? };
-    match arguments.command {
+    let passed = match arguments.command {
         Command::Layers { bless } => layers::command(&workspace, bless),
         Command::Reuse { bless } => reuse::command(&workspace, bless),
         Command::Tidy => tidy::command(&workspace),
@@ -120,13 +138,15 @@ fn dispatch(arguments: Arguments) -> Outcome<bool> {
         }
         Command::Dist => dist::command(&workspace),
         Command::Gallery { scene } => gallery::command(&workspace, scene.as_deref()),
-    }
+        Command::Slow { log } => slow::command(&workspace, log),
+        Command::Timed { .. } => Ok(true),
+    };
+    Ok(if passed? { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn main() -> ExitCode {
     match dispatch(Arguments::parse()) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
+        Ok(code) => code,
         Err(error) => {
             eprintln!("xtask: {error}");
             ExitCode::FAILURE

@@ -3,7 +3,7 @@
 use crate::sheets;
 
 use crate::sheets::{
-    NODES, SLAVE, Surface, assemble, base, factors, method, moved, options, pressures, resultants, surfaces,
+    NODES, SLAVE, Surface, base, factors, method, moved, options, pressures, residual_of, resultants, surfaces,
     tangent_errors, warp,
 };
 use nalgebra::{Rotation3, Vector3};
@@ -30,8 +30,8 @@ fn begun(surfaces: [Surface; 2], dual: bool, kind: usize, rule: GradientRule, q_
 /// Minus the weighted gaps at `q`, and the residual.
 fn residual(method: &mut MortarContact, rule: GradientRule, q_n: &[f64], q: &[f64], p: &[f64]) -> Vec<f64> {
     let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
-    method.renew(&At::end(q, &[], &active), true).unwrap();
-    assemble(method, StepConfiguration { q_n, q_np1: q, rule }, p, &active).residual
+    method.renew(&At::end(q, &[], &active), false).unwrap();
+    residual_of(method, StepConfiguration { q_n, q_np1: q, rule }, p, &active)
 }
 
 proptest! {

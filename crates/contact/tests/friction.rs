@@ -50,11 +50,14 @@ proptest! {
                 change(&mut moved, h);
                 friction.step(&moved)
             };
-            let (ahead, behind) = (at(H), at(-H));
-            // The branch may not change between the three points.
+            let [ahead, behind, far_ahead, far_behind] = [H, -H, 2.0 * H, -2.0 * H].map(at);
+            // The branch may not change between the points.
             let here = at(4.0 * H).sticks != at(-4.0 * H).sticks || point.pressure.abs() < 1e-5;
             kink.set(kink.get() || here);
-            std::array::from_fn(|i| (ahead.force[i] - behind.force[i]) / (2.0 * H))
+            // Of fourth order: a slip that has just begun turns its direction quickly.
+            std::array::from_fn(|i| {
+                (8.0 * (ahead.force[i] - behind.force[i]) - (far_ahead.force[i] - far_behind.force[i])) / (12.0 * H)
+            })
         };
         for j in 0..2 {
             let by_history = difference(&|p, h| p.history[j] += h);
@@ -62,7 +65,7 @@ proptest! {
             if !kink.get() {
                 for i in 0..2 {
                     prop_assert!((by_history[i] - step.d_history[i][j]).abs() < 1e-7);
-                    prop_assert!((by_slip[i] - step.d_slip[i][j]).abs() < 1e-6 * PENALTY, "{by_slip:?} {:?}", step.d_slip);
+                    prop_assert!((by_slip[i] - step.d_slip[i][j]).abs() < 1e-7 * PENALTY, "{by_slip:?} {:?}", step.d_slip);
                 }
             }
         }

@@ -1,6 +1,8 @@
 //! Energy, force and tangent against each other by differences, for all laws and rules.
 use crate::common::*;
+use std::sync::Arc;
 use stoss_fe_solid::{ForceRule, SolidStep};
+use stoss_materials::{FirstInvariant, Hencky};
 
 #[test]
 fn end_point_force_is_the_gradient_of_the_energy() {
@@ -23,7 +25,12 @@ fn tangents_of_all_rules_match_differences_of_the_force() {
     let mut random = Random(6);
     let q_n = random.perturbed(&positions(&mesh), 0.1);
     let q_np1 = random.perturbed(&q_n, 0.1);
-    for law in laws() {
+    let mut laws = laws();
+    laws.push(Arc::new(Hencky::new(1298.0769, 865.3846).unwrap()));
+    laws.push(Arc::new(FirstInvariant::yeoh([0.5, -0.005, 0.0002], 2.0).unwrap()));
+    laws.push(Arc::new(FirstInvariant::gent(1.0, 1000.0, 2.0).unwrap()));
+    laws.push(Arc::new(FirstInvariant::arruda_boyce(1.0, 4.0, 2.0).unwrap()));
+    for law in laws {
         let between = [0.3, 0.5, 0.7, 1.0].map(|theta| ForceRule::Configuration { theta });
         for rule in between.into_iter().chain([ForceRule::DiscreteGradient]) {
             let mut body = body(&mesh, &law);

@@ -35,7 +35,7 @@ density = 1.0
 damping = {{ stiffness = 0.01 }}
 [[body]]
 name = "floor"
-mesh = {{ generator = "block", min = [-1.03, -0.9, -0.5], max = [1.07, 0.9, 0], divisions = [7, 6, 1] }}
+mesh = {{ generator = "block", min = [-0.43, -0.6, -0.5], max = [0.77, 0.6, 0], divisions = [4, 4, 1] }}
 material = {{ law = "neo-hooke", young = 1e6, poisson = 0.0 }}
 density = 1.0
 [[prescribe]]

@@ -129,10 +129,19 @@ pub fn assemble_with(
     auxiliaries: &[f64],
     active: &[bool],
 ) -> Global {
-    let n = ALL + auxiliaries.len();
-    let mut out = Global { residual: vec![0.0; n], tangent: vec![0.0; n * n] };
+    gather(method, &step.at(p, active).with_auxiliaries(auxiliaries), true)
+}
+
+/// Residual alone, at what the method followed without derivatives.
+pub fn residual_of(method: &MortarContact, step: StepConfiguration<'_>, p: &[f64], active: &[bool]) -> Vec<f64> {
+    gather(method, &step.at(p, active), false).residual
+}
+
+fn gather(method: &MortarContact, at: &At<'_>, want_tangent: bool) -> Global {
+    let n = ALL + at.auxiliaries.len();
+    let mut out = Global { residual: vec![0.0; n], tangent: vec![0.0; if want_tangent { n * n } else { 0 }] };
     method
-        .assemble(&step.at(p, active).with_auxiliaries(auxiliaries), true, &mut |local: &Local| {
+        .assemble(at, want_tangent, &mut |local: &Local| {
             let mut index: Vec<usize> =
                 local.nodes.iter().flat_map(|&n| (0..3).map(move |i| 3 * n as usize + i)).collect();
             index.extend(local.slots.iter().map(|&s| 3 * NODES + s as usize));
@@ -140,6 +149,9 @@ pub fn assemble_with(
             index.extend(local.slots.iter().flat_map(|&s| (0..further).map(move |k| ALL + further * s as usize + k)));
             for (i, &row) in index.iter().enumerate() {
                 out.residual[row] += local.residual[i];
+                if !want_tangent {
+                    continue;
+                }
                 for (j, &column) in index.iter().enumerate() {
                     out.tangent[row * n + column] += local.tangent[i * local.dim() + j];
                 }
@@ -168,11 +180,12 @@ pub fn tangent_errors(
     let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
     let rates = rule != GradientRule::EndPoint;
     method.begin(&Step { reach: 0.1, rates, ..Step::new(q_n, rule, 0.1) }).unwrap();
+    method.renew(&At::end(q, &[], &active), true).unwrap();
+    let (exact, kind) = (assemble(method, StepConfiguration { q_n, q_np1: q, rule }, p, &active), kinds(method));
     let mut at = |x: &[f64], p: &[f64]| {
-        method.renew(&At::end(x, &[], &active), true).unwrap();
-        (assemble(method, StepConfiguration { q_n, q_np1: x, rule }, p, &active), kinds(method))
+        method.renew(&At::end(x, &[], &active), false).unwrap();
+        (residual_of(method, StepConfiguration { q_n, q_np1: x, rule }, p, &active), kinds(method))
     };
-    let (exact, kind) = at(q, p);
     let size = exact.tangent.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
     let mut worst = [0.0_f64; 2];
     for column in 0..ALL {
@@ -189,7 +202,7 @@ pub fn tangent_errors(
             return None;
         }
         for row in 0..ALL {
-            let difference = (ends[0].0.residual[row] - ends[1].0.residual[row]) / (2.0 * h);
+            let difference = (ends[0].0[row] - ends[1].0[row]) / (2.0 * h);
             let which = usize::from(row < 3 * NODES && column < 3 * NODES);
             worst[which] = worst[which].max((difference - exact.tangent[row * ALL + column]).abs());
         }

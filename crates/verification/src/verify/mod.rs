@@ -7,18 +7,14 @@ mod balance;
 mod check;
 mod conservation;
 mod conserved;
-mod convergence;
 mod curve;
-mod derivatives;
 mod elements;
 mod facade;
 mod figures;
 mod friction;
 mod general;
 mod launch;
-mod laws;
 mod lean;
-mod materials;
 mod models;
 mod mortar;
 mod multibody;
@@ -31,10 +27,8 @@ mod random;
 mod report;
 mod run;
 mod scenes;
-mod segmentation;
 mod side_by_side;
 mod stability;
-mod states;
 mod statics;
 mod tangents;
 mod work_precision;
@@ -70,17 +64,14 @@ pub trait Suite: Sync {
 
 /// Every suite, in the order of the report. The long ones are at the end: they are begun first.
 const SUITES: &[&dyn Suite] = &[
-    &materials::Materials,
     &tangents::Tangents,
     &conservation::Conservation,
-    &segmentation::Segmentation,
     &patch::Patch,
     &elements::Elements,
     &friction::Friction,
     &general::General,
     &mortar::Mortar,
     &multibody::Multibody,
-    &convergence::Convergence,
     &work_precision::WorkPrecision,
     &stability::Stability,
     &statics::Statics,

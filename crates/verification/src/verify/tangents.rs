@@ -1,24 +1,14 @@
-//! Numerical tangents against exact ones (thesis D.1), and the tangents of laws and elements against numerical ones.
+//! Numerical tangents against the exact one (thesis D.1).
 
-use std::sync::Arc;
-
-use stoss_continuum::HyperelasticLaw;
-use stoss_fe_solid::{ForceRule, SolidBody, SolidStep, TangentTarget, Workspace};
-use stoss_linalg::{ScatterMap, SparsityPattern};
-use stoss_mesh::Mesh;
-use stoss_mesh::generate::Block;
 use stoss_numerical_derivative::{Analytic, AnalyticScalar, Method, Row, Scalar, optimum, steps, study};
 
 use super::check::{Bound, Check, number};
-use super::derivatives::{self, Worst};
-use super::laws::LAWS;
 use super::report::{Grid, Section};
-use super::states::Random;
 use super::{Bench, Findings, Suite};
 use crate::plot::{self, Labels, Series};
 use crate::workspace::Outcome;
 
-/// Figure D.1 of the thesis, and every analytic tangent.
+/// Figure D.1 of the thesis.
 pub struct Tangents;
 
 /// The study is at this argument.
@@ -31,40 +21,18 @@ const COMPLEX_STEP: f64 = 1e-14;
 /// A difference must reach the theoretical error at its best step within this factor.
 const OPTIMUM: f64 = 10.0;
 
-/// Central differences reach 4e-11 for a well-scaled function; derivatives of higher order take the rest.
-const TANGENT: f64 = 1e-8;
-
-/// The energy-momentum stress is a quotient: the differences divide its round-off, 1e-16 over the increment, by
-/// their step.
-const QUOTIENT: f64 = 1e-7;
-
-/// Random states of a law.
-const STATES: usize = 500;
-
-/// Random steps of an element, for each law and each rule of a scheme.
-const ELEMENTS: usize = 30;
-
-/// Nodes of the element move by up to this fraction of its edge: from the reference position, and in the step.
-const AMPLITUDE: f64 = 0.12;
-
 impl Suite for Tangents {
     fn name(&self) -> &'static str {
         "tangents"
     }
 
     fn about(&self) -> &'static str {
-        "Differences and complex step against an exact derivative; tangents of laws and elements against differences, \
-         as fractions of their largest entry."
+        "Differences and complex step against an exact derivative."
     }
 
     fn measure(&self, _bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
         example(&mut findings)?;
-        for sample in &LAWS {
-            let law = sample.energy.law()?;
-            of_law(&mut findings, law.as_ref())?;
-            of_element(&mut findings, &law)?;
-        }
         Ok(findings)
     }
 }
@@ -147,106 +115,6 @@ fn number_or_dash(value: f64) -> String {
     if value.is_nan() { "-".into() } else { number(value) }
 }
 
-/// Elasticity tensor and energy-momentum tangent.
-fn of_law(findings: &mut Findings, law: &dyn HyperelasticLaw) -> Outcome<()> {
-    let mut random = Random(1);
-    let (mut elasticity, mut energy_momentum) = (Worst::default(), Worst::default());
-    for _ in 0..STATES {
-        elasticity.see_entry(&derivatives::elasticity(law, &random.moderate())?);
-        // Shorter steps drown in the round-off of the quotient, which the differences divide by their own step.
-        energy_momentum.see_entry(&derivatives::energy_momentum(law, &random.step(-1.5, 0.0))?);
-    }
-    findings.checks.push(elasticity.check(law.name(), "elasticity tensor", TANGENT));
-    findings.checks.push(energy_momentum.check(law.name(), "energy-momentum tangent", QUOTIENT));
-    Ok(())
-}
-
-/// Rules of schemes at which stresses are taken, and their names.
-const RULES: [(&str, ForceRule); 4] = [
-    ("hex8, end point", ForceRule::END_POINT),
-    ("hex8, midpoint", ForceRule::MIDPOINT),
-    ("hex8, theta = 0.3", ForceRule::Configuration { theta: 0.3 }),
-    ("hex8, energy-momentum", ForceRule::DiscreteGradient),
-];
-
-/// The tangent of one distorted element under every rule.
-fn of_element(findings: &mut Findings, law: &Arc<dyn HyperelasticLaw>) -> Outcome<()> {
-    for (quantity, rule) in RULES {
-        let mut random = Random(2);
-        let mut worst = Worst::default();
-        // Some random elements are inverted; there are enough others.
-        for _ in 0..10 * ELEMENTS {
-            if worst.count < ELEMENTS
-                && let Some(element) = Element::new(&mut random, law, rule)
-            {
-                worst.see_entry(&element.compare()?);
-            }
-        }
-        findings.checks.push(worst.check(law.name(), quantity, TANGENT));
-    }
-    Ok(())
-}
-
-/// One element in a step, and its tangent.
-struct Element {
-    body: SolidBody,
-    rule: ForceRule,
-    q_n: Vec<f64>,
-    q_np1: Vec<f64>,
-    tangent: Vec<f64>,
-}
-
-impl Element {
-    /// A random element in a random step; `None` if it is inverted somewhere.
-    fn new(random: &mut Random, law: &Arc<dyn HyperelasticLaw>, rule: ForceRule) -> Option<Self> {
-        let mut mesh = Block::new([0.0; 3], [1.0; 3], [1; 3]).generate().ok()?;
-        let mut moved =
-            |x: &[f64]| -> Vec<f64> { x.iter().map(|x| x + random.between(-AMPLITUDE, AMPLITUDE)).collect() };
-        let reference = moved(mesh.nodes.as_flattened());
-        let q_n = moved(&reference);
-        let q_np1 = moved(&q_n);
-        for (node, x) in mesh.nodes.iter_mut().zip(reference.chunks_exact(3)) {
-            node.copy_from_slice(x);
-        }
-        let mut body = SolidBody::new("element", &mesh, 0, law.clone()).ok()?;
-        body.begin_step(&q_n, rule, 1.0).ok()?;
-        let tangent = dense_tangent(&body, &mesh, SolidStep { q_n: &q_n, q_np1: &q_np1, rule })?;
-        Some(Self { body, rule, q_n, q_np1, tangent })
-    }
-
-    fn compare(&self) -> Outcome<stoss_numerical_derivative::Comparison> {
-        let mut workspace = Workspace::default();
-        let mut force = |q: &[f64], out: &mut [f64]| {
-            out.fill(0.0);
-            let step = SolidStep { q_n: &self.q_n, q_np1: q, rule: self.rule };
-            if self.body.assemble(step, 1.0, out, None, &mut workspace).is_err() {
-                out.fill(f64::NAN);
-            }
-        };
-        Ok(derivatives::force(&mut force, &self.q_np1, &self.tangent)?)
-    }
-}
-
-/// `dF/dq_np1`, row-major; `None` if the body has none.
-fn dense_tangent(body: &SolidBody, mesh: &Mesh, step: SolidStep) -> Option<Vec<f64>> {
-    let unknowns = step.q_np1.len();
-    let stencils: Vec<Vec<u32>> =
-        mesh.elements.iter().map(|nodes| nodes.iter().flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect()).collect();
-    let stencils = || stencils.iter().map(Vec::as_slice);
-    let pattern = SparsityPattern::from_stencils(unknowns, stencils()).ok()?;
-    let map = ScatterMap::new(&pattern, stencils()).ok()?;
-    let (mut values, mut force) = (vec![0.0; pattern.nnz()], vec![0.0; unknowns]);
-    let target = TangentTarget { map: &map, first_stencil: 0, factor: 1.0, values: &mut values };
-    body.assemble(step, 1.0, &mut force, Some(target), &mut Workspace::default()).ok()?;
-    let mut dense = vec![0.0; unknowns * unknowns];
-    for column in 0..unknowns {
-        for (row, k) in pattern.column(column).iter().zip(pattern.column_range(column)) {
-            dense[*row as usize * unknowns + column] = values[k];
-        }
-    }
-    Some(dense)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -258,19 +126,5 @@ mod tests {
         assert!((order(&rows, Method::Forward) - 1.0).abs() < 1e-12);
         assert!((order(&rows, Method::Backward) - 2.0).abs() < 1e-12);
         assert!(order(&rows, Method::Central).is_nan() && order(&rows[..2], Method::Forward).is_nan());
-    }
-
-    #[test]
-    fn a_wrong_tangent_of_an_element_is_seen() {
-        let law = LAWS[1].energy.law().unwrap();
-        for (name, rule) in RULES {
-            let mut element = Element::new(&mut Random(3), &law, rule).expect("this element is not inverted");
-            assert!(element.compare().unwrap().relative_error < TANGENT, "{name}");
-            let place = 5 * 24 + 7;
-            let largest = element.tangent.iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
-            element.tangent[place] += 1e-4 * largest;
-            let worst = element.compare().unwrap();
-            assert_eq!((worst.row, worst.column), (5, 7), "{name}");
-        }
     }
 }

@@ -1,11 +1,9 @@
-//! What the mortar method promises beyond the patch test: transfer of fields, momenta, impacts, ironing, a rotating indenter, Hertz, ties.
+//! What the mortar method promises beyond the patch test: impacts, ironing, a rotating indenter, Hertz, ties.
 
 mod cantilever;
 mod deep;
-mod fields;
 mod hertz;
 mod ironing;
-mod momenta;
 mod oblique;
 mod rotating;
 
@@ -18,7 +16,7 @@ use super::{Bench, Findings, Run, Suite};
 use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
-/// Fields, momenta, impact, oblique impact, ironing, deep ironing in few steps, rotating indenter, Hertz, tied cantilever.
+/// Impact, oblique impact, ironing, deep ironing in few steps, rotating indenter, Hertz, tied cantilever.
 pub struct Mortar;
 
 const MOMENTUM: f64 = 1e-11;
@@ -31,13 +29,11 @@ impl Suite for Mortar {
     }
 
     fn about(&self) -> &'static str {
-        "Transfer of fields between surfaces, resultants of the contact forces, impact of two blocks, oblique impact with friction, ironing, deep ironing in few steps, a rotating indenter, Hertz, order of a tied cantilever."
+        "Impact of two blocks, oblique impact with friction, ironing, deep ironing in few steps, a rotating indenter, Hertz, order of a tied cantilever."
     }
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        fields::measure(&mut findings, bench.quick)?;
-        momenta::measure(&mut findings, bench.quick)?;
         impact(bench, &mut findings)?;
         oblique::measure(bench, &mut findings)?;
         cantilever::measure(bench, &mut findings)?;

@@ -135,24 +135,14 @@ pub fn dynamic(model: Model, step: f64, end: f64) -> Outcome<Simulation> {
     with_scheme(model, step, end, Some(Box::new(EnergyMomentum)))
 }
 
-/// A run in statics.
-pub fn quasi_static(model: Model, step: f64, end: f64) -> Outcome<Simulation> {
-    with_scheme(model, step, end, None)
-}
-
-/// A run in statics with a line search, for what has no stiffness across at first.
-pub fn quasi_static_searching(model: Model, step: f64, end: f64) -> Outcome<Simulation> {
-    with_options(model, step, end, 0, None, LineSearch::backtracking())
-}
-
 /// A run as of [`dynamic`], with so many halvings of a step.
 pub fn dynamic_cutting(model: Model, step: f64, end: f64, cuts: u32) -> Outcome<Simulation> {
-    with_options(model, step, end, cuts, Some(Box::new(EnergyMomentum)), LineSearch::Off)
+    with_options(model, step, end, cuts, Some(Box::new(EnergyMomentum)))
 }
 
 /// A run by any scheme; steps are not cut.
 pub fn with_scheme(model: Model, step: f64, end: f64, scheme: Option<Box<dyn Scheme>>) -> Outcome<Simulation> {
-    with_options(model, step, end, 0, scheme, LineSearch::Off)
+    with_options(model, step, end, 0, scheme)
 }
 
 fn with_options(
@@ -161,12 +151,15 @@ fn with_options(
     end: f64,
     max_cuts: u32,
     scheme: Option<Box<dyn Scheme>>,
-    line_search: LineSearch,
 ) -> Outcome<Simulation> {
     let settings = Settings {
         control: StepControl { step, end, max_cuts, grow_after: 4, automatic: None },
         scheme,
-        newton: NewtonOptions { relative_tolerance: TOLERANCE, line_search, ..NewtonOptions::default() },
+        newton: NewtonOptions {
+            relative_tolerance: TOLERANCE,
+            line_search: LineSearch::Off,
+            ..NewtonOptions::default()
+        },
         inside_out: InsideOutRule::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),

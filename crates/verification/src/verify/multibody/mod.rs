@@ -22,7 +22,7 @@ use super::check::{Bound, Check};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
 
-/// Tops, impacts that count the digits of pi, cradles and dominoes, pendulums, mechanisms, bearings, chains, beams, strings, redundancy, extremes, work and precision, trebuchet, rigid tools, bolt, moments, driven reference points.
+/// Tops, impacts that count the digits of pi, cradles and dominoes, pendulums, a mechanism, chains, beams, a string, extremes, work and precision, trebuchet, rigid tools, bolt, moments, driven reference points.
 pub struct Multibody;
 
 /// Drift of momenta over their size, in a step or of a run as the row says.
@@ -43,11 +43,11 @@ impl Suite for Multibody {
 
     fn measure(&self, bench: &Bench) -> Outcome<Findings> {
         let mut findings = Findings::default();
-        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 16] = [
+        let cases: [(&str, fn(&Bench, &mut Findings) -> Outcome<()>); 15] = [
             ("rigid bodies", |bench, found| rigid::measure(bench.quick, found)),
             ("impacts that count", |bench, found| collisions::measure(bench.quick, found)),
             ("rows of impacts", |bench, found| rows::measure(bench.quick, found)),
-            ("joints", |bench, found| joints::measure(bench.quick, found)),
+            ("joints", |_, found| joints::measure(found)),
             ("chain", |bench, found| chain::measure(bench.quick, found)),
             ("beams", |bench, found| beams::measure(bench.quick, found)),
             ("strings", |bench, found| strings::measure(bench.quick, found)),
@@ -59,7 +59,6 @@ impl Suite for Multibody {
             ("rigid wheel", wheel::measure),
             ("obstacle", obstacle::measure),
             ("driven", driven::measure),
-            ("redundancy", |bench, found| joints::redundancy(bench.quick, found)),
         ];
         for (name, measure) in cases {
             let start = cpu_time::ProcessTime::now();
@@ -78,20 +77,6 @@ impl Suite for Multibody {
 /// Adds a row.
 fn check(findings: &mut Findings, case: &str, quantity: impl Into<String>, measured: f64, bound: Bound) {
     findings.checks.push(Check::new(case, quantity, measured, bound));
-}
-
-/// Adds a row for the observed order in the mesh of elements of a polynomial degree, from what is off (`what`) with two numbers of elements.
-fn order_in_mesh(
-    findings: &mut Findings,
-    case: &str,
-    degree: usize,
-    (what, off): (&str, [f64; 2]),
-    [coarse, fine]: [usize; 2],
-    least: f64,
-) {
-    let note = format!("{what} {:.2e} with {coarse} elements, {:.2e} with {fine}", off[0], off[1]);
-    let quantity = format!("order in the mesh, elements of order {degree}");
-    noted(findings, case, &quantity, build::order(off), Bound::AtLeast(least), note);
 }
 
 /// Adds a row with a note.
