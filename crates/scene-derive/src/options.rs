@@ -77,7 +77,10 @@ impl Options {
                 Meta::List(list) => names.iter().any(|name| list.path.is_ident(name)),
             };
             if !is_known {
-                return Err(syn::Error::new_spanned(option, format!("no such option: the options are {}", names.join(", "))));
+                return Err(syn::Error::new_spanned(
+                    option,
+                    format!("no such option: the options are {}", names.join(", ")),
+                ));
             }
         }
         Ok(())

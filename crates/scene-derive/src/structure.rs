@@ -220,4 +220,3 @@ fn inner<'a>(ty: &'a Type, outer: &str) -> Option<&'a Type> {
         _ => None,
     }
 }
-

@@ -10,7 +10,10 @@ use syn::{Data, DeriveInput, Fields, Ident};
 pub(crate) fn expand(arguments: &Options, mut input: DeriveInput) -> syn::Result<TokenStream> {
     arguments.only(&["example", "context", "tag"])?;
     let Some(tag) = arguments.text("tag")? else {
-        return Err(syn::Error::new_spanned(&input.ident, "an enumeration of tables has a key for its variants: tag = \"...\""));
+        return Err(syn::Error::new_spanned(
+            &input.ident,
+            "an enumeration of tables has a key for its variants: tag = \"...\"",
+        ));
     };
     let Data::Enum(data) = &mut input.data else { unreachable!("called for enumerations alone") };
     let (mut idents, mut names, mut types) = (Vec::new(), Vec::new(), Vec::new());

@@ -269,9 +269,8 @@ impl Value<Setting<'_>> for Section {
         let table = node.table_like("{ shape = \"circle\", radius = 0.01 }")?;
         match (table.has("axial"), table.has("shape")) {
             (true, false) => SectionStiffness::from_table(&table, setting).map(Self::Stiffness),
-            (false, false) => {
-                table.missing("shape", "shape = \"rectangle\", size = [0.02, 0.05]` or the stiffnesses `axial = 1e6, ...")
-            }
+            (false, false) => table
+                .missing("shape", "shape = \"rectangle\", size = [0.02, 0.05]` or the stiffnesses `axial = 1e6, ..."),
             _ => SectionShape::from_table(&table, setting).map(Self::Shape),
         }
     }

@@ -394,7 +394,8 @@ fn contradictions(keys: &ContactKeys, table: &Table<'_>, world: &World<'_>) -> V
         || keys.interference.iter().flatten().any(|series| series.rows().len() > 1);
     let grows = keys.closing_friction == Some(Some(ClosingFriction::Grows));
     let general = keys.edges == Some(Edges::General);
-    let sides = [&keys.slave, &keys.master].into_iter().flatten().flatten().chain(keys.between.iter().flatten().flatten());
+    let sides =
+        [&keys.slave, &keys.master].into_iter().flatten().flatten().chain(keys.between.iter().flatten().flatten());
     let has_line = sides.into_iter().any(|set| is_line(set, world));
     let mut list = vec![
         ("constraint", modified && is_static, "is for dynamic scenes only", "use \"standard\", which closes the gap"),
@@ -410,12 +411,7 @@ fn contradictions(keys: &ContactKeys, table: &Table<'_>, world: &World<'_>) -> V
             "a penalty needs the standard constraint",
             "remove `constraint`, or set it to \"standard\"",
         ),
-        (
-            "friction",
-            modified,
-            "cannot be combined with the modified constraint",
-            "set `constraint` to \"standard\"",
-        ),
+        ("friction", modified, "cannot be combined with the modified constraint", "set `constraint` to \"standard\""),
         (
             "surface_velocity",
             no_friction,
@@ -451,18 +447,8 @@ fn contradictions(keys: &ContactKeys, table: &Table<'_>, world: &World<'_>) -> V
         list.extend([(key, is_static, "is for dynamic scenes only", REMOVE), (key, keeps, message, REMOVE)]);
     }
     list.extend([
-        (
-            "restitution",
-            massless,
-            "is a number of the law of impact, and a surface without mass has no impact",
-            REMOVE,
-        ),
-        (
-            "gap",
-            keys.gap == Some(GapAtClosing::Hold) && without_impact,
-            "is not for a method that closes gaps",
-            REMOVE,
-        ),
+        ("restitution", massless, "is a number of the law of impact, and a surface without mass has no impact", REMOVE),
+        ("gap", keys.gap == Some(GapAtClosing::Hold) && without_impact, "is not for a method that closes gaps", REMOVE),
         (
             "settle",
             keys.gap == Some(GapAtClosing::Close),

@@ -342,7 +342,8 @@ fn time(keys: &mut TimeKeys, table: &Table<'_>, clock: &Clock) -> Option<()> {
     for key in ["automatic", "stabilise"].into_iter().filter(|&key| table.has(key)) {
         if clock.kind == Some(Kind::Dynamic) {
             statics = table.fail(key, "is for statics", "remove it, or move it into a static [[stage]]");
-        } else if let ("automatic", Some(other)) = (key, ["max_cuts", "grow_after"].into_iter().find(|&k| table.has(k))) {
+        } else if let ("automatic", Some(other)) = (key, ["max_cuts", "grow_after"].into_iter().find(|&k| table.has(k)))
+        {
             let remedy = "remove it; see `smallest` and `after` of `automatic`";
             statics = table.fail(other, "cannot be combined with `automatic`", remedy);
         }
@@ -450,7 +451,8 @@ fn relative_tolerance(node: &Node<'_>) -> Option<f64> {
 fn petsc(node: &Node<'_>) -> Option<String> {
     let text = node.string()?;
     if !(["direct", "multigrid"].contains(&text.as_str()) || text.starts_with('-')) {
-        let remedy = "write \"direct\", \"multigrid\", or options that begin with -, such as \"-ksp_type gmres -pc_type asm\"";
+        let remedy =
+            "write \"direct\", \"multigrid\", or options that begin with -, such as \"-ksp_type gmres -pc_type asm\"";
         return node.fail("is neither a set of options of PETSc nor such options", remedy);
     }
     Some(text)
@@ -459,7 +461,11 @@ fn petsc(node: &Node<'_>) -> Option<String> {
 fn solver<C>(keys: &mut SolverKeys, table: &Table<'_>, _: &C) -> Option<()> {
     let is_other = keys.linear.is_some_and(|linear| !matches!(linear, LinearSolver::Auto | LinearSolver::Petsc));
     if is_other && matches!(keys.petsc, Some(Some(_))) {
-        return table.fail("petsc", "has no effect with another solver than PETSc", "remove it, or write linear = \"petsc\"");
+        return table.fail(
+            "petsc",
+            "has no effect with another solver than PETSc",
+            "remove it, or write linear = \"petsc\"",
+        );
     }
     Some(())
 }

@@ -87,7 +87,9 @@ impl Plasticity {
     fn fits(&self, table: &Table<'_>) -> Option<()> {
         let voce = [self.saturation_stress, self.saturation_rate];
         let has_table = !self.hardening.is_empty();
-        if has_table && (self.yield_stress.is_some() || voce.iter().any(Option::is_some) || self.hardening_modulus != 0.0) {
+        if has_table
+            && (self.yield_stress.is_some() || voce.iter().any(Option::is_some) || self.hardening_modulus != 0.0)
+        {
             let remedy = "remove the table, or yield_stress, hardening_modulus, saturation_stress and saturation_rate";
             return table.fail("hardening", "has all of isotropic hardening, and other keys say it too", remedy);
         }

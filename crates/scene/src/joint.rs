@@ -293,7 +293,11 @@ fn spring(keys: &mut SpringKeys, table: &Table<'_>, world: &World<'_>) -> Option
 /// The point of a joint, or the two of a kind that has two.
 fn point(node: &Node<'_>, _: &World<'_>, keys: &JointKeys) -> Option<JointPoint> {
     // Without a kind it is not known how many points there are.
-    if keys.kind?.has_two_points() { two_points(node).map(JointPoint::Two) } else { one_point(node).map(JointPoint::One) }
+    if keys.kind?.has_two_points() {
+        two_points(node).map(JointPoint::Two)
+    } else {
+        one_point(node).map(JointPoint::One)
+    }
 }
 
 fn has_axis(kind: &JointEntry) -> bool {

@@ -64,17 +64,22 @@ mod units;
 mod vector;
 mod watch;
 
+pub use acting::{ActingOn, JointFriction, JointSpring, Motor, Pretension};
 pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape, SectionStiffness, TubeSection};
 pub use body::{
     Body, Cell, Damping, Integration, Mass, OneOrMany, Rotation, Rotations, RoundShape, RoundSurface, Volumetric,
 };
 pub use catalogue::{Parameter, given};
 pub use chosen::{Chosen, Rows};
-pub use contact::{Closing, ClosingFriction, Constraint, Contact, Edges, Enforcement, GapAtClosing, Integrals, OverlapAtStart, Reduction, SurfaceMass};
+pub use contact::{
+    Closing, ClosingFriction, Constraint, Contact, Edges, Enforcement, GapAtClosing, Integrals, OverlapAtStart,
+    Reduction, SurfaceMass,
+};
 pub use contact_method::{ContactMethod, METHODS, MethodEntry};
 pub use coupling::{Coupling, SetCoupling};
 pub use equation::{Equation, EquationTerm};
 pub use event::{Event, EventCondition, Stage};
+pub use expect::{Expect, ExpectedValue, Interval, Outcome};
 pub use friction::{Friction, Slip, Stick, Sticking};
 pub use general::{
     Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, PlaneSection, Solver, Stabilise,
@@ -85,26 +90,24 @@ pub use gravity::Gravity;
 pub use inelastic::{Fibres, Moduli, Mullins, Plasticity, Rate};
 pub use joint::{GROUND, Joint, JointKind, JointPoint, Spring};
 pub use left_out::{LeftOut, Omission};
+pub use load::{Load, LoadKind};
 pub use material::{Inelasticity, Material};
 pub use mesh::{
     Ball, Block, Cylinder, Disc, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile,
     MeshSource, Part, Rectangle, Refinement,
 };
 pub use names::known;
-pub use part::PartKind;
-pub use problem::{Problem, SceneErrors};
-pub use expect::{Expect, ExpectedValue, Interval, Outcome};
-pub use load::{Load, LoadKind};
-pub use acting::{ActingOn, JointFriction, JointSpring, Motor, Pretension};
 pub use output::{FrameFormat, Frames, Output};
+pub use part::PartKind;
 pub use prescribe::{Prescribe, PrescribedRotation};
 pub use probe::Probe;
+pub use problem::{Problem, SceneErrors};
 pub use quantity::{Extremum, Field, ProbeComponent, Quantity};
-pub use series::{Series, SeriesTable};
-pub use set::{BoxRegion, Component, PlaneRegion, SetDefinition, split_set};
 pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, SphereShape, SurfaceFile};
 #[cfg(feature = "schema")]
 pub use schema::json_schema;
+pub use series::{Series, SeriesTable};
+pub use set::{BoxRegion, Component, PlaneRegion, SetDefinition, split_set};
 pub use set_expression::{Formula, RegionKind, Relation, SetExpression, SetRegion};
 pub use source::Location;
 pub use stoss_multibody::{CoordinateKind, Directions};

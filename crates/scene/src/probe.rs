@@ -146,12 +146,8 @@ fn place(keys: &mut ProbeKeys, table: &Table<'_>, world: &World<'_>) -> Option<(
     let place = match quantity {
         // Reported already.
         Some(quantity) if table.has("reduce") && !quantity.has_extrema() => Some(()),
-        Some(quantity) if table.has("reduce") => {
-            extremum_place(table, quantity, part)
-        }
-        Some(quantity) if quantity.is_of_material() => {
-            material_place(table, quantity, part)
-        }
+        Some(quantity) if table.has("reduce") => extremum_place(table, quantity, part),
+        Some(quantity) if quantity.is_of_material() => material_place(table, quantity, part),
         Some(quantity) if quantity.is_of_equation() => {
             let keys = ["set", "body", "point", "joint"];
             let place = refuse(table, &keys, || format!("`{quantity}` belongs to an equation"));

@@ -258,7 +258,8 @@ fn rigid(keys: &mut RigidKeys, table: &Table<'_>, setting: &Setting<'_>) -> Opti
         _ => Some(()),
     };
     let fixed = keys.fixed == Some(true);
-    let inertia = inertia(table, setting, setting.needs_mass() && keys.fixed == Some(false) && !setting.is_held, keys.volume());
+    let inertia =
+        inertia(table, setting, setting.needs_mass() && keys.fixed == Some(false) && !setting.is_held, keys.volume());
     let mut at_rest = setting.at_rest(table, &VELOCITIES);
     if fixed && setting.kind != Some(Kind::QuasiStatic) {
         for key in VELOCITIES.into_iter().filter(|&key| table.has(key)) {

@@ -10,8 +10,9 @@ use crate::general::Clock;
 use crate::general_contact::is_default;
 use crate::source::Source;
 use crate::{
-    Beam, Body, GROUND, Contact, Edges, ElasticString, Equation, Event, GeneralContact, Header, Joint, JointKind, LeftOut, Load, OwnNames, Kind, PartKind, PointMass, Prescribe, Rigid, Scene, SetCoupling,
-    SetDefinition, Spring, Stage, Support, Tie, Time, equation, probe, rigid,
+    Beam, Body, Contact, Edges, ElasticString, Equation, Event, GROUND, GeneralContact, Header, Joint, JointKind, Kind,
+    LeftOut, Load, OwnNames, PartKind, PointMass, Prescribe, Rigid, Scene, SetCoupling, SetDefinition, Spring, Stage,
+    Support, Tie, Time, equation, probe, rigid,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::DeValue;
@@ -217,7 +218,8 @@ pub(crate) fn document(root: &Table<'_>, own_laws: &OwnNames<'_>) -> Option<Scen
     let output = root.default("output", crate::Output::default(), |n| Value::read(n, &world));
     let watch = root.default("watch", crate::Watch::default(), |n| Value::read(n, &()));
     let expect = root.optional("expect", |n| Value::read(n, &world));
-    let left_out: Vec<_> = root.tables("left_out").iter().map(|table| LeftOut::from_table(table.as_ref()?, &())).collect();
+    let left_out: Vec<_> =
+        root.tables("left_out").iter().map(|table| LeftOut::from_table(table.as_ref()?, &())).collect();
     let parameters = root.default("parameters", BTreeMap::new(), parameters::values);
     let sweep = root.optional("sweep", |n| Value::read(n, &()));
     root.finish();
@@ -369,7 +371,8 @@ impl PartNames {
         for table in tables {
             let part = table.as_ref().and_then(&read);
             // The name is needed even if the rest is bad.
-            let name = table.as_ref().and_then(|table| raw(table, "name")).filter(|name| is_name(name) && name != GROUND);
+            let name =
+                table.as_ref().and_then(|table| raw(table, "name")).filter(|name| is_name(name) && name != GROUND);
             self.complete &= self.unique.check(table.as_ref(), "name", name.as_deref());
             match (table, name) {
                 (Some(table), Some(name)) => {

@@ -20,7 +20,10 @@ pub(crate) use node::{Node, is_name};
 pub(crate) use table::{Contradiction, Table};
 pub(crate) use value::{Limit, Value, alone, among, beside, divisions};
 pub(crate) use values::TABLE as PARAMETERS;
-pub(crate) use world::{Action, GRAVITY, KnownPart, KnownProbe, Setting, World, action_name, contact_reference, is_line, meshed_part, part_name, raw, set_reference, surface_reference, time_in_run};
+pub(crate) use world::{
+    Action, GRAVITY, KnownPart, KnownProbe, Setting, World, action_name, contact_reference, is_line, meshed_part,
+    part_name, raw, set_reference, surface_reference, time_in_run,
+};
 
 use crate::source::Source;
 use crate::{OwnNames, Problem, Scene, SceneErrors};
