@@ -38,7 +38,7 @@ use syn::{Data, DeriveInput, parse_macro_input};
 /// | `positive`, `not_negative`, `name`, `direction`, ... | a reader of `Node` for the value, or for the numbers of an array |
 /// | `range = 0.0..=1.0` | smallest and largest value, of a number or of a whole number |
 /// | `read = path` | `fn(&Node) -> Option<T>`: a reader of its own |
-/// | `each = path` | `fn(&Node, &context) -> Option<T>`: a reader of each element of an array or a list |
+/// | `by = path` | `fn(&Node, &context) -> Option<T>`: a reader of its own for the value, or for each element of an array or a list |
 /// | `with = path` | `fn(&Node, &context, &Keys) -> Option<T>`: a reader of its own, which sees the keys that were read before |
 #[proc_macro_attribute]
 pub fn table(arguments: TokenStream, item: TokenStream) -> TokenStream {

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use syn::{Data, DeriveInput, Field, Fields, GenericArgument, Ident, PathArguments, Type};
 
 const FLAGS: &[&str] = &["auto", "default", "skip", "tables"];
-const OPTIONS: &[&str] = &["name", "default", "example", "dimension", "range", "read", "with", "each"];
+const OPTIONS: &[&str] = &["name", "default", "example", "dimension", "range", "read", "with", "by"];
 
 /// What the macro writes for one field.
 struct Key {
@@ -123,7 +123,7 @@ fn key(owner: &Ident, field: &mut Field) -> syn::Result<Key> {
             build: quote!(#ident: self.#ident?,),
         });
     }
-    let options_of_reader = ["read", "with", "each", "range"].map(|name| options.value(name));
+    let options_of_reader = ["read", "with", "by", "range"].map(|name| options.value(name));
     let read = match options_of_reader {
         [Some(path), ..] => quote!(crate::read::alone(#path, node)),
         [_, Some(path), ..] => quote!(crate::read::among(#path, node, context, &keys)),

@@ -52,7 +52,7 @@ pub struct Pretension {
     #[key(dimension = Force, example = "{ table = [[0.0, 0.0], [1.0, 2e4]] }", read = |node| Series::of(node, 1))]
     pub force: Series,
     /// Lock time, positive and at most the end of the run; a step ends there.
-    #[key(dimension = Time, example = "1.0", with = |node, world, _| before_end(node, world))]
+    #[key(dimension = Time, example = "1.0", by = before_end)]
     pub lock: f64,
 }
 

@@ -49,7 +49,7 @@ pub struct Beam {
     #[key(dimension = Number, read = poisson)]
     pub poisson: Option<f64>,
     /// Density (mass per volume), for a section with a `shape`. Positive, and required in dynamic scenes and with gravity.
-    #[key(dimension = Density, with = |node, setting, _| setting.mass_value(node))]
+    #[key(dimension = Density, by = |node, setting| setting.mass_value(node))]
     pub density: Option<f64>,
     /// Shear correction factor `k` of the shear stiffness `k G A`, in (0, 1]; 5/6 if left out. For a section with a `shape`.
     #[key(dimension = Number, read = shear_factor)]
@@ -201,7 +201,7 @@ pub struct SectionStiffness {
     #[key(dimension = BendingStiffness, example = "8e2", positive)]
     pub torsion: f64,
     /// Mass per length; positive and required in dynamic scenes.
-    #[key(dimension = LineDensity, with = |node, setting, _| setting.mass_value(node))]
+    #[key(dimension = LineDensity, by = |node, setting| setting.mass_value(node))]
     pub mass: Option<f64>,
     /// Rotary inertia per length about `d1` and `d2`: `rho I_1`, `rho I_2` (mass times length), positive; about `d3` it is their sum. Required in dynamic
     /// scenes.

@@ -155,7 +155,7 @@ pub struct Body {
     #[key(example = "{ law = \"neo-hooke\", young = 2250.0, poisson = 0.3 }")]
     pub material: Material,
     /// Density: mass per reference volume, positive. Required in dynamic scenes, and with gravity.
-    #[key(dimension = Density, with = |node, setting, _| setting.mass_value(node))]
+    #[key(dimension = Density, by = |node, setting| setting.mass_value(node))]
     pub density: Option<f64>,
     /// Mass matrix: `consistent` if left out, or `lumped`.
     #[key(default = Mass::Consistent)]

@@ -38,10 +38,10 @@ pub struct SetCoupling {
     #[key(example = "\"kinematic\"")]
     pub kind: Coupling,
     /// Set of a deformable body, `body.set`. A distributing coupling needs three nodes that are not on a line.
-    #[key(example = "\"plate.hole\"", with = |node, world, _| coupled_set(node, world))]
+    #[key(example = "\"plate.hole\"", by = coupled_set)]
     pub set: String,
     /// Name of the rigid body.
-    #[key(example = "\"hub\"", with = |node, world, _| reference_body(node, world))]
+    #[key(example = "\"hub\"", by = reference_body)]
     pub rigid: String,
 }
 

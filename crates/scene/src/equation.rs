@@ -44,10 +44,10 @@ impl Equation {
 #[table(example = "{ set = \"cell.right\", component = \"x\" }", context(World<'_>), check = term)]
 pub struct EquationTerm {
     /// Set of nodes, `part.set`; of a rigid body without a surface, and of a point mass, `part.all` is its point. This or `body` and `point`.
-    #[key(with = |node, world, _| set_reference(node, world))]
+    #[key(by = set_reference)]
     pub set: Option<String>,
     /// Name of a part, with `point`.
-    #[key(with = |node, world, _| part_name(node, world))]
+    #[key(by = part_name)]
     pub body: Option<String>,
     /// A point in the reference configuration after placement (three lengths): the nearest node of `body`, of a rigid body the point itself.
     #[key(dimension = Length)]

@@ -24,7 +24,7 @@ pub struct Event {
     #[key(example = "\"hook\"", with = released)]
     pub release: String,
     /// Time of the event, positive and at most the end of the run; a step ends there.
-    #[key(dimension = Time, with = |node, world, _| before_end(node, world))]
+    #[key(dimension = Time, by = before_end)]
     pub time: Option<f64>,
     /// Condition on a probe: the event takes place at the end of the first step in which it is true.
     pub when: Option<EventCondition>,
@@ -34,7 +34,7 @@ pub struct Event {
 #[table(example = "{ probe = \"pull\", above = 10.0 }", context(World<'_>), check = one_bound)]
 pub struct EventCondition {
     /// Name of the probe.
-    #[key(example = "\"pull\"", with = |node, world, _| probe_of(node, world))]
+    #[key(example = "\"pull\"", by = probe_of)]
     pub probe: String,
     /// Component of a quantity with several values; not for a quantity with one value.
     #[key(with = |node, world, keys| probe_component(node, world, keys.probe.as_deref()))]

@@ -89,10 +89,10 @@ pub struct Interval {
 #[table(context(World<'_>), check = expected_value)]
 pub struct ExpectedValue {
     /// Name of the probe.
-    #[key(example = "\"tip\"", with = |node, world, _| probe_of(node, world))]
+    #[key(example = "\"tip\"", by = probe_of)]
     pub name: String,
     /// Time, in `[0, end]`.
-    #[key(dimension = Time, example = "1.0", with = |node, world, _| time_in_run(node, world))]
+    #[key(dimension = Time, example = "1.0", by = time_in_run)]
     pub time: f64,
     /// Component of a quantity with several values; not for a quantity with one value.
     #[key(with = |node, world, keys| probe_component(node, world, keys.name.as_deref()))]

@@ -82,7 +82,7 @@ pub struct Header {
     pub section: Option<PlaneSection>,
     /// Planes of symmetry of the whole model, `"x"` for x = 0, `"y"`, `"z"`, or a list of them: deformable bodies are held in them, and faces that lie there are cut faces, no surfaces. Results are those of what is
     /// modelled. None if left out.
-    #[key(default, skip, with = |node, context, _| planes(node, context))]
+    #[key(default, skip, by = planes)]
     pub symmetry: OneOrMany<Component>,
     /// System of units of all numbers in the scene: used for the labels of tables, charts and pictures, and for a warning where densities, moduli, sizes or gravity are unusual. Numbers are not
     /// converted. No labels if left out.

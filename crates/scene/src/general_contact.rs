@@ -61,10 +61,10 @@ pub struct GeneralContact {
     #[key(default)]
     pub initial: Initial,
     /// Surfaces that take part: names of parts, and sets of them (`part.set`); all bodies if left out.
-    #[key(default, skip, each = surface)]
+    #[key(default, skip, by = surface)]
     pub include: Vec<String>,
     /// Surfaces that do not take part, also where `include` names them: names of parts, and sets of them.
-    #[key(default, skip, each = surface)]
+    #[key(default, skip, by = surface)]
     pub exclude: Vec<String>,
     /// Pairs of bodies with their own friction or modulus.
     #[key(default, skip)]
@@ -75,7 +75,7 @@ pub struct GeneralContact {
 #[table(context(World<'_>))]
 pub struct GeneralPair {
     /// Names of the two parts, which may be the same.
-    #[key(example = "[\"block\", \"plate\"]", each = part_name)]
+    #[key(example = "[\"block\", \"plate\"]", by = part_name)]
     pub between: [String; 2],
     /// Friction as in `[general_contact]`; that of `[general_contact]` if left out.
     #[key(dimension = Number)]

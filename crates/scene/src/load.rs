@@ -49,10 +49,10 @@ pub struct Load {
     /// Set `body.set` of facets (`pressure`, `traction`, `follower_pressure`, `total_force`), nodes (`force`), or `body.all` (`body_force`). A `force` may also
     /// act on sets of beams and strings, and on `part.all` of a rigid body or point mass; a `moment` acts on `part.all` of a rigid body, on sets of beams, and on whole sets of deformable
     /// bodies.
-    #[key(with = |node, world, _| set_reference(node, world))]
+    #[key(by = set_reference)]
     pub set: Option<String>,
     /// Name of a body, instead of a set, for a `body_force`, an `acceleration` or an `angular_velocity` of the whole body.
-    #[key(with = |node, world, _| meshed_part(node, world, false))]
+    #[key(by = |node, world| meshed_part(node, world, false))]
     pub body: Option<String>,
     /// Dead pressure (force per reference area), positive in compression.
     #[key(dimension = Stress, read = |node| Series::of(node, 1))]

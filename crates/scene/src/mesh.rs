@@ -226,7 +226,7 @@ pub struct Cylinder {
     #[key(dimension = Length, example = "1", positive)]
     pub length: f64,
     /// Part that is meshed: `full` if left out; not `eighth`.
-    #[key(default = Part::Full, with = |node, context, _| round_part(node, context))]
+    #[key(default = Part::Full, by = round_part)]
     pub part: Part,
     /// Numbers of elements of a quarter: horizontally (x), vertically (z), from the square in the middle to the surface, and along y.
     #[key(example = "[6, 4, 6, 1]", read = |node| divisions(node, [1; 4], cylinder_elements, ELEMENTS))]
@@ -260,7 +260,7 @@ pub struct Disc {
     #[key(dimension = Length, example = "1", positive)]
     pub radius: f64,
     /// Part that is meshed, with y for z: `full` if left out; `half` (y <= 0), `quarter` (also x >= 0).
-    #[key(default = Part::Full, with = |node, context, _| round_part(node, context))]
+    #[key(default = Part::Full, by = round_part)]
     pub part: Part,
     /// Numbers of elements of a quarter: along x, along y, from the square in the middle to the rim.
     #[key(example = "[6, 6, 6]", read = |node| divisions(node, [1; 3], |[x, y, out]| 4.0 * (x * y + (x + y) * out), ELEMENTS))]

@@ -23,10 +23,10 @@ pub struct Prescribe {
     #[key(read = action_name)]
     pub name: Option<String>,
     /// Set of nodes, `part.set`. Of a beam the positions of its nodes are prescribed, not its directors.
-    #[key(with = |node, world, _| moved_set(node, world))]
+    #[key(by = moved_set)]
     pub set: Option<String>,
     /// Name of a rigid body, instead of a set.
-    #[key(with = |node, world, _| rigid_part(node, world))]
+    #[key(by = rigid_part)]
     pub rigid: Option<String>,
     /// Prescribed components `x`, `y`, `z`, each at most once. Not with a `rotation`, which prescribes all three, nor with a rigid body that is `fixed`.
     #[key(default, skip, with = components)]

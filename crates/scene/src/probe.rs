@@ -27,10 +27,10 @@ pub struct Probe {
     #[key(example = "\"displacement\"", with = quantity)]
     pub quantity: Quantity,
     /// Set of nodes, `part.set`.
-    #[key(with = |node, world, _| set_reference(node, world))]
+    #[key(by = set_reference)]
     pub set: Option<String>,
     /// Name of a part. The motion of a rigid body without a `point` is that of its centre of mass.
-    #[key(with = |node, world, _| part_name(node, world))]
+    #[key(by = part_name)]
     pub body: Option<String>,
     /// A point in the reference configuration after placement (three lengths): the nearest node of `body` is probed, or of a rigid body the point itself; for stresses and strains the
     /// material point, which must lie in the body.
@@ -40,7 +40,7 @@ pub struct Probe {
     #[key(with = |node, world, keys| joint(node, keys.quantity, world))]
     pub joint: Option<String>,
     /// Name of an equation.
-    #[key(with = |node, world, _| equation(node, world))]
+    #[key(by = equation)]
     pub equation: Option<String>,
     /// Records the extremum over the nodes of `set` or `body`: `max` or `min`. The mean or sum of the quantity if left out.
     #[key(with = |node, world, keys| extremum(node, world, keys.quantity))]

@@ -46,7 +46,7 @@ pub struct Rigid {
     #[key(dimension = Density, with = density)]
     pub density: Option<f64>,
     /// Mass, positive, instead of `density`. In dynamic scenes with `euler` or `inertia`.
-    #[key(dimension = Mass, with = |node, setting, _| setting.mass_value(node))]
+    #[key(dimension = Mass, by = |node, setting| setting.mass_value(node))]
     pub mass: Option<f64>,
     /// Principal values `E_i = int rho x_i^2 dV` of the Euler tensor about the centre of mass (mass times length^2), positive.
     #[key(dimension = MomentOfInertia, positive)]

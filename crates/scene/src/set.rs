@@ -31,7 +31,7 @@ pub struct SetDefinition {
     #[key(example = "\"plate.rim\"", with = set_name)]
     pub name: String,
     /// Name of the body, or of the rigid body with a surface.
-    #[key(example = "\"plate\"", with = |node, world, _| meshed_part(node, world, true))]
+    #[key(example = "\"plate\"", by = |node, world| meshed_part(node, world, true))]
     pub body: String,
     /// An axis-parallel box that contains the set, its boundary included.
     #[key(name = "box")]

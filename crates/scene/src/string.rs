@@ -52,10 +52,10 @@ pub struct ElasticString {
     #[key(dimension = Area, positive)]
     pub area: Option<f64>,
     /// Mass per unstretched length. Either this, or `density` and `area`; one of them is positive and required in dynamic scenes.
-    #[key(dimension = LineDensity, with = |node, setting, _| setting.mass_value(node))]
+    #[key(dimension = LineDensity, by = |node, setting| setting.mass_value(node))]
     pub mass: Option<f64>,
     /// Density: mass per unstretched volume.
-    #[key(dimension = Density, with = |node, setting, _| setting.mass_value(node))]
+    #[key(dimension = Density, by = |node, setting| setting.mass_value(node))]
     pub density: Option<f64>,
     /// Mass matrix: `lumped` if left out, or `consistent`. With the latter what stops a node jerks its neighbours: a rope that falls on a floor is pulled down by it.
     #[key(default = ElasticString::DEFAULT_MASS_MATRIX)]

@@ -22,7 +22,7 @@ const SMALLEST_SINE: f64 = 1e-6;
 #[table(context(World<'_>), check_all = support)]
 pub struct Support {
     /// Set of facets, or of nodes with `per = "node"`, `body.set`.
-    #[key(example = "\"block.bottom\"", with = |node, world, _| supported_set(node, world))]
+    #[key(example = "\"block.bottom\"", by = supported_set)]
     pub set: String,
     /// Reference of `stiffness` and `damping`: per `area` of facets, or per `node`. `area` if left out.
     #[key(default = SupportPer::Area)]

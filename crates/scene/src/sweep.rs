@@ -21,7 +21,7 @@ pub struct Sweep {
     pub cases: Vec<BTreeMap<String, f64>>,
     /// Columns of result tables whose smallest and largest values are written to `sweep.csv`, as `TABLE.COLUMN`, for instance
     /// `contact.max_pressure`.
-    #[key(default, skip, each = |node, _| extreme(node))]
+    #[key(default, skip, by = |node, _| extreme(node))]
     pub extremes: Vec<String>,
 }
 

@@ -48,10 +48,10 @@ pub struct Tie {
     #[key(name)]
     pub name: Option<String>,
     /// Slave surface, `body.set`, whose nodes have the multipliers, except in prescribed components.
-    #[key(example = "\"cap.bottom\"", with = |node, world, _| surface_reference(node, world))]
+    #[key(example = "\"cap.bottom\"", by = surface_reference)]
     pub slave: String,
     /// Master surface, `body.set`; it has no node in common with the slave surface.
-    #[key(example = "\"post.top\"", with = |node, world, _| surface_reference(node, world))]
+    #[key(example = "\"post.top\"", by = surface_reference)]
     pub master: String,
     /// Form of the constraints: `constant` or `frame-invariant`.
     #[key(default = TieForm::Constant)]
