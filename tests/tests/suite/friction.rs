@@ -253,7 +253,9 @@ fn a_block_stops_at_the_analytic_distance() {
         ("energy-momentum", r#"penalty = 1e6"#),
     ] {
         let friction = format!(r#"{{ law = "coulomb", mu = {MU}, {stick} }}"#);
-        let time = format!("end = 0.5\nstep = 0.001\nintegrator = {{ scheme = \"{scheme}\" }}");
+        // Backward Euler is of first order.
+        let step = if scheme == "backward-euler" { 0.001 } else { 0.002 };
+        let time = format!("end = 0.5\nstep = {step}\nintegrator = {{ scheme = \"{scheme}\" }}");
         let mut s = block(&time, 0.0, 1.0, &friction);
         let kinetic = s.balance().kinetic;
         let mut dissipation = 0.0;

@@ -38,7 +38,7 @@ fn a_box_slides_on_a_plane_and_stops() {
 title = "box on a plane"
 kind = "dynamic"
 [time]
-end = 0.8
+end = 0.4
 step = {step}
 integrator = {{ scheme = "energy-momentum" }}
 [gravity]

@@ -1,6 +1,6 @@
 //! Mesh ties: patch tests, free flight, a cantilever against a matching mesh, treatments of a curved interface.
 
-use crate::support::{drift, simulation};
+use crate::support::{drift, problem_keys, simulation};
 use stoss::solver::Simulation;
 use stoss_reference_cases::cantilever::{Field, cantilever, error, field};
 use stoss_reference_cases::patch::tied_stack as stack;
@@ -369,16 +369,13 @@ pressure = {{ table = [[0, 0], [1, 60]] }}
 fn a_contact_between_tied_surfaces_is_refused() {
     let tie = "slave = \"upper.bottom\"\nmaster = \"lower.top\"";
     let contact = |slave: &str, master: &str| {
-        let text = format!(
+        format!(
             "{}\n[[contact]]\nmethod = \"mortar\"\nslave = \"{slave}\"\nmaster = \"{master}\"\n",
             stack(LAWS[0], [0.0, 0.0], tie)
-        );
-        let scene = stoss::scene::parse(&text, "tied.toml").unwrap();
-        stoss::build::build(&scene, std::path::Path::new(".")).map(|_| ()).map_err(|errors| errors.to_string())
+        )
     };
     for (slave, master) in [("upper.bottom", "lower.top"), ("lower.top", "upper.bottom")] {
-        let errors = contact(slave, master).unwrap_err();
-        assert!(errors.contains("ties together") && errors.contains("contact[0]"), "{errors}");
+        assert_eq!(problem_keys(&contact(slave, master)), ["contact[0]"]);
     }
-    assert!(contact("upper.left", "lower.top").is_ok());
+    simulation(&contact("upper.left", "lower.top"));
 }

@@ -1,6 +1,6 @@
 //! Prescriptions that begin where their nodes are, and loads that are applied in full at the start.
 
-use crate::{hanging, later, run, settings, stage};
+use crate::stages::{hanging, later, run, settings, stage};
 use stoss_integrators::EnergyMomentum;
 use stoss_solver::{FirstStage, Prescription, Simulation, Switches, Table};
 

@@ -1,6 +1,6 @@
 //! Static equilibria that are unstable.
 
-use crate::{add_block, hold, settings};
+use crate::stages::{add_block, hold, settings};
 use stoss_solver::{Model, Simulation, Table};
 
 /// A clamped bar that is shortened: beyond the load of Euler it stays straight, because nothing pushes it aside, and is reported to be unstable there.

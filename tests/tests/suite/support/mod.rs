@@ -17,6 +17,18 @@ pub fn simulation(text: &str) -> Simulation {
     simulation_in(text, Path::new("."))
 }
 
+/// Keys of the problems for which a scene is refused, when it is read or when it is built, in the order of the file.
+pub fn problem_keys(text: &str) -> Vec<String> {
+    let errors = match stoss::scene::parse(text, "test.toml") {
+        Err(errors) => errors,
+        Ok(scene) => match build(&scene, Path::new(".")) {
+            Err(errors) => errors,
+            Ok(_) => panic!("accepted: {text}"),
+        },
+    };
+    errors.problems().iter().map(|problem| problem.key.clone()).collect()
+}
+
 /// Scene of the two hexahedra of the thesis's Table 6.2 (theory/examples#two-elements): the upper one falls on the lower one and slides on it. `moved` is
 /// added to the position of the upper one; `contact` are the keys of the contact but for its surfaces.
 pub fn two_blocks(scheme: &str, step: f64, end: f64, moved: [f64; 3], contact: &str) -> String {
