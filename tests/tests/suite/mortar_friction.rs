@@ -112,7 +112,7 @@ fn exact_stick_does_no_work() {
         (false, "stick = \"multiplier\"", 1e-9, 1e-10),
     ] {
         let path = "[[0.0, 0.0], [1.0, 0.0], [1.5, 2e-4], [2.5, -2e-4], [3.0, 0.0]]";
-        let mut s = drag(stick, upper_is_slave, 5.0, path, 0.25, 3.0);
+        let mut s = drag(stick, upper_is_slave, 5.0, path, 0.1, 3.0);
         let mut pressed = Vec::new();
         let (mut largest, mut dissipated, mut stored, mut laid_down) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0);
         while !s.finished() {
