@@ -5,7 +5,7 @@
 //! `G = N_b(q_mid) + theta w`, `w = sum_k (l_k,np1^2 - l_k,n^2) grad(l_k^2)(q_mid)`,
 //! `theta = (g_np1 - g_n - N_b . dq) / sum_k (l_k,np1^2 - l_k,n^2)^2`
 //!
-//! with the direct gap gradient `N_b` on the facet at the midpoint (mostly one of the two) and the squared distances `l_k^2` between the
+//! with the direct gap gradient `N_b` on that of the two facets which the midpoint is nearer to and the squared distances `l_k^2` between the
 //! slave node and every master node of these facets. Distances are quadratic in the positions, so `w . dq` is the sum of squares in the
 //! denominator and `G . dq = g_np1 - g_n`, with each gap on its own facet; both terms are gradients of invariants at the midpoint, so
 //! that linear and angular momentum are exact. `theta w` tilts the normal in the direction of the slip by the secant slope of the
@@ -17,8 +17,8 @@
 use crate::kinematics::{Gap, LOCAL, Local, NODES};
 use stoss_reference_element::Nodal;
 
-/// Most nodes of the element: the slave node and three disjoint facets (at `n`, at the midpoint, at `n+1`).
-pub const MAX_NODES: usize = 1 + 3 * stoss_reference_element::MAX_NODES;
+/// Most nodes of the element: the slave node and two disjoint facets, at `n` and at `n+1`.
+pub const MAX_NODES: usize = 1 + 2 * stoss_reference_element::MAX_NODES;
 
 /// Sum of squares (relative to the fourth power of the length) below which the correction is left out: nothing moves.
 const SMALLEST_CHANGE: f64 = 1.0e-14;

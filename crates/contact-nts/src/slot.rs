@@ -18,7 +18,7 @@ const MAX_VISITS: usize = 8;
 pub(crate) struct Pairing {
     /// Facet against which the gap at `n` is measured, and whose gradient at `q_n` the start-point rules take.
     pub start: u32,
-    /// Facet whose gradient the crossing element takes at the midpoint; not used if `start == end`.
+    /// Facet whose gradient the crossing element takes at the midpoint: start or end.
     pub mid: u32,
     /// Facet of the constraint at `n+1`.
     pub end: u32,
@@ -157,7 +157,7 @@ pub(crate) struct PairedSlot<'a> {
     pub step: StepConfiguration<'a>,
 }
 
-/// Nodes of a slot's element, each once: the slave node, the end facet, then what the start and the midpoint facet add.
+/// Nodes of a slot's element, each once: the slave node, the end facet, then what the start facet adds.
 pub(crate) struct ElementNodes {
     pub count: usize,
     pub nodes: [u32; MAX_NODES],
@@ -165,7 +165,7 @@ pub(crate) struct ElementNodes {
     pub start: Nodal<usize>,
     /// Local numbers of the end facet's nodes: the first masters.
     pub end: Nodal<usize>,
-    /// Local numbers of the midpoint facet's nodes.
+    /// Local numbers of the nodes of the midpoint's facet, one of the two.
     pub mid: Nodal<usize>,
 }
 
@@ -178,7 +178,7 @@ impl ElementNodes {
         out.nodes[1..1 + facet.len()].copy_from_slice(&facet);
         if pairing.start != pairing.end {
             out.start = out.add(master.facets()[pairing.start as usize]);
-            out.mid = out.add(master.facets()[pairing.mid as usize]);
+            out.mid = if pairing.mid == pairing.start { out.start } else { end };
         }
         out
     }

@@ -26,7 +26,7 @@ struct Case {
     /// Facets at both ends.
     start: FacetNodes,
     end: FacetNodes,
-    /// Gaps to all facets at the start.
+    /// Gaps at the start, to all facets and to the surface.
     gaps: Vec<f64>,
     nodes: usize,
 }
@@ -61,6 +61,7 @@ fn step_on(meshes: [Mesh; 2]) -> impl Strategy<Value = Case> {
             } else {
                 m.begin(&Step { reach: 20.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
             }
+            let distance = gap(&m, &q_n, &OPEN);
             m.repair(&q_1, &ACTIVE).unwrap();
             let mut nodes = Vec::new();
             m.stencils(&ACTIVE, &mut |stencil, _| nodes.extend_from_slice(stencil));
@@ -72,7 +73,7 @@ fn step_on(meshes: [Mesh; 2]) -> impl Strategy<Value = Case> {
             let has_force = |n: u32| forces[3 * n as usize..3 * n as usize + 3].iter().any(|f| *f != 0.0);
             let is_start = |f: &&FacetNodes| (0..SLAVE).all(|n| f.contains(&n) || !has_force(n));
             let start = if nodes.len() == 1 + end.len() { end } else { *facets.iter().find(is_start).unwrap() };
-            let gaps = facets.iter().map(|f| gap_to(f, &q_n)).collect();
+            let gaps = facets.iter().map(|f| gap_to(f, &q_n)).chain([distance]).collect();
             Case { method: m, q_n, q_1, start, end, gaps, nodes: nodes.len() }
         })
 }
@@ -229,16 +230,16 @@ fn the_strategy_reaches_every_kind_of_pairing() {
     use proptest::{strategy::ValueTree, test_runner::TestRunner};
     let mut runner = TestRunner::deterministic();
     let cases: Vec<Case> = (0..200).map(|_| step_on(Mesh::PAIRS[0]).new_tree(&mut runner).unwrap().current()).collect();
-    for nodes in [5, 7, 13] {
+    for nodes in [5, 7, 9] {
         let count = cases.iter().filter(|c| c.nodes == nodes && (c.start == c.end) == (nodes == 5)).count();
         assert!(count > 10, "{count} cases with {nodes} nodes");
     }
     let next = FacetNodes::from(row(FACETS)[1]);
     let on_extension = |c: &&Case| c.start == next && c.end == next;
     assert!(cases.iter().any(|c| on_extension(&c)), "closes on the next facet and starts on its extension");
-    // Of triangles: one, two with an edge, two with a node, three.
+    // Of triangles: one, two with an edge, two with a node, two with none.
     let cases: Vec<Case> = (0..400).map(|_| step_on(Mesh::PAIRS[3]).new_tree(&mut runner).unwrap().current()).collect();
-    for nodes in [4, 5, 6, 7, 10] {
+    for nodes in [4, 5, 6, 7] {
         let count = cases.iter().filter(|c| c.nodes == nodes && (c.start == c.end) == (nodes == 4)).count();
         assert!(count > 0, "{count} cases with {nodes} nodes");
     }

@@ -17,15 +17,6 @@ pub enum ContactError {
         /// Number of augmentations.
         rounds: u32,
     },
-    /// Over an edge of the master the contact force has no component along the normal of either facet.
-    #[error(
-        "slave node {node} moves over an edge of the master whose facets are folded upon each other as the node sees them: its pressure is not determined; use smaller \
-         steps or a rounder edge"
-    )]
-    Folded {
-        /// Global slave node.
-        node: u32,
-    },
     /// A projection did not converge.
     #[error("closest-point projection of slave node {node} on master facet {facet} did not converge")]
     Projection {

@@ -27,9 +27,6 @@ const MOST_TILT: f64 = 0.1;
 /// Least part of the contact force over an edge, per pressure and area, along the normal of the facet at the midpoint; 1 where nothing is tilted.
 const LEAST_PRESSING: f64 = 0.5;
 
-/// Below this a pressure is determined by round-off.
-const UNDETERMINED: f64 = 1.0e-3;
-
 /// A node nearer to the surface than this (in multiples of a master edge) is not brought back on a facet that it stays on.
 const NEAR_ENOUGH: f64 = 1.0e-4;
 
@@ -66,7 +63,7 @@ impl NodeToSurface {
     }
 
     /// Takes another facet at the midpoint where the force over an edge presses the node hardly against the one that was chosen; returns how many. At most once a
-    /// step for each node; [`ContactError::Folded`] if the other one is no better.
+    /// step for each node.
     ///
     /// A node that moves along the normal of that facet and yet keeps its gap (it goes up a wall, and its midpoint projects on the floor) has a force across its
     /// motion: nothing is left of the normal, and the pressure would be determined by round-off.
@@ -77,7 +74,8 @@ impl NodeToSurface {
         let mut gradient = GapGradient::default();
         let mut changes = 0;
         for slot in (0..self.slots.len()).filter(|&s| active[s]) {
-            let Some(pairing) = self.slots[slot].pairing.filter(|p| p.start != p.end) else { continue };
+            let state = &self.slots[slot];
+            let Some(pairing) = state.pairing.filter(|p| p.start != p.end && !state.rechosen) else { continue };
             let element = ElementNodes::new(self.node(slot), self.search.surface(), pairing);
             let end = self.gap(slot, pairing.end, q_np1)?;
             let step = StepConfiguration { q_n: &self.q_n, q_np1, rule: self.normal.rule };
@@ -85,11 +83,7 @@ impl NodeToSurface {
             self.gradient(of, false, &mut gradient)?;
             let Some(mid) = self.gap_at_midpoint(slot, pairing.mid, q_np1) else { continue };
             let pressing: f64 = (0..3).map(|i| mid.gradient[i] * gradient.values[i]).sum();
-            if self.slots[slot].rechosen {
-                if pressing.abs() < UNDETERMINED {
-                    return Err(ContactError::Folded { node: self.node(slot) });
-                }
-            } else if pressing < LEAST_PRESSING {
+            if pressing < LEAST_PRESSING {
                 let mid = if pairing.mid == pairing.end { pairing.start } else { pairing.end };
                 self.slots[slot].pairing = Some(Pairing { mid, ..pairing });
                 self.slots[slot].rechosen = true;
@@ -265,7 +259,7 @@ impl NodeToSurface {
         Gap::from_centre(&middle(self.node(slot)), &patch)
     }
 
-    /// The facet of the midpoint: start or end if the midpoint projects on one of them, else the facet found by the search.
+    /// The facet of the midpoint: of start and end the one beyond whose edges the midpoint's foot lies less far.
     ///
     /// It is chosen here and not while assembling, so that the force is a smooth function of the iterate. Every choice conserves exactly.
     fn facet_at_midpoint(&self, slot: usize, start: u32, end: u32, q_np1: &[f64]) -> u32 {
@@ -273,13 +267,6 @@ impl NodeToSurface {
             return end;
         }
         let outside = |facet: u32| self.gap_at_midpoint(slot, facet, q_np1).map_or(f64::INFINITY, |gap| gap.outside());
-        let (at_start, at_end) = (outside(start), outside(end));
-        let (nearer, least) = if at_start < at_end { (start, at_start) } else { (end, at_end) };
-        if least <= self.search.options().hysteresis {
-            return nearer;
-        }
-        let q_mid: Vec<f64> = self.q_n.iter().zip(q_np1).map(|(a, b)| 0.5 * (a + b)).collect();
-        let found = self.closest(&self.search.at(&q_mid), slot, &q_mid).pairing.map(|p| p.facet);
-        found.filter(|&facet| outside(facet) < least).unwrap_or(nearer)
+        if outside(start) < outside(end) { start } else { end }
     }
 }

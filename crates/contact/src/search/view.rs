@@ -81,20 +81,10 @@ impl<'a> SearchView<'a> {
         let start = patch.closest_point(x);
         let kept = patch.project(x, start.xi);
         let outside = patch.kind().excess(kept.xi);
-        if kept.converged && outside <= options.hysteresis && self.opposes(hint, &kept.normal, slave_normal) {
+        let keeps = kept.converged && outside <= options.hysteresis && (global.gap - kept.gap).abs() <= slack;
+        if keeps && self.opposes(hint, &kept.normal, slave_normal) {
             let pairing = Pairing { facet: hint, xi: kept.xi, gap: kept.gap, normal: kept.normal };
-            if (global.gap - kept.gap).abs() <= slack {
-                return MasterPoint { pairing: Some(pairing), ..global };
-            }
-            if outside <= 0.0 && start.feature == PatchFeature::Interior {
-                let feature = Feature::Face { facet: hint, xi: kept.xi };
-                let point = x - kept.normal * kept.gap;
-                let own = MasterPoint { feature, gap: kept.gap, normal: kept.normal, point, pairing: Some(pairing) };
-                let own = self.limited(own);
-                if other_sheet(&own, &global) {
-                    return own;
-                }
-            }
+            return MasterPoint { pairing: Some(pairing), ..global };
         }
 
         let local = self.limited(self.resolve(x, &self.walk(x, Foot::new(hint, start)), slave_normal));
