@@ -36,8 +36,6 @@ pub(crate) struct SurfaceFriction {
     pub rule: GradientRule,
     pub step_size: f64,
     pub points: Vec<PointHistory>,
-    /// Rounds of augmentation in this step.
-    pub rounds: u32,
     /// Compliance of the stick of each point, in multiples of one over the stiffness.
     pub compliance: Vec<f64>,
     /// Whether all points have one, whatever else acts on them.
@@ -47,8 +45,8 @@ pub(crate) struct SurfaceFriction {
 impl SurfaceFriction {
     pub fn new(friction: Friction, slots: usize) -> Self {
         let (points, compliance) = (vec![PointHistory::default(); slots], vec![0.0; slots]);
-        let (rule, step_size, rounds) = (GradientRule::EndPoint, 0.0, 0);
-        Self { friction, rule, step_size, points, rounds, compliance, is_compliant: false }
+        let (rule, step_size) = (GradientRule::EndPoint, 0.0);
+        Self { friction, rule, step_size, points, compliance, is_compliant: false }
     }
 
     /// Begins a step of the points of these nodes.
@@ -70,7 +68,7 @@ pub(crate) struct PointHistory {
     pub slid: f64,
     /// Foot at `n` on the facet that the slot starts from.
     pub foot: [f64; 2],
-    /// Traction (or augmented multiplier) in the frame there.
+    /// Traction in the frame there.
     pub start: [f64; 2],
     /// What the multipliers of [`stoss_contact::friction::Stick::Multiplier`] add to it.
     pub multiplier: [f64; 2],
@@ -236,10 +234,10 @@ impl FrictionElement<'_> {
 
     fn point(&self, resolved: &Resolved<f64>) -> FrictionPoint {
         let Resolved { history, trial, slip, .. } = *resolved;
-        let PointHistory { slid, iteration, .. } = *self.history;
-        let (pressure, step_size, stiffening) = (self.pressure, self.step_size, iteration.stiffening());
+        let slid = self.history.slid;
+        let (pressure, step_size) = (self.pressure, self.step_size);
         let yielded = [0, 1].map(|i| (history[i] - trial[i]) / self.friction.stiffness());
-        FrictionPoint { history: trial, slip, pressure, step_size, slid, stiffening, yielded }
+        FrictionPoint { history: trial, slip, pressure, step_size, slid, yielded }
     }
 
     fn mismatch(&self, history: [f64; 2], step: &FrictionStep) -> [f64; 2] {

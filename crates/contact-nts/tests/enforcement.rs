@@ -1,17 +1,15 @@
-//! The normal part by penalty and by augmented Lagrangian: pressure, work, release, history.
+//! The normal part by penalty: pressure, work, release, history.
 
 use crate::common::*;
 use proptest::prelude::*;
-use stoss_contact::friction::MAX_AUGMENTATIONS;
 use stoss_contact::{ContactError, Enforcement, SearchOptions};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
-use stoss_term::{At, GradientRule, Step, Term, Unilateral, Work};
+use stoss_term::{At, GradientRule, Step, Term, Unilateral};
 
 const FACETS: u32 = 4;
 const FLAT: [f64; FACETS as usize + 1] = [0.0; FACETS as usize + 1];
 const SLAVE: usize = 2 * (FACETS as usize + 1);
 const STIFFNESS: f64 = 30.0;
-const RULES: [GradientRule; 3] = [GradientRule::EndPoint, GradientRule::Midpoint, GradientRule::DiscreteGradient];
 
 fn at(x: f64, z: f64) -> Vec<f64> {
     positions(&FLAT, [x, 0.3, z])
@@ -94,54 +92,6 @@ proptest! {
             m.commit(&At::end(&pair[1], &[p, 0.0, 0.0, 0.0], &ACTIVE));
         }
     }
-}
-
-/// A spring pushes the node with a given force; solved exactly between the rounds: the gap ends at zero, the multiplier at the force.
-#[test]
-fn augmented_multipliers_close_exactly() {
-    for rule in RULES {
-        let mut m = enforced(FACETS, Enforcement::Augmented(STIFFNESS));
-        let start = at(0.4, 0.05);
-        m.begin(&Step { reach: 1.0, ..Step::new(&start, rule, 0.1) }).unwrap();
-        let (push, spring) = (2.0, 5.0);
-        let mut z = -0.1;
-        m.repair(&at(0.4, z), &ACTIVE).unwrap();
-        let mut p = 0.0;
-        for round in 0.. {
-            // p = push - spring z, with the row in p and z: z + (p - lambda) / stiffness = 0. Slow rounds make the stiffness larger, never smaller.
-            let at_zero = |p: f64| row(&m, &start, &at(0.4, 0.0), p, rule);
-            let stiffness = 1.0 / (at_zero(1.0) - at_zero(0.0));
-            assert!(stiffness >= STIFFNESS * (1.0 - 1e-13), "{stiffness}");
-            let lambda = -stiffness * at_zero(0.0);
-            z = (lambda - push) / (stiffness - spring);
-            p = push - spring * z;
-            assert!(row(&m, &start, &at(0.4, z), p, rule).abs() < 1e-13);
-            if m.augment(&At::end(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE)).unwrap() == 0 {
-                break;
-            }
-            assert!(round < MAX_AUGMENTATIONS, "the rounds are limited");
-        }
-        assert!(z.abs() < 1e-8 && (p - push).abs() < 1e-7, "{z:e} {p}");
-        assert_eq!(
-            m.work(&At::end(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE)).unwrap(),
-            Work { closing: None, ..Work::default() }
-        );
-        // The next step starts from there, also after a checkpoint.
-        m.commit(&At::end(&at(0.4, z), &[p, 0.0, 0.0, 0.0], &ACTIVE));
-        let mut other = enforced(FACETS, Enforcement::Augmented(STIFFNESS));
-        other.load_history(&m.save_history()).unwrap();
-        assert!(spring_history_differs(&m));
-        for m in [&mut m, &mut other] {
-            m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, z), rule, 0.1) }).unwrap();
-            let lambda = -STIFFNESS * row(m, &at(0.4, z), &at(0.4, 0.0), 0.0, rule);
-            assert!((lambda - p).abs() < 1e-12);
-        }
-    }
-}
-
-/// The history of a method without multipliers is shorter.
-fn spring_history_differs(m: &NodeToSurface) -> bool {
-    spring().load_history(&m.save_history()).is_err()
 }
 
 #[test]

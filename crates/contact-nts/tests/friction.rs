@@ -135,13 +135,13 @@ proptest! {
     }
 
     #[test]
-    fn tangents_are_the_derivatives(path in path(), law in 0..4_usize, enforcement in 0..3_usize, moves: bool) {
+    fn tangents_are_the_derivatives(path in path(), law in 0..4_usize, is_spring: bool, moves: bool) {
         let law: Arc<dyn FrictionLaw> = match law {
             0 => Arc::new(StaticDynamic::new(0.03, 0.01, 2.0).unwrap()),
             1 => Arc::new(Regularised::new(0.3, 1.0).unwrap()),
             k => Arc::new(Coulomb::new(coefficient(k == 2)).unwrap()),
         };
-        let normal = [Enforcement::Multiplier, Enforcement::Penalty(30.0), Enforcement::Augmented(30.0)][enforcement];
+        let normal = if is_spring { Enforcement::Penalty(30.0) } else { Enforcement::Multiplier };
         let plain = enforced_on(&divide(path.meshes), FACETS, normal);
         let m = path.run(on_belt(plain, law, Stick::Penalty, moves));
         let (residual, tangent) = assembled(&m, &path.q[1], &path.q[2], PRESSURE, path.rule, true);
@@ -533,43 +533,6 @@ fn what_has_no_friction_says_so() {
     let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPointMean };
     let error = m.assemble(&step.at(&[1.0, 0.0, 0.0, 0.0], &ACTIVE), false, &mut |_| ()).unwrap_err();
     assert_eq!(error.to_string(), "contact with friction is not available with the rule EndPointMean");
-}
-
-/// A node on a flat surface is pulled by a spring; solved exactly between the rounds of the augmentation. Closed form: it sticks where it was if the
-/// spring's force is below the bound, otherwise it slides until the spring has the force of the bound.
-#[test]
-fn augmented_multipliers_stick_exactly() {
-    const SPRING: f64 = PENALTY / 9.0;
-    for rule in RULES {
-        for (bound, expected) in [(10.0, 0.4), (1.5, 0.9 - 1.5 / SPRING)] {
-            let law = Arc::new(Coulomb::new(bound / PRESSURE).unwrap());
-            let mut m = with_law(QUADS, law, Stick::Augmented);
-            let (start, target) = (flat([0.4, 0.3]), 0.9);
-            m.begin(&Step { reach: 1.0, ..Step::new(&start, rule, STEP) }).unwrap();
-            m.repair(&start, &ACTIVE).unwrap();
-            let area = m.slot_weight(0);
-            let mut x = 0.45;
-            for round in 0.. {
-                // Force of the spring less friction; piecewise linear, so that a few secant steps end at a root.
-                let force = |m: &NodeToSurface, x: f64| {
-                    SPRING * (target - x)
-                        - assembled(m, &start, &flat([x, 0.3]), PRESSURE, rule, false).0[3 * SLAVE] / area
-                };
-                let (mut low, mut high) = (0.3, 1.0);
-                for _ in 0..100 {
-                    x = 0.5 * (low + high);
-                    if force(&m, x) > 0.0 { low = x } else { high = x }
-                }
-                if m.augment(&At::end(&flat([x, 0.3]), &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE)).unwrap() == 0 {
-                    break;
-                }
-                assert!(round < 12, "the rounds are limited");
-            }
-            assert!((x - expected).abs() < 1e-11, "{rule:?} {bound}: {x} against {expected}");
-            let w = work(&m, &flat([x, 0.3]), PRESSURE, &ACTIVE);
-            assert!((w.dissipated - area * bound * (x - 0.4)).abs() < 1e-10 && w.stored == 0.0, "{w:?}");
-        }
-    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
-//! How the normal part is enforced: by a multiplier, by a penalty, or by an augmented Lagrangian (theory/constraints#enforcement; thesis, remark 6).
+//! How the normal part is enforced: by a multiplier or by a penalty (theory/constraints#enforcement; thesis, remark 6).
 //!
-//! One interface for the three: the pressure stays an unknown, and every closed slot has one scalar equation for it, [`NormalRow`]. The
+//! One interface for both: the pressure stays an unknown, and every closed slot has one scalar equation for it, [`NormalRow`]. The
 //! system has the same size and pattern in all cases, the active set the same condition, and friction, which needs pressure and its derivative,
 //! does not see the difference. A penalty is thus a diagonal term `-A/stiffness` in the row of the pressure: no large number
 //! enters the matrix, and the multiplier is the limit of an infinite stiffness.
@@ -17,9 +17,6 @@ pub enum Enforcement {
     /// end of the step; in a midpoint scheme it is the spring's energy difference over the way, so that its work is exact
     /// also in steps in which a node closes or opens.
     Penalty(f64),
-    /// A multiplier that is no unknown of the iteration: `p = lambda - stiffness e`, and `lambda` becomes `p` after each solution until `e` is
-    /// zero. The stiffness decides on the number of solutions, not on the result.
-    Augmented(f64),
 }
 
 /// The equation of one closed slot: its residual is `-A value`.
@@ -40,27 +37,20 @@ impl Enforcement {
     /// [`ContactError::Stiffness`] if it is not positive and finite.
     pub fn checked(self) -> Result<Self, ContactError> {
         match self {
-            Self::Penalty(value) | Self::Augmented(value) if !(value > 0.0 && value.is_finite()) => {
-                Err(ContactError::Stiffness { value })
-            }
+            Self::Penalty(value) if !(value > 0.0 && value.is_finite()) => Err(ContactError::Stiffness { value }),
             _ => Ok(self),
         }
     }
 
     /// The equation of a closed slot. `at_end`: the scheme's equations are those of the end point; `ends`: gaps at both ends of the step, less the
-    /// gap that the constraint refers to; `multiplier`: of the augmented Lagrangian.
-    pub fn row(self, at_end: bool, ends: [f64; 2], pressure: f64, multiplier: f64) -> NormalRow {
+    /// gap that the constraint refers to.
+    pub fn row(self, at_end: bool, ends: [f64; 2], pressure: f64) -> NormalRow {
         match self {
             Self::Multiplier => NormalRow { value: ends[1], d_gap: 1.0, d_pressure: 0.0 },
             Self::Penalty(stiffness) => {
                 let (depth, slope) = if at_end { end_depth(ends[1]) } else { mean_depth(ends) };
                 NormalRow { value: pressure / stiffness - depth, d_gap: -slope, d_pressure: 1.0 / stiffness }
             }
-            Self::Augmented(stiffness) => NormalRow {
-                value: ends[1] + (pressure - multiplier) / stiffness,
-                d_gap: 1.0,
-                d_pressure: 1.0 / stiffness,
-            },
         }
     }
 
@@ -69,8 +59,6 @@ impl Enforcement {
     pub fn complementarity(self, at_end: bool, ends: [f64; 2]) -> f64 {
         match self {
             Self::Multiplier => ends[1],
-            // The equation holds: what is left is the sign of the pressure.
-            Self::Augmented(_) => 0.0,
             Self::Penalty(_) if at_end || ends[0] >= 0.0 => ends[1].max(0.0),
             Self::Penalty(_) => 0.0,
         }
@@ -111,18 +99,18 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const KINDS: [Enforcement; 3] = [Enforcement::Multiplier, Enforcement::Penalty(50.0), Enforcement::Augmented(50.0)];
+    const KINDS: [Enforcement; 2] = [Enforcement::Multiplier, Enforcement::Penalty(50.0)];
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(256))]
 
         #[test]
         fn rows_have_their_derivatives(
-            start in -1.0..1.0_f64, end in -1.0..1.0_f64, p in -1.0..9.0_f64, kind in 0..3_usize, at_end: bool,
+            start in -1.0..1.0_f64, end in -1.0..1.0_f64, p in -1.0..9.0_f64, kind in 0..2_usize, at_end: bool,
         ) {
             const H: f64 = 1e-5;
             prop_assume!(end.abs() > 1e-3 && (end - start).abs() > 1e-2);
-            let row = |end: f64, p: f64| KINDS[kind].row(at_end, [start, end], p, 2.0);
+            let row = |end: f64, p: f64| KINDS[kind].row(at_end, [start, end], p);
             let here = row(end, p);
             let by_gap = (row(end + H, p).value - row(end - H, p).value) / (2.0 * H);
             let by_pressure = (row(end, p + H).value - row(end, p - H).value) / (2.0 * H);
@@ -137,7 +125,7 @@ mod tests {
                 let ends = [pair[0], pair[1]];
                 let stored = spring.stored(ends[1]) - spring.stored(ends[0]);
                 // The row is p / stiffness - depth.
-                let pressure = |at_end| -50.0 * spring.row(at_end, ends, 0.0, 0.0).value;
+                let pressure = |at_end| -50.0 * spring.row(at_end, ends, 0.0).value;
                 prop_assert!((pressure(false) * (ends[0] - ends[1]) - stored).abs() < 1e-12);
                 prop_assert!(pressure(true) * (ends[0] - ends[1]) - stored >= -1e-12);
                 prop_assert!(pressure(false) >= 0.0 && pressure(true) >= 0.0);
@@ -152,7 +140,7 @@ mod tests {
         assert_eq!(spring.complementarity(false, [-1.0, 0.2]), 0.0);
         assert_eq!(spring.complementarity(false, [0.1, 0.2]), 0.2);
         assert_eq!(spring.complementarity(false, [0.1, -0.2]), 0.0);
-        assert!(Enforcement::Penalty(0.0).checked().is_err() && Enforcement::Augmented(f64::NAN).checked().is_err());
+        assert!(Enforcement::Penalty(0.0).checked().is_err() && Enforcement::Penalty(f64::NAN).checked().is_err());
         assert!(KINDS.iter().all(|kind| kind.checked().is_ok()));
     }
 }

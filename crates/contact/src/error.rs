@@ -4,18 +4,6 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContactError {
-    /// The multipliers of an augmented Lagrangian do not converge.
-    #[error(
-        "{unsettled} multipliers of the augmented Lagrangian ({what}) have not converged after {rounds} augmentations; use a larger stiffness, or Lagrange \
-         multipliers as unknowns"
-    )]
-    Augmentation {
-        /// Friction or gap.
-        what: &'static str,
-        /// Number of points that are far from convergence.
-        unsettled: usize,
-        /// Number of augmentations.
-        rounds: u32,
     },
     /// A projection did not converge.
     #[error("closest-point projection of slave node {node} on master facet {facet} did not converge")]
@@ -97,7 +85,7 @@ pub enum ContactError {
         /// Allowed values.
         range: &'static str,
     },
-    /// The stiffness of a penalty or of an augmented Lagrangian is out of its range.
+    /// The stiffness of a penalty is out of its range.
     #[error("the normal stiffness must be positive, but is {value}")]
     Stiffness {
         /// Value given.

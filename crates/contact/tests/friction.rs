@@ -25,7 +25,7 @@ fn vector(size: f64) -> impl Strategy<Value = [f64; 2]> {
 
 fn point() -> impl Strategy<Value = FrictionPoint> {
     (vector(2.0), vector(0.1), -0.5..5.0_f64, 0.01..0.2_f64).prop_map(|(history, slip, pressure, step_size)| {
-        FrictionPoint { history, slip, pressure, step_size, slid: 0.3, stiffening: 1.0, yielded: [0.0; 2] }
+        FrictionPoint { history, slip, pressure, step_size, slid: 0.3, yielded: [0.0; 2] }
     })
 }
 
@@ -89,7 +89,7 @@ proptest! {
         let mut history = [0.0; 2];
         for (slip, pressure) in path {
             let before = friction.stored(history);
-            let step = friction.step(&FrictionPoint { history, slip, pressure, step_size: 0.05, slid: 0.0, stiffening: 1.0, yielded: [0.0; 2] });
+            let step = friction.step(&FrictionPoint { history, slip, pressure, step_size: 0.05, slid: 0.0, yielded: [0.0; 2] });
             let scale = before + step.stored + step.work.abs();
             prop_assert!(step.dissipated >= -1e-15 * scale, "dissipated {:e} of {scale:e}", step.dissipated);
             // What it stands for.
@@ -102,46 +102,29 @@ proptest! {
             history = step.force;
         }
     }
-
-    #[test]
-    fn an_augmented_multiplier_settles_at_coulombs_law(slip in vector(0.1), history in vector(2.0), pressure in 0.1..5.0_f64) {
-        let friction =
-            Friction::new(Arc::new(Coulomb::new(0.4).unwrap()), PENALTY, Stick::Augmented).unwrap();
-        prop_assume!(norm(slip) > 1e-2);
-        let mut multiplier = history;
-        for _ in 0..400 {
-            multiplier = friction.step(&FrictionPoint { history: multiplier, slip, pressure, step_size: 1.0, slid: 0.0, stiffening: 1.0, yielded: [0.0; 2] }).force;
-        }
-        for i in 0..2 {
-            prop_assert!((multiplier[i] - 0.4 * pressure * slip[i] / norm(slip)).abs() < 1e-9);
-        }
-        prop_assert_eq!(friction.stored(multiplier), 0.0);
-    }
 }
 
-/// The exact forms of stick, as the iteration leaves them: a sticking point dissipates nothing whatever slip round-off made of it, one that slides
+/// Exact stick, as the iteration leaves it: a sticking point dissipates nothing whatever slip round-off made of it, one that slides
 /// never less than nothing.
 #[test]
 fn exact_stick_dissipates_nothing() {
-    for stick in [Stick::Augmented, Stick::Multiplier] {
-        let friction = Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 100.0, stick).unwrap();
-        let step = |history: [f64; 2], slip: [f64; 2]| {
-            let (step_size, slid, stiffening, yielded) = (0.1, 0.0, 1.0, [0.0; 2]);
-            friction.step(&FrictionPoint { history, slip, pressure: 4.0, step_size, slid, stiffening, yielded })
-        };
-        for slip in [-1e-17, 1e-17, -1e-3, 1e-3] {
-            let s = step([1.0, 0.5], [slip, 0.0]);
-            assert!(s.sticks && s.dissipated == 0.0 && s.work != 0.0, "{stick:?} {slip}: {s:?}");
-        }
-        // A slip that round-off turned round.
-        let s = step([2.0 + 1e-12, 0.0], [-1e-17, 0.0]);
-        assert!(!s.sticks && s.work < 0.0 && s.dissipated == -s.work, "{stick:?}: {s:?}");
-        // One that did not come from round-off shows.
-        let s = step([3.5, 0.0], [-0.01, 0.0]);
-        assert!(!s.sticks && (s.dissipated + 0.02).abs() < 1e-17, "{stick:?}: {s:?}");
-        let s = step([2.0, 0.0], [0.01, 0.0]);
-        assert!(!s.sticks && (s.dissipated - 0.02).abs() < 1e-17 && s.dissipated == s.work);
+    let friction = Friction::new(Arc::new(Coulomb::new(0.5).unwrap()), 100.0, Stick::Multiplier).unwrap();
+    let step = |history: [f64; 2], slip: [f64; 2]| {
+        let (step_size, slid, yielded) = (0.1, 0.0, [0.0; 2]);
+        friction.step(&FrictionPoint { history, slip, pressure: 4.0, step_size, slid, yielded })
+    };
+    for slip in [-1e-17, 1e-17, -1e-3, 1e-3] {
+        let s = step([1.0, 0.5], [slip, 0.0]);
+        assert!(s.sticks && s.dissipated == 0.0 && s.work != 0.0, "{slip}: {s:?}");
     }
+    // A slip that round-off turned round.
+    let s = step([2.0 + 1e-12, 0.0], [-1e-17, 0.0]);
+    assert!(!s.sticks && s.work < 0.0 && s.dissipated == -s.work, "{s:?}");
+    // One that did not come from round-off shows.
+    let s = step([3.5, 0.0], [-0.01, 0.0]);
+    assert!(!s.sticks && (s.dissipated + 0.02).abs() < 1e-17, "{s:?}");
+    let s = step([2.0, 0.0], [0.01, 0.0]);
+    assert!(!s.sticks && (s.dissipated - 0.02).abs() < 1e-17 && s.dissipated == s.work);
 }
 
 /// What the compliance of a multiplier takes of the slip is stored and not dissipated, but for what backward Euler loses.
@@ -154,8 +137,7 @@ fn a_compliance_takes_its_part_of_the_slip() {
         let increment: f64 = traction - start;
         let yielded = [compliance * increment / 100.0, 0.0];
         let history = [start + friction.share(compliance) * increment, 0.0];
-        let point =
-            FrictionPoint { history, slip: [slip, 0.0], pressure, step_size: 0.1, slid: 0.0, stiffening: 1.0, yielded };
+        let point = FrictionPoint { history, slip: [slip, 0.0], pressure, step_size: 0.1, slid: 0.0, yielded };
         let s = friction.step(&point);
         assert!((s.force[0] - traction).abs() < 1e-14, "converged: {s:?}");
         let stored = |t: f64| friction.stored_by(compliance, [t, 0.0]);
@@ -177,7 +159,6 @@ fn there_and_back() {
             pressure,
             step_size: 1.0,
             slid: 0.0,
-            stiffening: 1.0,
             yielded: [0.0; 2],
         })
     };
@@ -226,7 +207,6 @@ fn the_branch_of_a_smooth_law_is_its_tangent_at_rest() {
         pressure: 2.0,
         step_size,
         slid: 0.0,
-        stiffening: 1.0,
         yielded: [0.0; 2],
     };
     // mu p / (speed h), however large the slip.
@@ -249,7 +229,7 @@ fn reported_slip_of_springs_and_of_laws_without_stick() {
         let friction = Friction::new(law, stiffness, Stick::Penalty).unwrap();
         let (pressure, step_size, slid) = (2.0, 0.1, 0.0);
         let (history, slip, yielded) = ([0.0; 2], [0.05, -0.02], [0.0; 2]);
-        let point = FrictionPoint { history, slip, pressure, step_size, slid, stiffening: 1.0, yielded };
+        let point = FrictionPoint { history, slip, pressure, step_size, slid, yielded };
         friction.slot_friction(&friction.step(&point), history, slip, [pressure, slid, step_size])
     };
     for stiffness in [1.0, 1e6] {

@@ -135,24 +135,17 @@ pub enum Enforcement {
         #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
         f64,
     ),
-    /// Exactly, by an augmented Lagrangian: several solutions in each step, fewer with a larger stiffness.
-    Augmented(
-        /// Stiffness, positive. It affects the number of solutions, not the result.
-        #[cfg_attr(feature = "schema", schemars(extend("x-dimension" = Dimension::StressPerLength)))]
-        f64,
-    ),
 }
 
 impl Enforcement {
     /// Names of the variants.
-    pub const NAMES: &'static [&'static str] = &["multiplier", "penalty", "augmented"];
+    pub const NAMES: &'static [&'static str] = &["multiplier", "penalty"];
 
     /// Name of the enforcement.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Multiplier => Self::NAMES[0],
             Self::Penalty(_) => Self::NAMES[1],
-            Self::Augmented(_) => Self::NAMES[2],
         }
     }
 
@@ -186,7 +179,7 @@ pub struct Contact {
     /// Constraint of a closed contact, for `nts` and `cat`; `standard` if left out. With `mortar` the
     /// weighted gap of a closed node is always zero at the end of a step.
     pub constraint: Option<Constraint>,
-    /// Enforcement of the normal constraint: `"multiplier"`, `{ penalty = stiffness }` or `{ augmented = stiffness }`, with the stiffness in pressure per length. `"multiplier"` if left out.
+    /// Enforcement of the normal constraint: `"multiplier"` or `{ penalty = stiffness }`, with the stiffness in pressure per length. `"multiplier"` if left out.
     #[key(default, skip)]
     pub enforcement: Enforcement,
     /// Unknowns that are eliminated, for `cat` only; `second` if left out.
@@ -254,22 +247,17 @@ impl Contact {
 
 impl<C> Value<C> for Enforcement {
     fn read(node: &Node<'_>, _: &C) -> Option<Self> {
-        let example = "write \"multiplier\", { penalty = 1e5 } or { augmented = 1e5 }";
+        let example = "write \"multiplier\" or { penalty = 1e5 }";
         match node.value {
             DeValue::Table(_) => {
                 let table = node.table()?;
-                let penalty = table.optional("penalty", Node::positive);
-                let augmented = table.optional("augmented", Node::positive);
+                let penalty = table.required("penalty", "penalty = 1e5", Node::positive);
                 table.finish();
-                match (penalty?, augmented?) {
-                    (Some(stiffness), None) => Some(Self::Penalty(stiffness)),
-                    (None, Some(stiffness)) => Some(Self::Augmented(stiffness)),
-                    _ => node.fail("needs exactly one of `penalty` and `augmented`", example),
-                }
+                penalty.map(Self::Penalty)
             }
             DeValue::String(_) => match node.text()?.as_str() {
                 "multiplier" => Some(Self::Multiplier),
-                "penalty" | "augmented" => node.fail("needs a stiffness, a traction per length", example),
+                "penalty" => node.fail("needs a stiffness, a traction per length", example),
                 other => node.fail("is not known", known(other, Self::NAMES.iter().copied())),
             },
             _ => node.fail(format!("must be a word or a table, found a {}", node.value.type_str()), example),

@@ -47,7 +47,7 @@ pub const METHODS: &[MethodEntry] = &[
         about: "Node to surface: each slave node against the facets of the master. The element follows from the scheme: with `energy-momentum` the energy-momentum element \
                 (theory/node-to-surface#element), otherwise the direct one (theory/node-to-surface#residual).",
         keys: &["constraint", "surface_velocity", "surface_mass"],
-        enforcements: &["penalty", "augmented"],
+        enforcements: &["penalty"],
         takes_lines: true,
         integrates: false,
         has_impact: true,

@@ -20,8 +20,6 @@ named! {
     Stick {
         /// Penalty method: tangential springs between slave and master; a sticking node moves elastically by its traction over `penalty`.
         Penalty = "penalty",
-        /// Exactly, by an augmented Lagrangian: several solutions in each step; the result does not depend on `penalty`.
-        Augmented = "augmented",
         /// Exactly, by two Lagrange multipliers for each node: one Newton iteration; the result does not depend on `penalty`.
         Multiplier = "multiplier",
     }

@@ -308,7 +308,7 @@ const CASES: &[Case] = &[
     dynamic("constraint = \"modified\"", "enforcement = 1e5", "enforcement", "contact[0].enforcement"),
     dynamic("constraint = \"modified\"", "enforcement = \"penalty\"", "enforcement", "contact[0].enforcement"),
     dynamic("constraint = \"modified\"", "enforcement = \"multiplyer\"", "enforcement", "contact[0].enforcement"),
-    dynamic("constraint = \"modified\"", "enforcement = {}", "enforcement", "contact[0].enforcement"),
+    dynamic("constraint = \"modified\"", "enforcement = {}", "enforcement", "contact[0].enforcement.penalty"),
     dynamic(
         "constraint = \"modified\"",
         "enforcement = { penalty = 0 }",
@@ -319,7 +319,7 @@ const CASES: &[Case] = &[
         "constraint = \"modified\"",
         "enforcement = { penalty = 1, augmented = 1 }",
         "enforcement",
-        "contact[0].enforcement",
+        "contact[0].enforcement.augmented",
     ),
     dynamic(
         "constraint = \"modified\"",
@@ -350,7 +350,12 @@ const CASES: &[Case] = &[
         "contact[0].friction.slip",
     ),
     mortar("constraint = \"modified\"", "constraint = \"modified\"", "modified", "contact[0].constraint"),
-    mortar("constraint = \"modified\"", "enforcement = { augmented = 1 }", "enforcement", "contact[0].enforcement"),
+    mortar(
+        "constraint = \"modified\"",
+        "friction = { law = \"coulomb\", mu = 0.3, stick = \"augmented\" }",
+        "friction",
+        "contact[0].friction.stick",
+    ),
     dynamic(
         "constraint = \"modified\"",
         "friction = { law = \"coulomb\", mu = 0.3, slip = \"direct\" }",

@@ -10,7 +10,6 @@ use stoss_contact::active_set::ActiveSetTolerance;
 use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
 use stoss_integrators::Step;
 use stoss_newton::{NewtonOptions, NewtonReport, ResidualNorms, StopReason, solve};
-use stoss_term::At;
 
 /// Largest number of solutions in a step, each with a fixed active set and fixed pairings: room for 20 changes of the
 /// set with as many changes of pairings alone in between (theory/constraints#eq-active-set).
@@ -165,16 +164,6 @@ impl ActiveSets {
     }
 }
 
-/// Updates multipliers that are no unknowns, at an accurate solution; returns how many have not settled.
-fn augment(model: &mut Model, iterate: &Iterate) -> Result<usize, StepError> {
-    let mut unsettled = 0;
-    for (c, pair) in model.contacts.iter_mut().enumerate() {
-        let Some(method) = pair.unilateral_mut() else { continue };
-        unsettled += method.augment(&At::end(&iterate.q, &iterate.pressures[c], &iterate.active[c]))?;
-    }
-    Ok(unsettled)
-}
-
 /// Tries the step; its rows follow those that `trace` has. The pairings of `model.contacts` and the pattern of `system` are left in the state of the last iteration. `trace` has
 /// what was done, also of an attempt that fails.
 pub(crate) fn attempt(
@@ -298,7 +287,7 @@ pub(crate) fn attempt(
             if known == Known::WithoutCouplings {
                 known = last.map_or(known, Known::All);
             }
-        } else if !update.doubtful && timings.measure(Phase::Search, || augment(model, &iterate))? == 0 {
+        } else if !update.doubtful {
             let newton = std::mem::take(&mut trace.newton);
             return Ok(Attempt { iterate, newton, repaired: sets.repairs, unstable });
         }

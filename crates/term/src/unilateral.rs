@@ -1,9 +1,9 @@
 //! The ability to open and close.
 
-use crate::{At, Fault, ReferenceGap};
+use crate::{Fault, ReferenceGap};
 
-/// Constraints that open and close, between one slave and one master surface. The active set asks `complementarity_gaps`,
-/// `repair` and `augment` between the iterations of a step.
+/// Constraints that open and close, between one slave and one master surface. The active set asks `complementarity_gaps`
+/// and `repair` between the iterations of a step.
 pub trait Unilateral: Sync {
     /// `gamma` of theory/constraints#eq-complementarity for every slot at `q_np1`: for an active slot the value of its constraint function, for an inactive one the
     /// true gap (`f64::INFINITY` if out of reach). `out` has one entry a slot.
@@ -17,14 +17,6 @@ pub trait Unilateral: Sync {
     /// # Errors
     /// A projection that fails.
     fn repair(&mut self, q_np1: &[f64], active: &[bool]) -> Result<usize, Fault>;
-    /// Updates multipliers that are no unknowns (augmented Lagrangian) after a converged iteration; returns how many have not settled. The step is
-    /// solved again as long as there are such.
-    ///
-    /// # Errors
-    /// They do not converge.
-    fn augment(&mut self, _at: &At<'_>) -> Result<usize, Fault> {
-        Ok(0)
-    }
     /// Visits the gradient of the constraint function of every closed slot that carries at `q_np1`: the slot, its nodes and three entries a node. Times the
     /// pressures it has neither resultant nor moment about `q_np1`. Visits nothing by default: then there is no impact law (theory/impacts).
     ///

@@ -22,8 +22,6 @@ pub(crate) struct SurfaceFriction {
     pub measure: SlipMeasure,
     pub frames: MaterialFrames,
     pub step_size: f64,
-    /// Rounds of augmentation in this step.
-    pub rounds: u32,
     pub points: Vec<PointHistory>,
     /// Compliance of the stick of each node, in multiples of one over the stiffness.
     pub compliance: Vec<f64>,
@@ -43,7 +41,7 @@ pub(crate) struct PointHistory {
     pub slid: f64,
     /// Covered area that the committed traction belongs to.
     pub support: f64,
-    /// Traction (or augmented multiplier) that the step starts with.
+    /// Traction that the step starts with.
     pub start: [f64; 2],
     /// What the multipliers of [`stoss_contact::friction::Stick::Multiplier`] add to it.
     pub multiplier: [f64; 2],

@@ -51,7 +51,6 @@ pub(crate) struct NodeFriction<'a> {
     /// Area of the node, for the rows of the multipliers.
     pub weight: f64,
     pub slid: f64,
-    pub stiffening: f64,
     pub step_size: f64,
     pub pressure: f64,
     /// Linearised as if the node stuck.
@@ -180,10 +179,10 @@ impl NodeFriction<'_> {
         if !regular {
             return None;
         }
-        let Self { history, multiplier, pressure, step_size, slid, stiffening, .. } = *self;
+        let Self { history, multiplier, pressure, step_size, slid, .. } = *self;
         let trial = [0, 1].map(|i| history[i] + self.friction.share(self.compliance) * multiplier[i]);
         let yielded = [0, 1].map(|i| (history[i] + multiplier[i] - trial[i]) / self.friction.stiffness());
-        let point = FrictionPoint { history: trial, slip: node.slip, pressure, step_size, slid, stiffening, yielded };
+        let point = FrictionPoint { history: trial, slip: node.slip, pressure, step_size, slid, yielded };
         let done = self.friction.step(&point);
         let branch = self.reversed.then(|| {
             let branch = self.friction.sticking_step(&point);

@@ -4,7 +4,7 @@ use super::{CARRIED, MortarContact, NO_PENETRATION};
 use crate::slot::Want;
 use crate::state::{Need, StepState};
 use stoss_contact::ContactError;
-use stoss_term::{At, Fault, ReferenceGap, Unilateral};
+use stoss_term::{Fault, ReferenceGap, Unilateral};
 
 impl MortarContact {
     /// The distance below which an open row closes.
@@ -70,10 +70,6 @@ impl Unilateral for MortarContact {
             self.end.at.clear();
         }
         Ok(changes)
-    }
-
-    fn augment(&mut self, at: &At<'_>) -> Result<usize, Fault> {
-        Ok(self.augment_friction(at.q_np1, at.multipliers, at.active)?)
     }
 
     fn surface_way(&self) -> [f64; 3] {

@@ -1,4 +1,4 @@
-//! Friction as a part of the contact method: rules, history, augmentation, energies.
+//! Friction as a part of the contact method: rules, history, energies.
 
 use super::MortarContact;
 use crate::friction::{
@@ -6,8 +6,8 @@ use crate::friction::{
 };
 use crate::slot::Slot;
 use crate::state::Surfaces;
-use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick, stick_compliance};
-use stoss_contact::{ContactError, in_order, position};
+use stoss_contact::friction::{Friction, Stick, stick_compliance};
+use stoss_contact::{ContactError, in_order};
 use stoss_term::{GradientRule, Local, SlotFriction, Step, StepConfiguration, Work};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
@@ -31,20 +31,11 @@ impl MortarContact {
         let count = self.surfaces.rows.len();
         let (points, compliance) = (vec![PointHistory::default(); count], vec![0.0; count]);
         let slivers = vec![false; count];
-        let (step_size, rounds, is_compliant) = (0.0, 0, false);
+        let (step_size, is_compliant) = (0.0, false);
         // Before the first step these are the reference positions.
         let frames = MaterialFrames::new(&self.surfaces.slave, &self.step.q_n);
-        self.friction = Some(SurfaceFriction {
-            friction,
-            measure,
-            frames,
-            step_size,
-            rounds,
-            points,
-            compliance,
-            is_compliant,
-            slivers,
-        });
+        self.friction =
+            Some(SurfaceFriction { friction, measure, frames, step_size, points, compliance, is_compliant, slivers });
         Ok(self)
     }
 
@@ -76,7 +67,6 @@ impl MortarContact {
         if let rule @ (GradientRule::StartPoint | GradientRule::EndPointMean) = self.rule {
             return Err(ContactError::FrictionUnavailable { what: format!("the rule {rule:?}") });
         }
-        surface.rounds = 0;
         let start = &self.step.start;
         let exact = surface.friction.stick() != Stick::Penalty && self.rule == GradientRule::EndPoint;
         let rows = start.iter().zip(&self.surfaces.rows);
@@ -130,7 +120,6 @@ impl MortarContact {
             },
             weight: self.surfaces.rows[slot].area,
             slid: point.slid,
-            stiffening: point.iteration.stiffening(),
             step_size: surface.step_size,
             pressure,
             reversed: point.iteration.is_reversed(),
@@ -209,33 +198,6 @@ impl MortarContact {
         for (&slot, step) in slots.iter().zip(&steps) {
             step.iter().for_each(|step| surface.points[slot].iteration.follow(step));
         }
-    }
-
-    /// Makes the present tractions the multipliers of the step; returns how many were not settled.
-    pub(crate) fn augment_friction(
-        &mut self,
-        q_np1: &[f64],
-        pressures: &[f64],
-        active: &[bool],
-    ) -> Result<usize, ContactError> {
-        let begin = |surface: &mut SurfaceFriction| AugmentationRound::begin(&surface.friction, &mut surface.rounds);
-        let Some(mut round) = self.friction.as_mut().and_then(begin) else { return Ok(0) };
-        let edge = self.surfaces.slave.length_scale();
-        let mut work = Scratch::default();
-        for slot in (0..active.len()).filter(|&s| active[s]) {
-            if self.friction.as_ref().is_some_and(|surface| surface.slivers[slot]) {
-                continue;
-            }
-            let Some(state) = self.friction_state(slot, q_np1, pressures[slot], &mut work) else { continue };
-            let far = position(q_np1, self.surfaces.slave.nodes()[self.surfaces.rows[slot].local]).norm();
-            let Some(surface) = &mut self.friction else { continue };
-            let point = &mut surface.points[slot];
-            let converged =
-                ConvergedPoint { multiplier: point.start, slip: state.slip, pressure: pressures[slot], edge, far };
-            let (iteration, start) = (&mut point.iteration, &mut point.start);
-            round.visit(iteration, &surface.friction, &state.step, &converged, state.step.force, start);
-        }
-        round.finish()
     }
 
     pub(crate) fn friction_work(&self, q_np1: &[f64], pressures: &[f64], active: &[bool]) -> Work {

@@ -448,8 +448,4 @@ impl Unilateral for CoordinateAugmented {
     fn settling(&self, slot: usize) -> f64 {
         self.inner.settling(slot)
     }
-
-    fn augment(&mut self, at: &At<'_>) -> Result<usize, Fault> {
-        self.inner.augment(at)
-    }
 }

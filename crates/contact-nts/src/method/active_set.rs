@@ -4,7 +4,7 @@ use crate::kinematics::LOCAL;
 use crate::method::NodeToSurface;
 use crate::slot::{ElementNodes, Pairing};
 use stoss_contact::{Enforcement, MasterPoint};
-use stoss_term::{At, Fault, ReferenceGap, Term as _, Unilateral};
+use stoss_term::{Fault, ReferenceGap, Term as _, Unilateral};
 
 impl NodeToSurface {
     /// What the gap of a node that is not active may fall to before it counts as closed: a node that was released while it kept a negative gap
@@ -139,10 +139,5 @@ impl Unilateral for NodeToSurface {
     fn settling(&self, slot: usize) -> f64 {
         let state = &self.slots[slot];
         if state.relaxing { 0.0 } else { -state.settling * self.slot_weight(slot) }
-    }
-
-    fn augment(&mut self, at: &At<'_>) -> Result<usize, Fault> {
-        let At { q_np1, multipliers: pressures, active, .. } = *at;
-        Ok(self.augment_normal(q_np1, pressures, active)? + self.augment_friction(q_np1, pressures, active)?)
     }
 }

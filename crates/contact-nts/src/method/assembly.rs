@@ -97,7 +97,7 @@ impl Term for NodeToSurface {
         }
         self.q_n.clear();
         self.q_n.extend_from_slice(q_n);
-        self.normal.begin(rule);
+        self.normal.rule = rule;
         self.search.update(q_n, reach);
         let view = self.search.at(q_n);
         // Not `self.closest`, which counts from the gaps that are asked for here.

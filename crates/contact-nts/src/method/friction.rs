@@ -1,4 +1,4 @@
-//! Friction as a part of the contact method: which rule takes what, history, augmentation, energies.
+//! Friction as a part of the contact method: which rule takes what, history, energies.
 
 use crate::crossing::{MAX_NODES, local_of};
 use crate::friction::{FrictionElement, FrictionState, PointHistory, Slip, SurfaceFriction, carry};
@@ -6,7 +6,7 @@ use crate::kinematics::{Gap, mean, points};
 use crate::method::NodeToSurface;
 use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot};
-use stoss_contact::friction::{AugmentationRound, ConvergedPoint, Friction, Stick};
+use stoss_contact::friction::{Friction, Stick};
 use stoss_contact::{ContactError, position};
 use stoss_term::{GradientRule, Local, SlotFriction, StepConfiguration, Work};
 
@@ -187,7 +187,6 @@ impl NodeToSurface {
     pub(crate) fn begin_friction(&mut self, slot: usize, committed: Option<u32>) {
         let pairing = self.slots[slot].pairing;
         let Some(surface) = &mut self.friction else { return };
-        surface.rounds = 0;
         let point = &mut surface.points[slot];
         let (Some(facet), Some(pairing)) = (committed, pairing) else {
             // The report is that of the last step until another one is accepted: this attempt may fail.
@@ -246,32 +245,6 @@ impl NodeToSurface {
             surface.points[slot].iteration.follow(&state.step);
         }
         Ok(())
-    }
-
-    /// Makes the present tractions the multipliers of the step; returns how many were not settled.
-    pub(crate) fn augment_friction(
-        &mut self,
-        q_np1: &[f64],
-        pressures: &[f64],
-        active: &[bool],
-    ) -> Result<usize, ContactError> {
-        let begin = |surface: &mut SurfaceFriction| AugmentationRound::begin(&surface.friction, &mut surface.rounds);
-        let Some(mut round) = self.friction.as_mut().and_then(begin) else { return Ok(0) };
-        for slot in (0..self.slots.len()).filter(|&s| active[s]) {
-            let Some(state) = self.friction_state(slot, q_np1, pressures[slot])? else { continue };
-            let at = ConvergedPoint {
-                multiplier: state.history,
-                slip: state.slip,
-                pressure: pressures[slot],
-                edge: self.length,
-                far: position(q_np1, self.node(slot)).norm(),
-            };
-            let Some(surface) = &mut self.friction else { continue };
-            let point = &mut surface.points[slot];
-            let (iteration, start) = (&mut point.iteration, &mut point.start);
-            round.visit(iteration, &surface.friction, &state.step, &at, state.carried, start);
-        }
-        round.finish()
     }
 
     pub(crate) fn friction_work(

@@ -17,7 +17,6 @@ impl NodeToSurface {
     pub(super) fn end_step(&mut self, q_np1: &[f64], pressures: &[f64], active: &[bool]) {
         self.commit_friction(q_np1, pressures, active);
         self.reference_gap.commit();
-        self.normal.commit(pressures, active);
         let view = self.search.at(q_np1);
         let behind: Vec<(bool, f64)> = (0..self.slots.len())
             .map(|slot| {
@@ -56,21 +55,19 @@ impl NodeToSurface {
             out.extend_from_slice(&slot.held.to_le_bytes());
             out.extend_from_slice(&slot.steps.to_le_bytes());
         }
-        self.normal.save(&mut out);
         self.save_friction(&mut out);
         self.reference_gap.save(&mut out);
         out
     }
 
     pub(super) fn set_history(&mut self, bytes: &[u8]) -> Result<(), ContactError> {
-        let size = HISTORY + self.normal.bytes() + self.friction_bytes();
+        let size = HISTORY + self.friction_bytes();
         let count = self.slots.len();
         let error = || ContactError::History {
             reason: format!("{} bytes for {count} slave nodes of {size} bytes", bytes.len()),
         };
         let (of_slots, of_contact) = bytes.split_at_checked(size * count).ok_or_else(error)?;
-        let (bytes, rest) = of_slots.split_at(HISTORY * count);
-        let (normal, friction) = rest.split_at(self.normal.bytes() * count);
+        let (bytes, friction) = of_slots.split_at(HISTORY * count);
         let mut reference_gap = self.reference_gap.clone();
         if !reference_gap.load(of_contact, count).ok_or_else(error)?.is_empty() {
             return Err(error());
@@ -89,7 +86,6 @@ impl NodeToSurface {
             slot.steps = u32::from_le_bytes(std::array::from_fn(|k| chunk[21 + k]));
         }
         self.reference_gap = reference_gap;
-        self.normal.load(normal);
         self.load_friction(friction);
         Ok(())
     }

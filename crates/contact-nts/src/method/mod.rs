@@ -98,7 +98,7 @@ impl NodeToSurface {
             hold: options.hold,
             holds: false,
             leaves: true,
-            normal: NormalEnforcement::new(options, slots.len())?,
+            normal: NormalEnforcement::new(options)?,
             reference_gap: ReferenceGap::default(),
             slots,
             q_n: Vec::new(),

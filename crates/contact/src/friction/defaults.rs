@@ -37,7 +37,6 @@ impl Friction {
         complementarity: f64,
     ) -> Result<Self, ContactError> {
         let friction = Self::new(law, Self::tangential_stiffness(given, complementarity), stick)?;
-        let friction = friction.with_body_stiffness(STIFFNESS * complementarity);
         Ok(if given.is_none() { friction.with_careful_weight(CAREFUL_WEIGHT * complementarity) } else { friction })
     }
 }

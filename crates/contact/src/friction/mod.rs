@@ -5,7 +5,7 @@
 //! * [`Friction`]: a law with its tangential stiffness, the way stick is enforced and the time stepping; [`Friction::step`] does the
 //!   step of one point and says what was stored and what was dissipated;
 //! * [`SurfaceVelocity`]: of a master surface that moves along itself;
-//! * [`PointIteration`]: what the iterations of a step need to know of a point: reversals of its slip, augmentation of its multiplier.
+//! * [`PointIteration`]: what the iterations of a step need to know of a point: reversals of its slip.
 //!
 //! Vectors have two components in an orthonormal frame of the tangent plane. Tractions point *along the slip of the slave relative
 //! to the master*; the traction on the slave is the opposite. Not here: slip and its frame (a contact method's).
@@ -25,7 +25,7 @@ mod step;
 
 pub use belt::SurfaceVelocity;
 pub use coulomb::Coulomb;
-pub use iteration::{AugmentationRound, ConvergedPoint, MAX_AUGMENTATIONS, PointIteration, Stiffening};
+pub use iteration::PointIteration;
 pub use law::{Coefficient, FrictionLaw, Sliding};
 pub use registry::{FrictionEntry, LAWS, entry};
 pub use regularised::Regularised;

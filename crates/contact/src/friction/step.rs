@@ -8,16 +8,13 @@ use crate::ContactError;
 use std::sync::Arc;
 use stoss_term::{SlotFriction, Step};
 
-/// Enforcement of stick at a point of a slave: by a spring, an augmented Lagrangian or multipliers.
+/// Enforcement of stick at a point of a slave: by a spring or multipliers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stick {
     /// A spring of the tangential stiffness between slave and master, which stores energy and lets a sticking point move by traction over
     /// stiffness, no farther: no creep.
     #[default]
     Penalty,
-    /// Augmented Lagrangian: the traction becomes the history of the same step until a sticking point does not move. The matrix keeps its size; the
-    /// step is solved several times. The tangential stiffness decides on the number of rounds, not on the result.
-    Augmented,
     /// Two multipliers a point, unknowns of the step beside its pressure: the traction `t` is that for which `t = return(t + stiffness slip)`, so
     /// that the slip of a sticking point is zero and the traction of a sliding one is the law's. Solved together with all other equations by one
     /// (semi-smooth) Newton method. The tangential stiffness weighs traction against slip in the decision between the two; no result depends on it.
@@ -49,9 +46,6 @@ pub struct Friction {
     careful_weight: Option<f64>,
     /// Stiffness in the present step of a spring in place of a multiplier.
     spring: f64,
-    /// Stiffness of the bodies at the surface, and with the inertia of the present step.
-    body_stiffness: f64,
-    resistance: f64,
     stick: Stick,
     /// Smoothing of the pressures; zero: the law as it is.
     smoothing: f64,
@@ -65,7 +59,7 @@ pub struct Friction {
 /// One point at the start of its step, and what the iteration says of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionPoint {
-    /// Traction at the start, in the frame of the step. With [`Stick::Augmented`] and [`Stick::Multiplier`] the multiplier.
+    /// Traction at the start, in the frame of the step. With [`Stick::Multiplier`] the multiplier.
     pub history: Plane,
     /// Slip in the step, a length.
     pub slip: Plane,
@@ -75,8 +69,6 @@ pub struct FrictionPoint {
     pub step_size: f64,
     /// Path slid before the step.
     pub slid: f64,
-    /// Factor on the tangential stiffness, 1 but for augmented multipliers that approach their value slowly.
-    pub stiffening: f64,
     /// The part of the slip that the compliance of a multiplier takes, for the dissipation only; zero without one.
     pub yielded: Plane,
 }
@@ -140,8 +132,6 @@ impl Friction {
             stiffness: penalty,
             careful_weight: None,
             spring: penalty,
-            body_stiffness: 0.0,
-            resistance: 0.0,
             stick,
             smoothing: 0.0,
             belt: None,
@@ -151,19 +141,10 @@ impl Friction {
     }
 
     /// Friction of bodies with inertia, of which the elements behind the surface have the mass `density` an area: in a small step `h` it is `density / h^2`
-    /// that tells which slip goes with which traction. For multipliers and augmented Lagrangians; no result depends on it.
+    /// that tells which slip goes with which traction. For multipliers; no result depends on it.
     #[must_use]
     pub fn with_inertia(mut self, density: f64) -> Self {
         self.inertia = if density > 0.0 && density.is_finite() { density } else { 0.0 };
-        self
-    }
-
-    /// Friction of bodies with this stiffness at the surface, traction per length: the spring of an augmented Lagrangian may be stiffened to it whatever the
-    /// pressure, because round-off of the bodies' own forces is no smaller then. No result depends on it.
-    #[must_use]
-    pub fn with_body_stiffness(mut self, stiffness: f64) -> Self {
-        self.body_stiffness = if stiffness > 0.0 && stiffness.is_finite() { stiffness } else { 0.0 };
-        self.resistance = self.body_stiffness;
         self
     }
 
@@ -174,11 +155,6 @@ impl Friction {
     pub fn with_careful_weight(mut self, stiffness: f64) -> Self {
         self.careful_weight = (stiffness > 0.0 && stiffness.is_finite()).then_some(stiffness);
         self
-    }
-
-    /// What resists a slip in the present step, traction per length: bodies and inertia.
-    pub(super) fn resistance(&self) -> f64 {
-        self.resistance
     }
 
     /// Friction on a master surface that moves along itself, beside its mesh. Its part along the normal of the surface has no effect.
@@ -197,7 +173,6 @@ impl Friction {
     pub fn begin(&mut self, step: &Step<'_>) {
         self.way = self.belt.as_ref().map_or([0.0; 3], |belt| belt.way(step.time, step.end));
         let inertia = if step.rates { self.inertia / (step.dt * step.dt) } else { 0.0 };
-        self.resistance = self.body_stiffness + if inertia.is_finite() { inertia } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();
         self.spring = if weighs { self.penalty + inertia } else { self.penalty };
         (self.smoothing, self.part) = (0.0, 1.0);
@@ -255,7 +230,7 @@ impl Friction {
             Stick::Penalty if self.law.sticks() => (step.force[i] - start[i]) / self.stiffness,
             // No spring: a law without stick.
             Stick::Penalty => 0.0,
-            Stick::Augmented | Stick::Multiplier => step.yielded[i],
+            Stick::Multiplier => step.yielded[i],
         };
         let slip = std::array::from_fn(|i| slip[i] - elastic(i));
         SlotFriction { traction: step.force, slip, bound, sticks: step.sticks }
@@ -333,7 +308,7 @@ impl Friction {
                 Traction { traction: apply(rest.d_slip, point.slip), ..rest }
             }
         };
-        let penalty = point.stiffening * self.stiffness;
+        let penalty = self.stiffness;
         let is_exact = self.stick != Stick::Penalty;
         let h = point.history;
         let tried = std::array::from_fn(|i| h[i] + penalty * point.slip[i]);

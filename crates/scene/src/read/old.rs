@@ -12,7 +12,7 @@ struct Old {
     remedy: &'static str,
 }
 
-const OLD: [Old; 13] = [
+const OLD: [Old; 15] = [
     Old {
         key: "contact.normals",
         word: None,
@@ -60,6 +60,18 @@ const OLD: [Old; 13] = [
         word: None,
         message: "is no longer a key: linear equations have the derivative of the gap by the coordinates",
         remedy: "remove it",
+    },
+    Old {
+        key: "contact.enforcement.augmented",
+        word: None,
+        message: "is no longer a way to enforce gaps: multipliers give the same result by one solution of a step",
+        remedy: "remove `enforcement`",
+    },
+    Old {
+        key: "contact.friction.stick",
+        word: Some("augmented"),
+        message: "is no longer a way to stick: multipliers give the same result by one solution of a step",
+        remedy: "write \"multiplier\", and remove `penalty`",
     },
     Old {
         key: "contact.friction.midpoint",

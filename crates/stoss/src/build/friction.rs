@@ -92,7 +92,6 @@ pub(super) fn friction(
     };
     let stick = match stick {
         scene::Stick::Penalty => Stick::Penalty,
-        scene::Stick::Augmented => Stick::Augmented,
         scene::Stick::Multiplier => Stick::Multiplier,
     };
     let made = Friction::between_bodies(law, penalty, stick, complementarity);

@@ -35,7 +35,7 @@ pub(super) fn contact(
         hold: pair.hold(model),
         overclosure: match item.enforcement {
             Enforcement::Penalty(stiffness) => Some(stiffness),
-            Enforcement::Multiplier | Enforcement::Augmented(_) => None,
+            Enforcement::Multiplier => None,
         },
     };
     if options.integrals == Integrals::Frozen && has_end_point {

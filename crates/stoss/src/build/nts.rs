@@ -71,7 +71,6 @@ fn made(pair: &PairInput<'_>, model: &Model, problems: &mut Problems<'_>, warnin
     let enforcement = match item.enforcement {
         Enforced::Multiplier => Enforcement::Multiplier,
         Enforced::Penalty(stiffness) => Enforcement::Penalty(stiffness),
-        Enforced::Augmented(stiffness) => Enforcement::Augmented(stiffness),
     };
     pair.warn_of_restitution(warnings);
     let hold = pair.hold(model);

@@ -72,7 +72,6 @@ impl PairInput<'_> {
             enforcement: match item.enforcement {
                 Enforcement::Multiplier => "multiplier".to_owned(),
                 Enforcement::Penalty(stiffness) => format!("penalty {stiffness:e}"),
-                Enforcement::Augmented(stiffness) => format!("augmented Lagrangian {stiffness:e}"),
             },
             slots: method.slot_count() as u64,
             restitution: self.restitution().filter(|_| self.phases.all().any(Phase::has_rates) && self.is_rigid()),

@@ -130,14 +130,6 @@ pub fn cases() -> Vec<Case> {
             let case = oblique("friction, stiffness", scheme, &format!("mu = 0.3, penalty = {penalty}"));
             cases.push(case.named(format!("{scheme} penalty {penalty}")));
         }
-        for penalty in ["1e6", "1e4", "1e2"] {
-            let case = oblique(
-                "friction, augmented stick",
-                scheme,
-                &format!("mu = 0.3, penalty = {penalty}, stick = \"augmented\""),
-            );
-            cases.push(case.named(format!("{scheme} augmented penalty {penalty}")));
-        }
         for facets in [10.0, 100.0, 1.0] {
             cases.push(slide(scheme, facets, false));
             if MORTAR.contains(&scheme) {

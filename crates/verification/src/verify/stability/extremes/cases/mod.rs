@@ -33,7 +33,6 @@ const REPRESENTATIVE: &[&str] = &[
     "inverting follower pressure",
     "friction, coefficient",
     "friction, stiffness",
-    "friction, augmented stick",
     "slide over facets in a step",
     "mortar: slide over facets in a step",
     "stick and slip in turn at each step",
