@@ -4,7 +4,6 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContactError {
-    },
     /// A projection did not converge.
     #[error("closest-point projection of slave node {node} on master facet {facet} did not converge")]
     Projection {
