@@ -5,7 +5,7 @@ use crate::terminal::{say, tell};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use stoss_report::picture::{Unfit, Which};
-use stoss_report::values::{Configuration, Options, Place, has_contact, values};
+use stoss_report::values::{Configuration, Options, SamplePoints, has_contact, values};
 
 /// What `stoss values` is asked for.
 #[derive(clap::Args)]
@@ -54,8 +54,8 @@ fn configuration(text: &str) -> Result<Configuration, String> {
 pub fn write(asked: Values) -> ExitCode {
     let Values { out, line, points, plane, spacing, frame, time, field, configuration, output } = asked;
     let place = match (line.as_deref(), plane.as_deref()) {
-        (Some(&[from, to]), _) => Place::Line { ends: [from, to], points: points as usize },
-        (_, Some(&[point, normal])) => Place::Plane { point, normal, spacing },
+        (Some(&[from, to]), _) => SamplePoints::Line { ends: [from, to], points: points as usize },
+        (_, Some(&[point, normal])) => SamplePoints::Plane { point, normal, spacing },
         // cannot happen: one of them is required, with two values.
         _ => return ExitCode::from(2),
     };

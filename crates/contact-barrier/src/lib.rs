@@ -6,7 +6,7 @@
 //! * [`Layer`]: the barrier `psi`, its derivatives and its divided difference;
 //! * [`EdgeMollifier`]: the factor `m` that fades pairs of nearly parallel edges out;
 //! * [`PairStart`], [`PairForce`]: the force of a pair between two states, or at one, with tangent;
-//! * [`Friction`], [`FrictionForce`]: friction of a pair in a step;
+//! * [`PairFriction`], [`FrictionForce`]: friction of a pair in a step;
 //! * [`Skin`]: vertices, edges, triangles and points of integration of all bodies, with their weights;
 //! * [`Interactions`]: who acts on whom, how stiff, with which friction;
 //! * [`check_initial`]: surfaces that cross before the first step, and the smallest distances;
@@ -45,6 +45,6 @@ pub use overlap::{Overlaps, Relation, Separation};
 pub use pair::{PairForce, PairStart, PairTerm, StepForce};
 pub use separate::{SeparationFault, separate};
 pub use skin::{Skin, SkinFacet, is_closed};
-pub use slip::{Friction, FrictionForce, Stick};
+pub use slip::{FrictionForce, PairFriction, Presliding};
 pub use start::{Bodies, Nearer, ONE_SIDED, Start, StartError, StartFault, THICKNESS, THINNEST, layer_edge, start};
 pub use tangent::Tangent;

@@ -6,7 +6,7 @@ use crate::pattern::{Along, Ends, Pattern};
 use crate::sensitivity::Sensitivity;
 use crate::slip::{Pressed, SlipLine, Variation};
 use crate::tangent::Tangent;
-use crate::{EdgeMollifier, Friction, FrictionForce, Layer};
+use crate::{EdgeMollifier, FrictionForce, Layer, PairFriction};
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{ClosestPair, PairKind, closest, combine};
 
@@ -66,7 +66,7 @@ impl PairTerm {
         layer: &Layer,
         x_n: &[Vector3<f64>; 4],
         x: &[Vector3<f64>; 4],
-        friction: Option<&Friction<'_>>,
+        friction: Option<&PairFriction<'_>>,
         mut tangent: Option<&mut Tangent>,
     ) -> StepForce {
         let pair = closest(self.kind, x);
@@ -135,7 +135,7 @@ impl PairTerm {
         &self,
         layer: &Layer,
         [x_n, x, d]: [&[Vector3<f64>; 4]; 3],
-        friction: &Friction<'_>,
+        friction: &PairFriction<'_>,
     ) -> Option<SlipLine> {
         let pair = closest(self.kind, x);
         if !layer.is_inside(pair.distance_squared) {
@@ -197,7 +197,7 @@ impl PairStart {
     pub fn step(
         &self,
         x: &[Vector3<f64>; 4],
-        friction: Option<&Friction<'_>>,
+        friction: Option<&PairFriction<'_>>,
         mut tangent: Option<&mut Tangent>,
     ) -> StepForce {
         let Self { term, layer, .. } = self;

@@ -4,7 +4,7 @@ mod shape;
 
 use crate::EdgeMollifier;
 use nalgebra::Vector3;
-use shape::{Around, Shape};
+use shape::{Around, SurfaceAngles};
 use std::collections::BTreeSet;
 use stoss_contact::position;
 use stoss_reference_element::FacetNodes;
@@ -68,7 +68,7 @@ pub struct Skin {
     edges_of: Lists,
     edge_area: Vec<f64>,
     edge_square: Vec<f64>,
-    shape: Shape,
+    shape: SurfaceAngles,
 }
 
 impl Skin {
@@ -107,7 +107,7 @@ impl Skin {
         skin.nodes = nodes;
         skin.edges = edges_of(&skin.triangles);
         skin.facets = facets;
-        skin.shape = Shape::new(&skin.triangles, &skin.edges, &positions);
+        skin.shape = SurfaceAngles::new(&skin.triangles, &skin.edges, &positions);
         skin.measure(&positions);
         skin.collect_nodes();
         let count = skin.facets.len();

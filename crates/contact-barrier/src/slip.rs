@@ -7,7 +7,7 @@ use stoss_geometry::{PairKind, combine};
 
 /// Friction of a pair of primitives in a step: a law, and what it has to know.
 #[derive(Clone, Copy, Debug)]
-pub struct Friction<'a> {
+pub struct PairFriction<'a> {
     /// The law.
     pub law: &'a dyn FrictionLaw,
     /// Area by which the layer of the pair is weighted, positive: the normal force over it is the pressure that the law sees.
@@ -17,7 +17,7 @@ pub struct Friction<'a> {
     /// Path that the pair has slid before the step.
     pub slid: f64,
     /// Friction before it slides.
-    pub stick: Stick,
+    pub stick: Presliding,
 }
 
 /// The largest tangential force, and its derivatives by the normal force and by the length of the slip in the step.
@@ -30,7 +30,7 @@ struct Limit {
 
 /// Friction of a pair of primitives before it slides: none, creep or a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stick {
+pub enum Presliding {
     /// The law does not stick ([`FrictionLaw::sticks`]): friction is a function of the slip of the step.
     Never,
     /// Friction that creeps: it grows smoothly with the slip of the step.
@@ -47,7 +47,7 @@ pub enum Stick {
     },
 }
 
-impl Friction<'_> {
+impl PairFriction<'_> {
     /// What the law admits at a positive normal force and a slip of this length in the step.
     fn limit(&self, normal_force: f64, slip: f64) -> Limit {
         let pressure = normal_force / self.area;
@@ -65,10 +65,10 @@ impl Friction<'_> {
             by_step: limit.by_slip / length,
         };
         match self.stick {
-            Stick::Never if length * length < f64::MIN_POSITIVE => {
+            Presliding::Never if length * length < f64::MIN_POSITIVE => {
                 Secant { per_slip: limit.by_slip, change: 0.0, by_normal: 0.0, by_step: 0.0 }
             }
-            Stick::Creep { slip_scale } if length < slip_scale => {
+            Presliding::Creep { slip_scale } if length < slip_scale => {
                 let per_slip = (2.0 - length / slip_scale) / slip_scale;
                 // Of no influence where there is no slip.
                 let change = if length > 0.0 { -1.0 / (slip_scale * slip_scale * length) } else { 0.0 };
@@ -79,7 +79,7 @@ impl Friction<'_> {
                     by_step: per_slip * limit.by_slip,
                 }
             }
-            Stick::Spring { stiffness, .. } if stiffness * length <= limit.force => {
+            Presliding::Spring { stiffness, .. } if stiffness * length <= limit.force => {
                 Secant { per_slip: stiffness, change: 0.0, by_normal: 0.0, by_step: 0.0 }
             }
             _ => slides(),
@@ -189,7 +189,7 @@ pub(crate) struct SlipLine {
     /// What the law admits, and force over slip, at the start of the motion.
     limit: f64,
     per_slip: f64,
-    stick: Stick,
+    stick: Presliding,
 }
 
 impl SlipLine {
@@ -198,14 +198,14 @@ impl SlipLine {
         let Self { slip, change, limit, per_slip, stick } = self;
         let length = (slip + change * part).norm();
         match *stick {
-            Stick::Never => 0.5 * per_slip * length * length,
-            Stick::Creep { slip_scale: scale } if length < scale => {
+            Presliding::Never => 0.5 * per_slip * length * length,
+            Presliding::Creep { slip_scale: scale } if length < scale => {
                 let y = length / scale;
                 limit * scale * y * y * (1.0 - y / 3.0)
             }
-            Stick::Creep { slip_scale } => limit * (length - slip_scale / 3.0),
-            Stick::Spring { stiffness, .. } if stiffness * length <= *limit => 0.5 * stiffness * length * length,
-            Stick::Spring { stiffness, .. } => limit * (length - 0.5 * limit / stiffness),
+            Presliding::Creep { slip_scale } => limit * (length - slip_scale / 3.0),
+            Presliding::Spring { stiffness, .. } if stiffness * length <= *limit => 0.5 * stiffness * length * length,
+            Presliding::Spring { stiffness, .. } => limit * (length - 0.5 * limit / stiffness),
         }
     }
 }
@@ -218,7 +218,7 @@ impl Pressed<'_> {
     }
 
     /// What becomes of the friction along a motion of the points by `d`.
-    pub fn along(&self, law: &Friction<'_>, d: &[Vector3<f64>]) -> Option<SlipLine> {
+    pub fn along(&self, law: &PairFriction<'_>, d: &[Vector3<f64>]) -> Option<SlipLine> {
         let normal_force = self.normal.norm();
         if normal_force == 0.0 {
             return None;
@@ -240,7 +240,7 @@ impl Pressed<'_> {
     /// The friction; its gradient goes to `gradient`, and its tangent (`3 n` rows) is *added* to one that is there.
     pub fn friction(
         &self,
-        law: &Friction<'_>,
+        law: &PairFriction<'_>,
         gradient: &mut [Vector3<f64>],
         tangent: Option<(&Variation<'_>, &mut [f64])>,
     ) -> Slid {
@@ -328,12 +328,12 @@ impl Pressed<'_> {
             }
         }
         let (stretch, stored) = match law.stick {
-            Stick::Never | Stick::Creep { .. } => (Vector3::zeros(), 0.0),
-            Stick::Spring { stiffness, .. } => (t / stiffness, 0.5 * t.norm_squared() / stiffness),
+            Presliding::Never | Presliding::Creep { .. } => (Vector3::zeros(), 0.0),
+            Presliding::Spring { stiffness, .. } => (t / stiffness, 0.5 * t.norm_squared() / stiffness),
         };
         let slid = match law.stick {
-            Stick::Spring { stiffness, .. } => (length - limit.force / stiffness).max(0.0),
-            Stick::Never | Stick::Creep { .. } => length,
+            Presliding::Spring { stiffness, .. } => (length - limit.force / stiffness).max(0.0),
+            Presliding::Never | Presliding::Creep { .. } => length,
         };
         Slid {
             slid: law.slid + slid,
@@ -362,10 +362,12 @@ struct Turned {
 }
 
 impl Turned {
-    fn new(stick: &Stick, omega: &Vector3<f64>) -> Self {
+    fn new(stick: &Presliding, omega: &Vector3<f64>) -> Self {
         match stick {
-            Stick::Never | Stick::Creep { .. } => Self { stretch: Vector3::zeros(), by_omega: Matrix3::zeros() },
-            Stick::Spring { stretch: e, .. } => {
+            Presliding::Never | Presliding::Creep { .. } => {
+                Self { stretch: Vector3::zeros(), by_omega: Matrix3::zeros() }
+            }
+            Presliding::Spring { stretch: e, .. } => {
                 let scale = 1.0 / (1.0 + omega.norm_squared()).sqrt();
                 let stretch = (e + omega.cross(e)) * scale;
                 Self { stretch, by_omega: -(e.cross_matrix() + stretch * omega.transpose() * scale) * scale }

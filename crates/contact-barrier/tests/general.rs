@@ -10,7 +10,7 @@ use stoss_contact_barrier::{
 use stoss_geometry::{PairKind, closest};
 use stoss_reference_element::FacetNodes;
 use stoss_term::check::sharing;
-use stoss_term::{At, GradientRule, Local, Potential, Step, StepConfiguration, Term, Work};
+use stoss_term::{At, GradientRule, Local, Potential, StepConfiguration, StepContext, Term, Work};
 
 const MODULUS: f64 = 3.0;
 
@@ -66,7 +66,7 @@ fn enter(contact: &mut GeneralContact, upper: &std::ops::Range<usize>, rule: Gra
     let lifted: Vec<f64> =
         q.iter().enumerate().map(|(k, x)| if k % 3 == 2 && upper.contains(&(k / 3)) { x + 0.15 } else { *x }).collect();
     match rule {
-        GradientRule::EndPoint => contact.begin(&Step::quasi_static(&lifted, 1.0)).unwrap(),
+        GradientRule::EndPoint => contact.begin(&StepContext::quasi_static(&lifted, 1.0)).unwrap(),
         _ => begin(contact, rule, &lifted, q),
     }
     contact.renew(&At::end(q, &[], &[]), true).unwrap();
@@ -129,7 +129,7 @@ fn assemble(contact: &mut GeneralContact, rule: GradientRule, q_n: &[f64], q: &[
 fn begin(contact: &mut GeneralContact, rule: GradientRule, q_n: &[f64], q: &[f64]) {
     let step_size = 0.5;
     let velocity: Vec<f64> = q.iter().zip(q_n).map(|(q, q_n)| (q - q_n) / step_size).collect();
-    contact.begin(&Step { v_n: &velocity, ..Step::new(q_n, rule, step_size) }).unwrap();
+    contact.begin(&StepContext { v_n: &velocity, ..StepContext::new(q_n, rule, step_size) }).unwrap();
 }
 
 fn noise(random: &mut Rng, q: &[f64], size: f64) -> Vec<f64> {
@@ -265,7 +265,7 @@ fn friction_along_a_motion_has_an_energy() {
         let (q_n, q) = (scene.reference.clone(), noise(&mut random, &scene.reference, size));
         scene.enter(GradientRule::EndPoint, &q_n);
         let contact = &mut scene.contact;
-        contact.begin(&Step::quasi_static(&q_n, 1.0)).unwrap();
+        contact.begin(&StepContext::quasi_static(&q_n, 1.0)).unwrap();
         let (residual, _) = assemble(contact, GradientRule::EndPoint, &q_n, &q);
         let increment = noise(&mut random, &vec![0.0; q.len()], size);
         contact.set_line(&increment);
@@ -540,7 +540,7 @@ fn inset_surfaces_that_touch_have_no_force() {
     assert!((look.nearest[&[0, 1]].distance - thickness).abs() < 1e-12, "{:?}", look.nearest);
     let options = GeneralOptions { thickness: thickness * (1.0 - 1e-12), damping: 0.0, slip_velocity: None };
     let mut contact = GeneralContact::new("general", skin, rules(0.0), options).unwrap();
-    contact.begin(&Step::quasi_static(reference, 1.0)).unwrap();
+    contact.begin(&StepContext::quasi_static(reference, 1.0)).unwrap();
     contact.renew(&At::end(reference, &[], &[]), true).unwrap();
     assert!(!contact.acts() && contact.energy(reference).unwrap() == 0.0);
 }
@@ -635,11 +635,11 @@ fn static_friction_does_not_depend_on_the_number_of_steps() {
                 .map(|k| q_n[k] + if k < 81 && k % 3 == 0 { way / f64::from(steps) } else { 0.0 })
                 .collect();
             // An attempt that is given up leaves nothing behind.
-            contact.begin(&Step::quasi_static(&q_n, 1.0)).unwrap();
+            contact.begin(&StepContext::quasi_static(&q_n, 1.0)).unwrap();
             let far: Vec<f64> =
                 q_n.iter().enumerate().map(|(k, x)| if k < 81 && k % 3 == 1 { x + 0.1 } else { *x }).collect();
             contact.renew(&At::end(&far, &[], &[]), true).unwrap();
-            contact.begin(&Step::quasi_static(&q_n, 1.0)).unwrap();
+            contact.begin(&StepContext::quasi_static(&q_n, 1.0)).unwrap();
             contact.renew(&At::end(&q, &[], &[]), true).unwrap();
             let work = contact.work(&At::end(&q, &[], &[])).unwrap();
             lost += work.dissipated;

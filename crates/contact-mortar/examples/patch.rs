@@ -6,7 +6,7 @@
 //! `cargo run --example patch -p stoss-contact-mortar`
 
 use stoss_contact_mortar::{MortarContact, MortarOptions, MultiplierSpace};
-use stoss_term::{At, GradientRule, Step, StepConfiguration, Term, Unilateral};
+use stoss_term::{At, GradientRule, StepConfiguration, StepContext, Term, Unilateral};
 
 /// A square of the slave that looks down on two rectangles of the master, of widths 0.3 and 0.7, `gap` below.
 fn positions(gap: f64) -> Vec<f64> {
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut contact = MortarContact::new("patch", &slave, &master, &positions(0.1), options)?;
         let (q, active) = (positions(gap), [true; 4]);
         // In dynamics forces are gradients of the weighted gaps, in which weights move with the positions: a penetration shifts forces then.
-        contact.begin(&Step { reach: 0.1, ..Step::quasi_static(&q, 1.0) })?;
+        contact.begin(&StepContext { reach: 0.1, ..StepContext::quasi_static(&q, 1.0) })?;
         contact.renew(&At::end(&q, &[pressure; 4], &active), false)?;
         let mut gaps = [0.0; 4];
         contact.complementarity_gaps(&q, &active, &mut gaps)?;

@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
-use stoss_term::{At, GradientRule, Step, StepConfiguration, Term, Unilateral};
+use stoss_term::{At, GradientRule, StepConfiguration, StepContext, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, meshes};
 
 /// Faces of a cube whose corner `k` is at the bits of `k`, numbered outward; the first one is the lower.
@@ -31,7 +31,7 @@ fn method(meshes: [Mesh; 2], walls: bool, dual: bool, q: &[f64]) -> MortarContac
     // The plain mean in statics too.
     let plain = method.factors();
     let mut method = method.with_factors(plain);
-    method.begin(&Step { reach: 0.5, ..Step::quasi_static(q, 0.1) }).unwrap();
+    method.begin(&StepContext { reach: 0.5, ..StepContext::quasi_static(q, 0.1) }).unwrap();
     method
 }
 
@@ -100,7 +100,7 @@ proptest! {
             (0..2).for_each(|i| x[i] = 40.0 * (x[i] - 2.0));
         }
         let mut method = method(meshes, false, dual, &q).with_factors(Factors { nearness: 0.0, deepest: f64::INFINITY, ..Factors { facing: true, ..Factors::NONE } });
-        method.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
+        method.begin(&StepContext { reach: 0.5, ..StepContext::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
         let directions: Vec<[f64; 3]> = method.report(&q).unwrap().iter().map(|r| r.normal).collect();
         let force = force(&mut method, &q, 1.0, &directions);
         prop_assert!(force.z > 0.1 && force.x.hypot(force.y) < 1e-8 * force.z, "{force}");

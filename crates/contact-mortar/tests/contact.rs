@@ -3,13 +3,13 @@
 use crate::sheets;
 
 use crate::sheets::{
-    NODES, SLAVE, Surface, base, factors, method, moved, options, pressures, residual_of, resultants, surfaces,
+    NODES, SLAVE, SheetKind, base, factors, method, moved, options, pressures, residual_of, resultants, surfaces,
     tangent_errors, warp,
 };
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions};
-use stoss_term::{At, GradientRule, Step, StepConfiguration, Support, Term, Unilateral};
+use stoss_term::{At, GradientRule, HeldNodes, StepConfiguration, StepContext, Term, Unilateral};
 
 fn lifted(d: &[f64], lift: f64) -> Vec<f64> {
     let mut q = moved(d);
@@ -21,9 +21,9 @@ fn plus(q: &[f64], f: f64, d: &[f64]) -> Vec<f64> {
     q.iter().zip(d).map(|(x, d)| x + f * d).collect()
 }
 
-fn begun(surfaces: [Surface; 2], dual: bool, kind: usize, rule: GradientRule, q_n: &[f64]) -> MortarContact {
+fn begun(surfaces: [SheetKind; 2], dual: bool, kind: usize, rule: GradientRule, q_n: &[f64]) -> MortarContact {
     let mut method = method(surfaces, options(dual)).with_factors(factors(kind));
-    method.begin(&Step { reach: 0.5, ..Step::new(q_n, rule, 0.1) }).unwrap();
+    method.begin(&StepContext { reach: 0.5, ..StepContext::new(q_n, rule, 0.1) }).unwrap();
     method
 }
 
@@ -98,7 +98,7 @@ proptest! {
             }
             let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
             let mut method = method(surfaces, MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
-            method.begin(&Step { reach: 0.5, v_n: &plus(&vec![0.0; q.len()], 10.0, &e), ..Step::new(&q_n, rule, 0.1) }).unwrap();
+            method.begin(&StepContext { reach: 0.5, v_n: &plus(&vec![0.0; q.len()], 10.0, &e), ..StepContext::new(&q_n, rule, 0.1) }).unwrap();
             let r = residual(&mut method, rule, &q_n, &q, &p);
             let size = r[..3 * NODES].iter().map(|x| x.abs()).sum::<f64>().max(1.0);
             let (force, moment) = resultants(&r, about.unwrap_or(&q));
@@ -115,14 +115,14 @@ proptest! {
         let q_n = lifted(&d, lift);
         let q = plus(&q_n, 1.0, &e);
         let mut method = method(surfaces, options(dual)).with_factors(factors(kind));
-        method.begin(&Step { reach: 0.5, ..Step::new(&q_n, GradientRule::DiscreteGradient, 0.1) }).unwrap();
+        method.begin(&StepContext { reach: 0.5, ..StepContext::new(&q_n, GradientRule::DiscreteGradient, 0.1) }).unwrap();
         let mut force = vec![0.0; q.len()];
         method.constraint_gradients(&q, &[true; SLAVE], &mut |slot, nodes, gradient| {
             for (&node, g) in nodes.iter().zip(gradient.chunks_exact(3)) {
                 (0..3).for_each(|i| force[3 * node as usize + i] -= p[slot] * g[i]);
             }
         }).unwrap();
-        method.begin(&Step { reach: 0.5, ..Step::new(&q_n, GradientRule::EndPoint, 0.1) }).unwrap();
+        method.begin(&StepContext { reach: 0.5, ..StepContext::new(&q_n, GradientRule::EndPoint, 0.1) }).unwrap();
         let expected = residual(&mut method, GradientRule::EndPoint, &q_n, &q, &p);
         let size = expected.iter().map(|x| x.abs()).sum::<f64>().max(1.0);
         for (f, r) in force.iter().zip(&expected) {
@@ -140,7 +140,7 @@ proptest! {
         let inside = at(&q, 0) + (at(&q, 4) - at(&q, 0)) * corner;
         q[..3].copy_from_slice(inside.as_slice());
         let p = [1.0; SLAVE];
-        let mut method = begun([Surface::Quads; 2], false, 2, GradientRule::EndPoint, &q);
+        let mut method = begun([SheetKind::Quads; 2], false, 2, GradientRule::EndPoint, &q);
         prop_assert!(method.segments().is_some_and(|s| s.facets[0].frame.is_split()));
         let r = residual(&mut method, GradientRule::EndPoint, &q, &q, &p);
         let (force, moment) = resultants(&r, &q);
@@ -157,7 +157,7 @@ proptest! {
         let integrals = if frozen { Integrals::Frozen } else { Integrals::Moving };
         for rule in [GradientRule::Midpoint, GradientRule::DiscreteGradient] {
             let mut method = method(surfaces, MortarOptions { integrals, ..options(dual) }).with_factors(factors(kind));
-            method.begin(&Step { reach: 0.5, ..Step::new(&q_n, rule, 0.1) }).unwrap();
+            method.begin(&StepContext { reach: 0.5, ..StepContext::new(&q_n, rule, 0.1) }).unwrap();
             let start = residual(&mut method, rule, &q_n, &q_n, &p);
             let before = method.supports();
             let end = residual(&mut method, rule, &q_n, &q, &p);
@@ -216,7 +216,7 @@ proptest! {
 /// M10, and flat surfaces a distance apart: every weighted gap over its support is that distance, on partly covered facets too.
 #[test]
 fn gaps_of_flat_surfaces_are_their_distance() {
-    for (surfaces, dual) in Surface::pairs().flat_map(|m| [(m, false), (m, true)]) {
+    for (surfaces, dual) in SheetKind::pairs().flat_map(|m| [(m, false), (m, true)]) {
         let method = begun(surfaces, dual, 1, GradientRule::EndPoint, &base());
         let reports = method.report(&base()).unwrap();
         assert!(reports.iter().filter(|r| r.gap.is_some()).count() > 5);
@@ -231,14 +231,14 @@ fn gaps_of_flat_surfaces_are_their_distance() {
 /// A node without its own multiplier hands its function on: a constant pressure on the others pushes with the whole area.
 #[test]
 fn crosspoints_keep_the_area() {
-    for (surfaces, dual) in Surface::pairs().flat_map(|m| [(m, false), (m, true)]) {
+    for (surfaces, dual) in SheetKind::pairs().flat_map(|m| [(m, false), (m, true)]) {
         let mut method = method(surfaces, options(dual));
         // Prescribed components of the slave nodes before `end`.
         let mut total = |end: u32, components: &[usize]| {
-            let mut support = Support::new(NODES);
+            let mut support = HeldNodes::new(NODES);
             (0..end).for_each(|node| components.iter().for_each(|&c| support.prescribe(node, c)));
             let q = base();
-            let step = Step { reach: 0.5, support: &support, ..Step::new(&q, GradientRule::EndPoint, 0.0) };
+            let step = StepContext { reach: 0.5, held: &support, ..StepContext::new(&q, GradientRule::EndPoint, 0.0) };
             method.begin(&step).unwrap();
             let mut gaps = [0.0; SLAVE];
             method.complementarity_gaps(&base(), &[false; SLAVE], &mut gaps).unwrap();
@@ -261,12 +261,14 @@ fn crosspoints_keep_the_area() {
 /// A penetration at the start of a step is kept in dynamics and closed in statics, an open gap is closed in both.
 #[test]
 fn penetrations_of_the_start_are_kept_in_dynamics() {
-    let surfaces = [Surface::Triangles; 2];
+    let surfaces = [SheetKind::Triangles; 2];
     let gaps_from = |rates: bool, start: f64, end: f64| {
         let mut method = method(surfaces, options(false));
         let zero = vec![0.0; 3 * NODES];
         let q_n = lifted(&zero, start);
-        method.begin(&Step { reach: 0.5, rates, ..Step::new(&q_n, GradientRule::DiscreteGradient, 0.1) }).unwrap();
+        method
+            .begin(&StepContext { reach: 0.5, rates, ..StepContext::new(&q_n, GradientRule::DiscreteGradient, 0.1) })
+            .unwrap();
         method.renew(&At::end(&lifted(&zero, end), &[], &[false; SLAVE]), false).unwrap();
         let mut gaps = [0.0; SLAVE];
         method.complementarity_gaps(&lifted(&zero, end), &[true; SLAVE], &mut gaps).unwrap();
@@ -283,7 +285,7 @@ fn penetrations_of_the_start_are_kept_in_dynamics() {
 #[test]
 fn a_passage_is_an_error() {
     let zero = vec![0.0; 3 * NODES];
-    for surfaces in Surface::pairs() {
+    for surfaces in SheetKind::pairs() {
         let mut method = begun(surfaces, false, 2, GradientRule::DiscreteGradient, &base());
         for (lift, passes) in [(-0.1, false), (-0.3, true), (-0.5, true)] {
             let q = lifted(&zero, lift);
@@ -310,10 +312,10 @@ fn changed_stencils_are_told() {
                 (0..SLAVE).for_each(|k| q[3 * k] += part * shift);
                 q
             };
-            let mut method = method([Surface::Quads; 2], options(false));
+            let mut method = method([SheetKind::Quads; 2], options(false));
             let q_n = beside(1.0);
             let rule = if rates { GradientRule::DiscreteGradient } else { GradientRule::EndPoint };
-            method.begin(&Step { reach: 3.0, rates, ..Step::new(&q_n, rule, 0.1) }).unwrap();
+            method.begin(&StepContext { reach: 3.0, rates, ..StepContext::new(&q_n, rule, 0.1) }).unwrap();
             for part in [1.0, 0.6, 0.3, 0.0] {
                 let before = stencils(&method);
                 let told = method.renew(&At::end(&beside(part), &[], &active), true).unwrap();

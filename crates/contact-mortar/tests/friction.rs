@@ -3,7 +3,7 @@
 use crate::sheets;
 
 use crate::sheets::{
-    NODES, SLAVE, Surface, assemble, base, factors, method, moved, options, pressures, resultants, surfaces, warp,
+    NODES, SLAVE, SheetKind, assemble, base, factors, method, moved, options, pressures, resultants, surfaces, warp,
 };
 use nalgebra::{Rotation3, Unit, Vector3};
 use proptest::prelude::*;
@@ -15,7 +15,7 @@ use stoss_contact_mortar::{
     FaceBlock, Faces, Integrals, MortarContact, MortarOptions, MultiplierBasis, MultiplierSpace, SlipMeasure,
     facet_integrals, segment_surfaces,
 };
-use stoss_term::{At, Fault, GradientRule, Local, Share, Step, StepConfiguration, Term, Unilateral};
+use stoss_term::{At, Fault, GradientRule, Local, Share, StepConfiguration, StepContext, Term, Unilateral};
 
 const RULES: [GradientRule; 3] = [GradientRule::EndPoint, GradientRule::Midpoint, GradientRule::DiscreteGradient];
 const PENALTY: f64 = 40.0;
@@ -33,12 +33,12 @@ fn law(kind: usize) -> Arc<dyn FrictionLaw> {
     }
 }
 
-fn with(surfaces: [Surface; 2], law: Arc<dyn FrictionLaw>, dual: bool, measure: SlipMeasure) -> MortarContact {
+fn with(surfaces: [SheetKind; 2], law: Arc<dyn FrictionLaw>, dual: bool, measure: SlipMeasure) -> MortarContact {
     with_stick(surfaces, law, Stick::Penalty, dual, measure)
 }
 
 fn with_stick(
-    surfaces: [Surface; 2],
+    surfaces: [SheetKind; 2],
     law: Arc<dyn FrictionLaw>,
     stick: Stick,
     dual: bool,
@@ -74,7 +74,7 @@ fn set(p: &[f64]) -> Vec<bool> {
 
 fn begin(method: &mut MortarContact, rule: GradientRule, q_n: &[f64]) {
     let rates = rule != GradientRule::EndPoint;
-    method.begin(&Step { reach: 0.5, rates, ..Step::new(q_n, rule, 0.1) }).unwrap();
+    method.begin(&StepContext { reach: 0.5, rates, ..StepContext::new(q_n, rule, 0.1) }).unwrap();
 }
 
 /// Does a whole step with given positions and pressures.
@@ -86,7 +86,7 @@ fn go(method: &mut MortarContact, rule: GradientRule, q_n: &[f64], q: &[f64], p:
 
 /// What friction adds to the residual of the step that has begun.
 fn friction_force(
-    surfaces: [Surface; 2],
+    surfaces: [SheetKind; 2],
     method: &mut MortarContact,
     rule: GradientRule,
     q_n: &[f64],
@@ -107,7 +107,7 @@ fn friction_force(
 /// Gap vector and covered area of a slave node at positions `q`, over the segments of the whole surfaces.
 fn weighted_gap(
     method: &MortarContact,
-    surfaces: [Surface; 2],
+    surfaces: [SheetKind; 2],
     q: &[f64],
     node: usize,
     dual: bool,
@@ -214,7 +214,7 @@ proptest! {
             let mut method = whole.clone();
             let taken = share.and_then(|share| method.set_share(share));
             go(&mut method, rule, &base(), &q_n, &p);
-            method.begin(&Step { reach: 0.5, rates, ..Step::new(&q_n, rule, 0.1) }).unwrap();
+            method.begin(&StepContext { reach: 0.5, rates, ..StepContext::new(&q_n, rule, 0.1) }).unwrap();
             let (mut found, mut gaps) = (Vec::new(), vec![0.0; SLAVE]);
             for part in [0.1, 0.3, 0.2] {
                 let q = plus(&q_n, part, &e);
@@ -446,11 +446,13 @@ proptest! {
 #[test]
 fn what_has_no_friction_is_refused() {
     let friction = || Friction::new(coulomb(0.3), PENALTY, Stick::Penalty).unwrap();
-    let surfaces = [Surface::Triangles; 2];
+    let surfaces = [SheetKind::Triangles; 2];
     let refused = |error: Fault| matches!(error.cause(), Some(ContactError::FrictionUnavailable { .. }));
     let q = base();
     let mut objective = method(surfaces, options(false)).with_friction(friction(), SlipMeasure::Objective).unwrap();
     assert!(refused(
-        objective.begin(&Step { reach: 0.5, ..Step::new(&q, GradientRule::EndPointMean, 0.1) }).unwrap_err()
+        objective
+            .begin(&StepContext { reach: 0.5, ..StepContext::new(&q, GradientRule::EndPointMean, 0.1) })
+            .unwrap_err()
     ));
 }

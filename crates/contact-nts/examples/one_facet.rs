@@ -6,7 +6,7 @@
 //! `cargo run --example one_facet -p stoss-contact-nts`
 
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
-use stoss_term::{Fault, GradientRule, Step, StepConfiguration, Term, Unilateral};
+use stoss_term::{Fault, GradientRule, StepConfiguration, StepContext, Term, Unilateral};
 
 /// Four nodes of the master, whose facet looks up, and four of a small facet of the slave above it, of which the first is watched.
 fn positions(slave: [f64; 3], lift: f64) -> Vec<f64> {
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let q_n = positions([0.4, 0.3, 0.02], 0.0);
     for (slave, lift) in [([0.4, 0.3, 0.01], 0.0), ([0.5, 0.5, 0.03], 0.2), ([0.7, 0.2, -0.02], -0.2)] {
         let q_np1 = positions(slave, lift);
-        contact.begin(&Step { reach: 1.0, ..Step::new(&q_n, rule, 0.1) })?;
+        contact.begin(&StepContext { reach: 1.0, ..StepContext::new(&q_n, rule, 0.1) })?;
         contact.repair(&q_np1, &active)?;
         let gap = |q: &[f64]| -> Result<f64, Fault> { Ok(contact.report(q)?[0].gap.unwrap_or(f64::NAN)) };
         let gaps = [gap(&q_n)?, gap(&q_np1)?];

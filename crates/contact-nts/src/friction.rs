@@ -22,7 +22,7 @@ use stoss_contact::dual::{V3, cross, dot, unit};
 use stoss_contact::friction::{Friction, FrictionPoint, FrictionStep, PointIteration, stick_compliance};
 use stoss_geometry::Patch;
 use stoss_reference_element::Nodal;
-use stoss_term::{GradientRule, SlotFriction, Step};
+use stoss_term::{GradientRule, SlotFriction, StepContext};
 
 /// Two tangent planes with `1 + n . m` below this are folded upon each other: no rotation from one to the other is the smallest. The
 /// traction is dropped then.
@@ -50,11 +50,11 @@ impl SurfaceFriction {
     }
 
     /// Begins a step of the points of these nodes.
-    pub fn begin(&mut self, nodes: &[u32], step: &Step<'_>) {
+    pub fn begin(&mut self, nodes: &[u32], step: &StepContext<'_>) {
         (self.rule, self.step_size) = (step.rule, step.dt);
         self.friction.begin(step);
         for (compliance, &node) in self.compliance.iter_mut().zip(nodes) {
-            *compliance = stick_compliance(self.is_compliant || step.support.may_hold(node));
+            *compliance = stick_compliance(self.is_compliant || step.held.may_hold(node));
         }
     }
 }

@@ -8,7 +8,7 @@ use stoss_contact::ContactError;
 use stoss_contact::friction::{Coulomb, Friction, Stick};
 use stoss_contact_nts::{CoordinateAugmented, NodeToSurface, Reduction};
 use stoss_term::check::sharing;
-use stoss_term::{At, Auxiliary, GradientRule, Step, StepConfiguration, Term, Unilateral};
+use stoss_term::{At, Auxiliary, GradientRule, StepConfiguration, StepContext, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -216,7 +216,7 @@ proptest! {
 fn other_rules_are_refused() {
     let mut m = CoordinateAugmented::new(standard(FACETS), Reduction::default());
     let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, -0.1]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
     let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::StartPoint };
     let error = m.assemble(&step.at(&[1.0, 0.0, 0.0, 0.0], &ACTIVE), false, &mut |_| {}).unwrap_err();
@@ -229,7 +229,7 @@ fn a_slot_without_a_facet_has_identity_rows() {
     for (reduction, further) in [(Reduction::None, 4), (Reduction::First, 2), (Reduction::Second, 0)] {
         let mut m = CoordinateAugmented::new(standard(FACETS), reduction);
         let q = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 50.0]);
-        m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
+        m.begin(&StepContext { reach: 1.0, ..StepContext::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
         let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::Midpoint };
         let mut visits = 0;
         m.assemble(&step.at(&[2.0, 0.0, 0.0, 0.0], &ACTIVE), true, &mut |local| {

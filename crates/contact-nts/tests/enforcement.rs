@@ -4,7 +4,7 @@ use crate::common::*;
 use proptest::prelude::*;
 use stoss_contact::{ContactError, Enforcement, SearchOptions};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
-use stoss_term::{At, GradientRule, Step, Term, Unilateral};
+use stoss_term::{At, GradientRule, StepContext, Term, Unilateral};
 
 const FACETS: u32 = 4;
 const FLAT: [f64; FACETS as usize + 1] = [0.0; FACETS as usize + 1];
@@ -37,7 +37,7 @@ fn stored(m: &NodeToSurface, q: &[f64], active: &[bool]) -> f64 {
 #[test]
 fn a_spring_has_the_pressure_of_its_depth() {
     let mut m = spring();
-    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, 0.05), GradientRule::EndPoint, 0.1) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&at(0.4, 0.05), GradientRule::EndPoint, 0.1) }).unwrap();
     m.repair(&at(0.4, -0.02), &ACTIVE).unwrap();
     assert!((pressure(&m, &at(0.4, 0.05), &at(0.4, -0.02), GradientRule::EndPoint) - 0.6).abs() < 1e-13);
     // Closing in a midpoint scheme: energy STIFFNESS 0.02^2 / 2 over the way 0.07.
@@ -49,12 +49,14 @@ fn a_spring_has_the_pressure_of_its_depth() {
     assert!((stored(&m, &at(0.4, -0.02), &ACTIVE) - energy).abs() < 1e-15 && stored(&m, &at(0.4, -0.02), &OPEN) == 0.0);
     // It goes on with its depth in the next step.
     m.commit(&At::end(&at(0.4, -0.02), &[0.6, 0.0, 0.0, 0.0], &ACTIVE));
-    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, -0.02), GradientRule::DiscreteGradient, 0.1) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&at(0.4, -0.02), GradientRule::DiscreteGradient, 0.1) })
+        .unwrap();
     assert!((pressure(&m, &at(0.4, -0.02), &at(0.4, -0.04), GradientRule::DiscreteGradient) - 0.9).abs() < 1e-13);
     // Out again: it stays closed for this step, which has the rest of the spring's force, and opens in the next one.
     assert_eq!(gap(&m, &at(0.4, 0.01), &ACTIVE), 0.0);
     m.commit(&At::end(&at(0.4, 0.01), &[0.1, 0.0, 0.0, 0.0], &ACTIVE));
-    m.begin(&Step { reach: 1.0, ..Step::new(&at(0.4, 0.01), GradientRule::DiscreteGradient, 0.1) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&at(0.4, 0.01), GradientRule::DiscreteGradient, 0.1) })
+        .unwrap();
     assert!((gap(&m, &at(0.4, 0.02), &ACTIVE) - 0.02).abs() < 1e-13);
     assert!((gap(&m, &at(0.4, -0.02), &OPEN) + 0.02).abs() < 1e-13, "closes at zero, not at the old depth");
 }
@@ -80,7 +82,7 @@ proptest! {
         let mut m = spring();
         let mut before = 0.0;
         for pair in path.windows(2) {
-            m.begin(&Step { reach: 2.0, ..Step::new(&pair[0], GradientRule::DiscreteGradient, 0.1) }).unwrap();
+            m.begin(&StepContext { reach: 2.0, ..StepContext::new(&pair[0], GradientRule::DiscreteGradient, 0.1) }).unwrap();
             m.repair(&pair[1], &ACTIVE).unwrap();
             let p = pressure(&m, &pair[0], &pair[1], GradientRule::DiscreteGradient);
             let residual = assembled(&m, &pair[0], &pair[1], p, GradientRule::DiscreteGradient, false).0;

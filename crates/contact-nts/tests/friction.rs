@@ -10,7 +10,7 @@ use stoss_contact_nts::kinematics::{Gap, LOCAL, Local, points};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_reference_element::FacetKind;
 use stoss_term::check::sharing;
-use stoss_term::{At, GradientRule, Step, StepConfiguration, Term, Unilateral, Work};
+use stoss_term::{At, GradientRule, StepConfiguration, StepContext, Term, Unilateral, Work};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -388,7 +388,7 @@ fn on_a_flat_surface_edges_do_not_matter() {
     for rule in RULES {
         let mut m = with_coulomb(QUADS, 0.5);
         let q_0 = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
-        m.begin(&Step { reach: 10.0, ..Step::new(&q_0, rule, STEP) }).unwrap();
+        m.begin(&StepContext { reach: 10.0, ..StepContext::new(&q_0, rule, STEP) }).unwrap();
         let area = m.slot_weight(0);
         let mut from = q_0;
         // Closed form: return mapping of plain vectors (theory/friction#eq-return), over no edge, one edge, several.
@@ -412,7 +412,7 @@ fn on_a_flat_surface_edges_do_not_matter() {
             assert!((w.stored - area * stored).abs() < 1e-12);
             assert!((w.dissipated - area * (slip_work(tau) + before - stored)).abs() < 1e-12);
             m.commit(&At::end(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
-            m.begin(&Step { reach: 10.0, ..Step::new(&q, rule, STEP) }).unwrap();
+            m.begin(&StepContext { reach: 10.0, ..StepContext::new(&q, rule, STEP) }).unwrap();
             (from, here) = (q, to);
         }
     }
@@ -428,10 +428,14 @@ fn traction_turns_with_the_surface_over_edges() {
                 let z = if x < 1.0 { 0.0 } else { (x - 1.0) * heights[2] };
                 positions(&heights, [x, 0.3, z])
             };
-            m.begin(&Step { reach: 1.0, ..Step::new(&positions(&heights, [0.94, 0.3, 0.1]), rule, STEP) }).unwrap();
+            m.begin(&StepContext {
+                reach: 1.0,
+                ..StepContext::new(&positions(&heights, [0.94, 0.3, 0.1]), rule, STEP)
+            })
+            .unwrap();
             m.repair(&on(0.98), &ACTIVE).unwrap();
             m.commit(&At::end(&on(0.98), &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
-            m.begin(&Step { reach: 1.0, ..Step::new(&on(0.98), rule, STEP) }).unwrap();
+            m.begin(&StepContext { reach: 1.0, ..StepContext::new(&on(0.98), rule, STEP) }).unwrap();
             let area = m.slot_weight(0);
             let traction = |w: Work| (2.0 * PENALTY * w.stored / area).sqrt();
             let before = traction(work(&m, &on(0.98), PRESSURE, &ACTIVE));
@@ -443,7 +447,7 @@ fn traction_turns_with_the_surface_over_edges() {
             assert!((after - before - PENALTY * length).abs() < 0.1 * PENALTY * length, "{rule:?} {before} {after}");
             // Beyond the edge the next step begins with the traction that this one ended with.
             m.commit(&At::end(&q, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
-            m.begin(&Step { reach: 1.0, ..Step::new(&q, rule, STEP) }).unwrap();
+            m.begin(&StepContext { reach: 1.0, ..StepContext::new(&q, rule, STEP) }).unwrap();
             assert!((traction(work(&m, &q, PRESSURE, &ACTIVE)) - after).abs() < 1e-12 * after);
         }
     }
@@ -454,16 +458,16 @@ fn a_node_that_comes_back_begins_anew() {
     let mut m = with_coulomb(QUADS, 0.5);
     let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
     let pressures = [PRESSURE, 0.0, 0.0, 0.0];
-    m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
     m.repair(&flat([0.42, 0.3]), &ACTIVE).unwrap();
     m.commit(&At::end(&flat([0.42, 0.3]), &pressures, &ACTIVE));
-    m.begin(&Step { reach: 1.0, ..Step::new(&flat([0.42, 0.3]), GradientRule::EndPoint, STEP) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&flat([0.42, 0.3]), GradientRule::EndPoint, STEP) }).unwrap();
     assert!(work(&m, &flat([0.42, 0.3]), PRESSURE, &ACTIVE).stored > 0.0);
     // Open in the next step: what was stored is lost; closed again in the one after: only the new slip counts.
     m.repair(&above, &OPEN).unwrap();
     assert!(work(&m, &above, 0.0, &OPEN).dissipated > 0.0);
     m.commit(&At::end(&above, &[0.0; 4], &OPEN));
-    m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
     assert_eq!(work(&m, &above, 0.0, &OPEN), Work { closing: None, ..Work::default() });
     let q = flat([0.41, 0.3]);
     m.repair(&q, &ACTIVE).unwrap();
@@ -477,18 +481,18 @@ fn the_report_is_that_of_the_last_accepted_step() {
     let mut m = with_coulomb(QUADS, 0.5);
     let above = positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]);
     let on = flat([0.42, 0.3]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&above, GradientRule::EndPoint, STEP) }).unwrap();
     m.repair(&on, &ACTIVE).unwrap();
     m.commit(&At::end(&on, &[PRESSURE, 0.0, 0.0, 0.0], &ACTIVE));
     let accepted = m.report(&on).unwrap()[0].friction;
     assert!(accepted.is_some());
     // Attempts with a facet before and without one.
     for reach in [1.0, 0.5] {
-        m.begin(&Step { reach, ..Step::new(&on, GradientRule::EndPoint, STEP) }).unwrap();
+        m.begin(&StepContext { reach, ..StepContext::new(&on, GradientRule::EndPoint, STEP) }).unwrap();
         m.repair(&flat([0.9, 0.3]), &ACTIVE).unwrap();
         assert_eq!(m.report(&on).unwrap()[0].friction, accepted);
     }
-    m.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::EndPoint, STEP) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&on, GradientRule::EndPoint, STEP) }).unwrap();
     m.repair(&above, &OPEN).unwrap();
     m.commit(&At::end(&above, &[0.0; 4], &OPEN));
     assert_eq!(m.report(&above).unwrap()[0].friction, None);
@@ -497,9 +501,9 @@ fn the_report_is_that_of_the_last_accepted_step() {
 #[test]
 fn history_goes_through_bytes() {
     let mut m = with_coulomb(QUADS, 0.5);
-    m.begin(&Step {
+    m.begin(&StepContext {
         reach: 1.0,
-        ..Step::new(&positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]), GradientRule::Midpoint, STEP)
+        ..StepContext::new(&positions(&[0.0; FACETS as usize + 1], [0.4, 0.3, 0.1]), GradientRule::Midpoint, STEP)
     })
     .unwrap();
     let on = flat([0.5, 0.33]);
@@ -511,7 +515,7 @@ fn history_goes_through_bytes() {
     assert_eq!(other.save_history(), bytes);
     let next = flat([0.52, 0.33]);
     let both = [&mut m, &mut other].map(|m| {
-        m.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::Midpoint, STEP) }).unwrap();
+        m.begin(&StepContext { reach: 1.0, ..StepContext::new(&on, GradientRule::Midpoint, STEP) }).unwrap();
         assembled(m, &on, &next, PRESSURE, GradientRule::Midpoint, true)
     });
     assert_eq!(both[0], both[1]);
@@ -528,7 +532,7 @@ fn what_has_no_friction_says_so() {
     assert!(matches!(modified.with_friction(friction()), Err(ContactError::FrictionUnavailable { .. })));
     let mut m = standard(FACETS).with_friction(friction()).unwrap();
     let q = flat([0.4, 0.3]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&q, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q, &ACTIVE).unwrap();
     let step = StepConfiguration { q_n: &q, q_np1: &q, rule: GradientRule::EndPointMean };
     let error = m.assemble(&step.at(&[1.0, 0.0, 0.0, 0.0], &ACTIVE), false, &mut |_| ()).unwrap_err();
@@ -571,7 +575,7 @@ fn the_slip_is_that_of_the_coordinates_to_second_order() {
             end[3 * SLAVE + i] += size * d;
         }
         let mut m = with_coulomb(QUADS, 1e3);
-        m.begin(&Step { reach: 1.0, ..Step::new(&q, GradientRule::EndPoint, STEP) }).unwrap();
+        m.begin(&StepContext { reach: 1.0, ..StepContext::new(&q, GradientRule::EndPoint, STEP) }).unwrap();
         m.repair(&end, &ACTIVE).unwrap();
         let (residual, _) = assembled(&m, &q, &end, 0.0, GradientRule::EndPoint, false);
         assert!(residual[3 * SLAVE..3 * SLAVE + 3].iter().all(|r| *r == 0.0), "no pressure, no friction");

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
-use stoss_term::{At, GradientRule, Step, StepConfiguration, Term, Unilateral};
+use stoss_term::{At, GradientRule, StepConfiguration, StepContext, Term, Unilateral};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
 /// Master: four facets of edge one in a row along x, heights given at x = 0..4; slave: one facet of edge one half above, its first node at `at`.
@@ -62,7 +62,7 @@ proptest! {
         let q_n = positions(heights, [from.0, from.1, 0.3]);
         let q_1 = positions(std::array::from_fn(|i| heights[i] + moved[i]), [from.0 + slide, from.1, depth - 0.15]);
         let mut m = method(if modified { ConstraintForm::Modified } else { ConstraintForm::Standard });
-        m.begin(&Step { reach: 10.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
+        m.begin(&StepContext { reach: 10.0, ..StepContext::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
         let active = [true, false, false, false];
         m.repair(&q_1, &active).unwrap();
         let (residual, tangent) = assembled(&m, &q_n, &q_1, pressure, rule);
@@ -106,12 +106,12 @@ fn a_node_that_crosses_an_edge_changes_its_facet() {
     let heights = [0.0, 0.0, -0.1, -0.3, -0.6];
     let q_0 = positions(heights, [0.5, 0.3, 0.05]);
     let on = positions(heights, [0.6, 0.3, -1e-3]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&q_0, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&q_0, GradientRule::EndPoint, 0.0) }).unwrap();
     assert!(gaps(&m, &on, &[false; 4])[0] < 0.0);
     assert_eq!(m.repair(&on, &active).unwrap(), 1);
     m.commit(&At::end(&on, &[1.0, 0.0, 0.0, 0.0], &active));
     // From facet 0 over the ridge to facet 2: the stencil then has the nodes of both.
-    m.begin(&Step { reach: 5.0, ..Step::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 5.0, ..StepContext::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
     let far = positions(heights, [2.5, 0.3, -0.2]);
     assert_eq!(m.repair(&far, &active).unwrap(), 1);
     let mut stencils = Vec::new();
@@ -125,7 +125,7 @@ fn a_node_that_jumps_through_the_surface_is_caught() {
     let mut m = method(ConstraintForm::Standard);
     let q_0 = positions([0.0; 5], [1.4, 0.3, 0.2]);
     let beyond = positions([0.0; 5], [1.6, 0.3, -5.0]);
-    m.begin(&Step { reach: 10.0, ..Step::new(&q_0, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 10.0, ..StepContext::new(&q_0, GradientRule::EndPoint, 0.0) }).unwrap();
     let gap = gaps(&m, &beyond, &[false; 4])[0];
     assert!((gap + 5.0).abs() < 1e-12, "gap {gap}");
     assert_eq!(m.repair(&beyond, &[true, false, false, false]).unwrap(), 1);
@@ -136,11 +136,14 @@ fn a_node_beyond_the_rim_is_let_go() {
     let mut m = method(ConstraintForm::Standard);
     let active = [true, false, false, false];
     let on = positions([0.0; 5], [3.8, 0.3, 0.0]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&positions([0.0; 5], [3.8, 0.3, 0.01]), GradientRule::EndPoint, 0.0) })
-        .unwrap();
+    m.begin(&StepContext {
+        reach: 1.0,
+        ..StepContext::new(&positions([0.0; 5], [3.8, 0.3, 0.01]), GradientRule::EndPoint, 0.0)
+    })
+    .unwrap();
     m.repair(&on, &active).unwrap();
     m.commit(&At::end(&on, &[1.0, 0.0, 0.0, 0.0], &active));
-    m.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
     let off = positions([0.0; 5], [4.3, 0.3, -0.01]);
     assert_eq!(gaps(&m, &off, &active)[0], f64::INFINITY);
     assert_eq!(gaps(&m, &off, &[false; 4])[0], f64::INFINITY);
@@ -151,8 +154,11 @@ fn history_goes_through_bytes() {
     let mut m = method(ConstraintForm::Standard);
     let active = [true, false, false, false];
     let on = positions([0.0; 5], [2.2, 0.3, -0.01]);
-    m.begin(&Step { reach: 1.0, ..Step::new(&positions([0.0; 5], [2.2, 0.3, 0.1]), GradientRule::EndPoint, 0.0) })
-        .unwrap();
+    m.begin(&StepContext {
+        reach: 1.0,
+        ..StepContext::new(&positions([0.0; 5], [2.2, 0.3, 0.1]), GradientRule::EndPoint, 0.0)
+    })
+    .unwrap();
     m.repair(&on, &active).unwrap();
     m.commit(&At::end(&on, &[1.0, 0.0, 0.0, 0.0], &active));
     let bytes = m.save_history();
@@ -160,7 +166,7 @@ fn history_goes_through_bytes() {
     other.load_history(&bytes).unwrap();
     assert_eq!(other.save_history(), bytes);
     for method in [&mut m, &mut other] {
-        method.begin(&Step { reach: 1.0, ..Step::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
+        method.begin(&StepContext { reach: 1.0, ..StepContext::new(&on, GradientRule::EndPoint, 0.0) }).unwrap();
     }
     let both = [&m, &other].map(|m| assembled(m, &on, &on, 2.0, GradientRule::DiscreteGradient));
     assert_eq!(both[0], both[1]);

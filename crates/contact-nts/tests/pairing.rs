@@ -4,7 +4,7 @@ use crate::common::*;
 use proptest::prelude::*;
 use stoss_contact::SearchOptions;
 use stoss_contact_nts::ConstraintForm;
-use stoss_term::{At, GradientRule, Step, Term, Unilateral};
+use stoss_term::{At, GradientRule, StepContext, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -105,7 +105,7 @@ proptest! {
         let q_n = positions(&heights, [x.0, 0.3, height]);
         let q_1 = positions(&heights, [x.1, 0.3, -slope * (x.1 - 1.0_f64).max(0.0) - 0.02]);
         let mut m = method_on(&divide(meshes), 4, ConstraintForm::Modified, SearchOptions::default());
-        m.begin(&Step { reach: 10.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
+        m.begin(&StepContext { reach: 10.0, ..StepContext::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
         let closed = gap(&m, &q_1, &OPEN);
         prop_assert!((-0.02..0.0).contains(&closed), "the gap to the surface, no deeper than under its flat facet: {}", closed);
         m.repair(&q_1, &ACTIVE).unwrap();
@@ -122,7 +122,7 @@ fn an_open_node_behind_the_extension_of_its_facet_keeps_its_true_gap() {
     let heights = [0.0, 0.0, -1.0, -2.0, -3.0];
     let (q_n, q_1) = (positions(&heights, [0.8, 0.3, 0.05]), positions(&heights, [1.3, 0.3, -0.3]));
     let mut m = standard(4);
-    m.begin(&Step { reach: 10.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 10.0, ..StepContext::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q_1, &ACTIVE).unwrap();
     let (residual, _) = assembled(&m, &q_n, &q_1, 1.0, GradientRule::DiscreteGradient, false);
     let weight = m.slot_weight(0);
@@ -136,7 +136,7 @@ fn a_node_that_closes_far_from_its_facet_loses_its_true_gap() {
     let heights = [0.0, 0.0, 0.3, 0.9, 1.8];
     let (q_n, q_1) = (positions(&heights, [0.3, 0.3, 0.05]), positions(&heights, [3.5, 0.3, 1.34]));
     let mut m = standard(4);
-    m.begin(&Step { reach: 10.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 10.0, ..StepContext::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(&q_1, &ACTIVE).unwrap();
     let (residual, _) = assembled(&m, &q_n, &q_1, 1.0, GradientRule::DiscreteGradient, false);
     let depth = -residual[q_1.len()];
@@ -153,7 +153,7 @@ fn a_node_from_the_side_is_no_contact_until_it_has_been_in_front() {
     for (next, expected) in
         [(at(3.9, -0.05), None), (at(3.5, -0.05), None), (at(3.5, 0.05), Some(0.05)), (at(3.5, -0.05), Some(-0.05))]
     {
-        m.begin(&Step { reach: 10.0, ..Step::new(&last, GradientRule::EndPoint, 0.0) }).unwrap();
+        m.begin(&StepContext { reach: 10.0, ..StepContext::new(&last, GradientRule::EndPoint, 0.0) }).unwrap();
         let found = gap(&m, &next, &OPEN);
         match expected {
             None => assert_eq!(found, f64::INFINITY),
@@ -175,7 +175,7 @@ fn a_node_that_went_over_a_ridge_comes_back_to_the_surface() {
     for k in 1..=10 {
         let x = 0.704 + 0.05 * f64::from(k);
         let mut next = positions(&heights, [x, 0.3, 0.0]);
-        m.begin(&Step { reach: 20.0, ..Step::new(&last, GradientRule::EndPoint, 0.0) }).unwrap();
+        m.begin(&StepContext { reach: 20.0, ..StepContext::new(&last, GradientRule::EndPoint, 0.0) }).unwrap();
         // The height that the constraint asks for.
         for _ in 0..4 {
             m.repair(&next, &ACTIVE).unwrap();
@@ -212,8 +212,11 @@ fn the_force_is_continuous_where_the_midpoint_passes_an_edge() {
 fn a_jump_is_caught_though_the_depth_limit_is_small() {
     let heights = [0.0; 5];
     let mut m = method(4, ConstraintForm::Standard, SearchOptions { depth_limit: 0.1, ..SearchOptions::default() });
-    m.begin(&Step { reach: 10.0, ..Step::new(&positions(&heights, [1.4, 0.3, 0.05]), GradientRule::EndPoint, 0.0) })
-        .unwrap();
+    m.begin(&StepContext {
+        reach: 10.0,
+        ..StepContext::new(&positions(&heights, [1.4, 0.3, 0.05]), GradientRule::EndPoint, 0.0)
+    })
+    .unwrap();
     let q_1 = positions(&heights, [1.4, 0.3, -0.35]);
     assert!((gap(&m, &q_1, &OPEN) + 0.35).abs() < 1e-14);
     assert_eq!(m.repair(&q_1, &ACTIVE).unwrap(), 1);
@@ -225,7 +228,7 @@ fn a_chord_over_a_ridge_is_no_jump() {
     let heights = [0.0, 0.0, -1.0, -2.0, -3.0];
     let (q_n, q_1) = (positions(&heights, [0.2, 0.3, 0.01]), positions(&heights, [1.8, 0.3, -0.78]));
     let mut m = standard(4);
-    m.begin(&Step { reach: 10.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 10.0, ..StepContext::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
     // In front of facet 1 by the distance of a point 0.02 above a plane of slope one.
     assert!((gap(&m, &q_1, &OPEN) - 0.02 / 2.0_f64.sqrt()).abs() < 1e-14);
 }
@@ -234,8 +237,11 @@ fn a_chord_over_a_ridge_is_no_jump() {
 fn a_long_slide_in_many_repairs_is_followed() {
     let heights = [0.0; 8];
     let mut m = standard(7);
-    m.begin(&Step { reach: 20.0, ..Step::new(&positions(&heights, [0.5, 0.3, 0.0]), GradientRule::EndPoint, 0.0) })
-        .unwrap();
+    m.begin(&StepContext {
+        reach: 20.0,
+        ..StepContext::new(&positions(&heights, [0.5, 0.3, 0.0]), GradientRule::EndPoint, 0.0)
+    })
+    .unwrap();
     for facet in 0..7 {
         let q = positions(&heights, [0.5 + f64::from(facet), 0.3, -1e-3]);
         assert_eq!(m.repair(&q, &ACTIVE).unwrap(), 1, "facet {facet}");
@@ -255,7 +261,7 @@ fn going_to_and_fro_in_a_valley_ends() {
     let q_1 = &sides[1];
     let row = assembled(&m, &on, q_1, 1.0, GradientRule::DiscreteGradient, false).0[q_1.len()];
     m.commit(&At::end(q_1, &[1.0, 0.0, 0.0, 0.0], &ACTIVE));
-    m.begin(&Step { reach: 20.0, ..Step::new(q_1, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 20.0, ..StepContext::new(q_1, GradientRule::EndPoint, 0.0) }).unwrap();
     assert!((gap(&m, q_1, &ACTIVE) + row / m.slot_weight(0)).abs() < 1e-14);
 }
 
@@ -264,8 +270,11 @@ fn a_node_released_and_closed_again_gets_its_facet_every_time() {
     let heights = [0.0; 5];
     let q = positions(&heights, [1.4, 0.3, -0.01]);
     let mut m = standard(4);
-    m.begin(&Step { reach: 1.0, ..Step::new(&positions(&heights, [1.4, 0.3, 0.01]), GradientRule::EndPoint, 0.0) })
-        .unwrap();
+    m.begin(&StepContext {
+        reach: 1.0,
+        ..StepContext::new(&positions(&heights, [1.4, 0.3, 0.01]), GradientRule::EndPoint, 0.0)
+    })
+    .unwrap();
     for _ in 0..10 {
         assert_eq!(m.repair(&q, &ACTIVE).unwrap(), 1);
         assert_eq!(m.repair(&q, &OPEN).unwrap(), 0);
@@ -277,7 +286,7 @@ fn an_active_slot_without_a_partner_has_no_pressure() {
     let heights = [0.0; 5];
     let far = positions(&heights, [1.4, 0.3, 50.0]);
     let mut m = standard(4);
-    m.begin(&Step { reach: 1.0, ..Step::new(&far, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 1.0, ..StepContext::new(&far, GradientRule::EndPoint, 0.0) }).unwrap();
     assert_eq!(m.repair(&far, &ACTIVE).unwrap(), 0);
     let (residual, tangent) = assembled(&m, &far, &far, 2.0, GradientRule::DiscreteGradient, true);
     let (n, weight) = (residual.len(), m.slot_weight(0));

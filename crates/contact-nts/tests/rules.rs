@@ -8,7 +8,7 @@ use stoss_contact::{FacetNodes, SearchOptions};
 use stoss_contact_nts::kinematics::Gap;
 use stoss_contact_nts::{ConstraintForm, NodeToSurface};
 use stoss_geometry::Patch;
-use stoss_term::{GradientRule, Rule, Step, Term, Unilateral};
+use stoss_term::{GradientRule, Rule, StepContext, Term, Unilateral};
 use stoss_testkit::meshes::{Mesh, divide, meshes};
 use stoss_testkit::oracle::{assert_jacobian_close, central_difference_jacobian};
 
@@ -59,7 +59,7 @@ fn step_on(meshes: [Mesh; 2]) -> impl Strategy<Value = Case> {
             if in_contact_at_n {
                 in_contact(&mut m, &q_n);
             } else {
-                m.begin(&Step { reach: 20.0, ..Step::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
+                m.begin(&StepContext { reach: 20.0, ..StepContext::new(&q_n, GradientRule::EndPoint, 0.0) }).unwrap();
             }
             let distance = gap(&m, &q_n, &OPEN);
             m.repair(&q_1, &ACTIVE).unwrap();

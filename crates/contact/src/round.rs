@@ -23,7 +23,7 @@ pub const BEYOND: f64 = 1.0;
 
 /// A point between the corners of a facet, by which finer facets of a round surface share their vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
+pub enum VertexKey {
     /// A point on the side between two nodes, the smaller number first, so many pieces from the first.
     Side([u32; 2], u8),
     /// A point inside of a facet: element, number in it, and number there.
@@ -36,7 +36,7 @@ pub struct Finer {
     /// The facets.
     pub facets: BTreeMap<(u32, u8), Vec<Vec<Corner>>>,
     /// The points.
-    pub points: BTreeMap<Place, (u32, Vector3)>,
+    pub points: BTreeMap<VertexKey, (u32, Vector3)>,
 }
 
 /// A corner of a finer facet.
@@ -45,7 +45,7 @@ pub enum Corner {
     /// A node.
     Node(u32),
     /// A point beside the nodes.
-    Point(Place),
+    Point(VertexKey),
 }
 
 /// A linear facet of the surface of a body.
@@ -151,7 +151,7 @@ impl RoundSurfaces {
             }
             let nodes: Vec<u32> = facet.nodes.iter().copied().collect();
             let number = facet.number;
-            let mut point = |place: Place, x: Vector3| {
+            let mut point = |place: VertexKey, x: Vector3| {
                 finer.points.entry(place).or_insert((number.0, x));
                 Corner::Point(place)
             };
@@ -164,7 +164,7 @@ impl RoundSurfaces {
                 let part = k as f64 / PIECES as f64;
                 let x = at(side[0]) * (1.0 - part) + at(side[1]) * part;
                 let x = sides.get(&side).map_or(x, |round| round.nearest(&x));
-                point(Place::Side(side, k as u8), x)
+                point(VertexKey::Side(side, k as u8), x)
             };
             let chains: Vec<Vec<Corner>> = (0..nodes.len())
                 .map(|k| {
@@ -187,7 +187,7 @@ impl RoundSurfaces {
                             let (s, t) = (i as f64 / m as f64, j as f64 / n as f64);
                             let x = (corners[0] * (1.0 - s) + corners[1] * s) * (1.0 - t)
                                 + (corners[3] * (1.0 - s) + corners[2] * s) * t;
-                            point(Place::Inside(number.0, number.1, (j * (PIECES + 1) + i) as u8), onto(x))
+                            point(VertexKey::Inside(number.0, number.1, (j * (PIECES + 1) + i) as u8), onto(x))
                         }
                     }
                 };
@@ -197,7 +197,7 @@ impl RoundSurfaces {
                     .collect()
             } else {
                 let middle = onto(nodes.iter().map(|&node| at(node)).sum::<Vector3>() / nodes.len() as f64);
-                let middle = point(Place::Inside(number.0, number.1, 0), middle);
+                let middle = point(VertexKey::Inside(number.0, number.1, 0), middle);
                 let around: Vec<Corner> = chains.concat();
                 (0..around.len()).map(|k| vec![around[k], around[(k + 1) % around.len()], middle]).collect()
             };

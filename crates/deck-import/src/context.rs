@@ -7,7 +7,7 @@ use crate::bodies::Bodies;
 use crate::history::amplitude;
 use crate::left_out::List;
 use crate::references::References;
-use crate::section::Section;
+use crate::section::PlaneSection;
 use crate::set_names::SetNames;
 use crate::sets::{Lookup, Selection};
 use crate::severity::Severity;
@@ -20,7 +20,7 @@ pub(crate) struct Context<'a> {
     pub bodies: &'a Bodies,
     pub lookup: &'a Lookup<'a>,
     pub timeline: &'a Timeline,
-    pub section: Option<Section>,
+    pub section: Option<PlaneSection>,
     pub axes: &'a LocalAxes,
     pub references: References,
     pub sets: SetNames<'a>,

@@ -120,7 +120,7 @@ pub fn import(deck: &Deck, names: &FileNames) -> Result<Import, ImportError> {
     let lookup = sets::Lookup::new(&deck.contents, &solids);
     let mut bodies = bodies::bodies(deck, &solids, &lookup, &mut list)?;
     let timeline = timeline::Timeline::new(deck, &mut list);
-    let section = section::Section::of(deck, &solids, &mut list);
+    let section = section::PlaneSection::of(deck, &solids, &mut list);
     dynamics::damping(deck, &mut bodies, &timeline, &mut list);
     let velocities = dynamics::velocities(deck, &bodies, &lookup, &timeline, &mut list);
     let mut context = context::Context {

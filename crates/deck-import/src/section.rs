@@ -7,7 +7,7 @@ use stoss_mesh_io::deck::Deck;
 
 /// What the plane elements of a deck are a section of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Section {
+pub(crate) struct PlaneSection {
     /// Value of `section` in a scene.
     pub name: &'static str,
     /// What a force of the deck is divided by: it acts around the whole circumference, or over the thickness of `*SOLID SECTION`.
@@ -17,7 +17,7 @@ pub(crate) struct Section {
 /// The families of plane elements.
 const FAMILIES: [(&str, &str); 3] = [("CAX", "axisymmetric"), ("CPE", "plane-strain"), ("CPS", "plane-stress")];
 
-impl Section {
+impl PlaneSection {
     /// The section of a deck of plane elements; nothing of solid ones. Several families or thicknesses in one deck are an entry.
     pub fn of(deck: &Deck, solids: &Solids, list: &mut List) -> Option<Self> {
         if !deck.contents.is_plane() {

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use stoss_mesh_io::deck::{DeckPlace, Prescribed, Support};
+use stoss_mesh_io::deck::{DeckBoundary, DeckPlace, Prescribed};
 
 use crate::axes::{Direction, LocalAxes};
 use crate::context::Context;
@@ -52,7 +52,7 @@ impl Context<'_> {
     }
 
     /// The nodes of a line, and what it prescribes there; nothing, with an entry, if it does not act.
-    fn record(&mut self, support: &Support) -> Option<(Selection<u32>, Value)> {
+    fn record(&mut self, support: &DeckBoundary) -> Option<(Selection<u32>, Value)> {
         let place = support.place;
         let mut nodes = self.lookup.nodes(&support.nodes);
         let components: [bool; 3] = std::array::from_fn(|i| support.freedoms[i]);
@@ -88,7 +88,7 @@ impl Context<'_> {
     }
 
     /// What a line prescribes over time; nothing, with an entry, if that does not map.
-    pub(crate) fn prescribed(&mut self, support: &Support) -> Option<Value> {
+    pub(crate) fn prescribed(&mut self, support: &DeckBoundary) -> Option<Value> {
         let (place, is_zero) = (support.place, support.value == 0.0);
         let amplitude = match &support.amplitude {
             // Any multiple of zero is zero.

@@ -1,6 +1,6 @@
 //! Steps to stages, and amplitudes as a scene can hold them.
 
-use stoss_mesh_io::deck::{Amplitude, Deck, Procedure, Step, Times};
+use stoss_mesh_io::deck::{Amplitude, Deck, DeckStep, Procedure, Times};
 
 use crate::left_out::List;
 use crate::severity::Severity;
@@ -135,7 +135,7 @@ fn without_jumps(amplitude: &Amplitude, increment: f64, list: &mut List) -> Ampl
 }
 
 /// The stage of a step; nothing if it computes something else.
-fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) -> Option<Stage> {
+fn stage(deck: &Deck, index: usize, step: &DeckStep, start: f64, list: &mut List) -> Option<Stage> {
     if step.is_perturbation {
         list.add(
             Severity::Note,
@@ -230,7 +230,7 @@ fn stage(deck: &Deck, index: usize, step: &Step, start: f64, list: &mut List) ->
 }
 
 /// The name of the stage of a step: that of the step, if a scene can have it.
-fn stage_name(step: &Step, index: usize, list: &mut List) -> String {
+fn stage_name(step: &DeckStep, index: usize, list: &mut List) -> String {
     let good = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
     match &step.name {
         Some(name) if name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(good) => name.clone(),

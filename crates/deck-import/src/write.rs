@@ -7,7 +7,7 @@ use stoss_mesh_io::deck::Deck;
 
 use crate::bodies::{Bodies, Body};
 use crate::history::{History, between_jumps};
-use crate::section::Section;
+use crate::section::PlaneSection;
 use crate::set_names::Source;
 use crate::text::{comment, count, list, number, string, vector};
 use crate::timeline::Timeline;
@@ -51,7 +51,7 @@ pub(crate) struct Tables {
 
 impl Tables {
     /// Tables without entries, for a scene of this section.
-    pub fn of_section(section: Option<Section>) -> Self {
+    pub fn of_section(section: Option<PlaneSection>) -> Self {
         Self { section: section.map(|section| section.name), ..Self::default() }
     }
 

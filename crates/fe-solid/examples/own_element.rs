@@ -10,7 +10,9 @@ use stoss_continuum::{ConstitutiveError, HyperelasticLaw, SymmetricTensor2, ener
 use stoss_fe_solid::kernel::{self, ElementIntegration, LocalTangent, NodalVectors, TangentFactors, TangentPoint};
 use stoss_materials::NeoHooke;
 use stoss_reference_element::quadrature::TET_14;
-use stoss_reference_element::{CellKind, CellTable, Face, FaceKind, Family, Integration, Shape, ShapeGradient};
+use stoss_reference_element::{
+    CellKind, CellTable, Face, FaceKind, Family, Integration, ShapeFunctions, ShapeGradient,
+};
 
 const NODES: usize = 5;
 const POINTS: usize = TET_14.len();
@@ -41,7 +43,7 @@ static TET5: CellTable = CellTable {
 };
 
 /// `L_a - 64 L_0 L_1 L_2 L_3` at the corners with the functions `L` of the linear tetrahedron, `256 L_0 L_1 L_2 L_3` at the centre.
-fn shape(xi: [f64; 3]) -> Shape {
+fn shape(xi: [f64; 3]) -> ShapeFunctions {
     let mut n = (CellKind::Tet4.table().shape)(xi);
     let bubble: f64 = n[..4].iter().product();
     n[..4].iter_mut().for_each(|n| *n -= 64.0 * bubble);

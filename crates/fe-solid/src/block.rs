@@ -7,14 +7,14 @@ use crate::{
     element_block::{ElementBlock, ElementFailure, InvertedCell, Material, PointStrain},
     kernel::{self, ElementIntegration, Gradients, LocalTangent, NodalVectors, PointBuffers, TangentFactors},
     laws::Laws,
-    mixed::{self, Averages, Basis, Mixed, Parts},
+    mixed::{self, Averages, Basis, Mixed, MixedEnergy},
     reference::{ElementReference, Natural},
     viscous::{Viscosity, ViscousElements},
 };
 use rayon::prelude::*;
 use stoss_continuum::{HyperelasticLaw, Loss, PointStep, StepStress};
 use stoss_mesh::CellBlock;
-use stoss_reference_element::{CellKind, Rule};
+use stoss_reference_element::{CellKind, QuadratureRule};
 
 /// Elements that one thread takes at once in sums over the body; fixed, because it fixes the order of the sum.
 const CHUNK: usize = 64;
@@ -33,7 +33,7 @@ enum Projection<const G: usize> {
 /// Elements of `N` nodes with `G` Gauss points.
 #[derive(Clone, Debug)]
 pub(crate) struct Block<const N: usize, const G: usize> {
-    rule: Rule,
+    rule: QuadratureRule,
     projection: Projection<G>,
     natural: Natural<N, G>,
     references: Vec<ElementReference<G>>,
@@ -124,7 +124,7 @@ impl<const N: usize, const G: usize> Block<N, G> {
         integration: &'a ElementIntegration<N, G>,
     ) -> Option<Averages<'a, N, G>> {
         let geometry = self.geometry(element);
-        let parts = |volume| Parts { rest: laws, volume };
+        let parts = |volume| MixedEnergy { rest: laws, volume };
         Some(match &self.projection {
             Projection::None => return None,
             Projection::Constant => Averages::Constant(Mixed {
@@ -244,7 +244,7 @@ impl<const N: usize, const G: usize> ElementBlock for Block<N, G> {
         Box::new(self.clone())
     }
 
-    fn rule(&self) -> Rule {
+    fn rule(&self) -> QuadratureRule {
         self.rule
     }
 

@@ -10,7 +10,7 @@ use crate::{
     viscous::Viscosity,
 };
 use stoss_continuum::{HyperelasticLaw, SymmetricTensor2, VolumetricEnergy};
-use stoss_reference_element::Rule;
+use stoss_reference_element::QuadratureRule;
 
 /// An element of the block and what is wrong with it.
 pub(crate) type ElementFailure = (usize, Failure);
@@ -58,7 +58,7 @@ pub(crate) struct PointStrain<'a> {
 /// What a body asks of a block. `nodes` are the global nodes of all its elements; elements are counted in the block.
 pub(crate) trait ElementBlock: std::fmt::Debug + Send + Sync {
     fn boxed(&self) -> Box<dyn ElementBlock>;
-    fn rule(&self) -> Rule;
+    fn rule(&self) -> QuadratureRule;
     fn memory_bytes(&self) -> usize;
     /// Adds the volumes of all Gauss points, one after the other.
     fn add_volume(&self, total: &mut f64);

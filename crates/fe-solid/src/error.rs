@@ -139,7 +139,7 @@ pub enum SolidError {
     },
     /// An element of which nothing is kept here, because another rank has it.
     #[error("body '{body}': the states of element {element} are on another rank")]
-    Elsewhere {
+    OnOtherRank {
         /// Name of the body.
         body: String,
         /// Element in the body.

@@ -10,7 +10,7 @@ use crate::{
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use stoss_mesh::{CellBlock, Elements};
-use stoss_reference_element::{CellKind, Rule};
+use stoss_reference_element::{CellKind, QuadratureRule};
 
 /// Distribution of the mass over the nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -67,13 +67,13 @@ pub struct MassMatrix {
 }
 
 /// Quadrature rule of the mass of one kind: gradients in natural coordinates at its points, and the shape functions.
-struct MassRule<const N: usize> {
-    rule: Rule,
+struct MassQuadrature<const N: usize> {
+    rule: QuadratureRule,
     gradients: Vec<Gradients<N>>,
     shapes: Vec<[f64; N]>,
 }
 
-impl<const N: usize> MassRule<N> {
+impl<const N: usize> MassQuadrature<N> {
     fn new(kind: CellKind) -> Self {
         let rule = kind.table().mass;
         let shape = |xi| {
@@ -102,7 +102,7 @@ fn places<const N: usize>(nodes: &[u32; N], reference: &[[f64; 3]], offset: u32)
 /// `det dX/dxi` is positive at the points of the mass of every element.
 pub(crate) fn check(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), InvertedCell> {
     fn check<const N: usize>(cells: &CellBlock, reference: &[[f64; 3]]) -> Result<(), InvertedCell> {
-        let points = MassRule::<N>::new(cells.kind());
+        let points = MassQuadrature::<N>::new(cells.kind());
         for (element, nodes) in cells.nodes().as_chunks::<N>().0.iter().enumerate() {
             for (gauss_point, volume) in points.volumes(&places(nodes, reference, 0)).enumerate() {
                 let determinant = volume / points.rule[gauss_point].1;
@@ -129,7 +129,7 @@ pub(crate) fn for_each_nodal_volume(
         offset: u32,
         call: &mut impl FnMut(u32, f64),
     ) {
-        let points = MassRule::<N>::new(cells.kind());
+        let points = MassQuadrature::<N>::new(cells.kind());
         for nodes in cells.nodes().as_chunks::<N>().0 {
             let mut volumes = [0.0; N];
             for (shape, volume) in points.shapes.iter().zip(points.volumes(&places(nodes, reference, offset))) {
@@ -147,7 +147,7 @@ pub(crate) fn for_each_nodal_volume(
 
 /// The mass of an element, of a lumped one a diagonal.
 fn element_mass<const N: usize>(
-    points: &MassRule<N>,
+    points: &MassQuadrature<N>,
     kind: (CellKind, MassKind),
     density: f64,
     x: &NodalVectors<N>,
@@ -215,7 +215,7 @@ pub(crate) fn for_each_element(
         density: f64,
         call: &mut impl FnMut(&[u32], &[f64]),
     ) {
-        let points = MassRule::<N>::new(cells.kind());
+        let points = MassQuadrature::<N>::new(cells.kind());
         for nodes in cells.nodes().as_chunks::<N>().0 {
             let x = places(nodes, reference, offset);
             call(nodes, element_mass(&points, (cells.kind(), kind), density, &x).as_flattened());

@@ -45,7 +45,7 @@ pub(crate) fn linear<const G: usize>(weights: &[f64; G], points: &[[f64; 3]; G])
 
 /// Both terms of the energy of a mixed body, as the elements see them.
 #[derive(Clone, Copy)]
-pub(crate) struct Parts<'a> {
+pub(crate) struct MixedEnergy<'a> {
     /// `W`.
     pub rest: Laws<'a>,
     /// `U`.
@@ -55,7 +55,7 @@ pub(crate) struct Parts<'a> {
 /// One element with its averages.
 #[derive(Clone, Copy)]
 pub(crate) struct Mixed<'a, const N: usize, const G: usize, const A: usize> {
-    pub parts: Parts<'a>,
+    pub parts: MixedEnergy<'a>,
     pub geometry: Geometry<'a, N, G>,
     /// Gradients at all points, of the same element.
     pub integration: &'a ElementIntegration<N, G>,

@@ -18,7 +18,7 @@ use stoss_continuum::{
     SymmetricTensor2, VolumetricEnergy,
     volume::{discrete_jacobian_gradient, discrete_jacobian_gradient_tangent, pressure_stress},
 };
-use stoss_reference_element::Rule;
+use stoss_reference_element::QuadratureRule;
 
 /// NodalElements that a thread takes at once.
 const CHUNK: usize = 64;
@@ -350,7 +350,7 @@ impl ElementBlock for NodalTetrahedra {
         Box::new(self.clone())
     }
 
-    fn rule(&self) -> Rule {
+    fn rule(&self) -> QuadratureRule {
         self.block.rule()
     }
 

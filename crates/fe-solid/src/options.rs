@@ -1,6 +1,6 @@
 //! What elements of a body can do in more than one way.
 
-use stoss_reference_element::{CellKind, Integration, Rule};
+use stoss_reference_element::{CellKind, Integration, QuadratureRule};
 
 /// What elements of a body can do in more than one way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub struct SolidOptions {
 
 impl SolidOptions {
     /// Quadrature rule of a kind of cells: the one that is asked for if the kind has it, else the full one, which every kind has.
-    pub(crate) fn rule(self, kind: CellKind) -> Rule {
+    pub(crate) fn rule(self, kind: CellKind) -> QuadratureRule {
         kind.rule(self.integration).or_else(|| kind.rule(Integration::Full)).unwrap_or_default()
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{OutputPlace, SolidBody, SolidError, element::FailureKind, element_block::PointStrain};
 use stoss_continuum::{ConstitutiveError, SymmetricTensor2, Tensor2};
-use stoss_reference_element::{CellKind, Rule};
+use stoss_reference_element::{CellKind, QuadratureRule};
 
 /// State of one Gauss point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -203,18 +203,18 @@ pub(crate) fn with_pressure(mut stress: [f64; 6], pressure: f64) -> [f64; 6] {
 }
 
 /// Weights of the points of a quadrature rule for values at places in a cell: a row for each place, a column for each point. Those of [`extrapolation`], or of the mean of what `jumps`.
-pub(crate) fn to_places(kind: CellKind, rule: Rule, places: &[[f64; 3]], jumps: bool) -> Vec<f64> {
+pub(crate) fn to_places(kind: CellKind, rule: QuadratureRule, places: &[[f64; 3]], jumps: bool) -> Vec<f64> {
     if jumps { mean(rule, places.len()) } else { extrapolation(kind, rule, places) }
 }
 
-fn mean(rule: Rule, places: usize) -> Vec<f64> {
+fn mean(rule: QuadratureRule, places: usize) -> Vec<f64> {
     let total: f64 = rule.iter().map(|(_, weight)| weight).sum();
     (0..places).flat_map(|_| rule.iter().map(|(_, weight)| weight / total)).collect()
 }
 
 /// The values at places in a cell of the function of its linear cell that fits values at the points of a quadrature rule best in the sum of squares with the weights of
 /// that rule: a row for each place, a column for each point. The mean if there are fewer points than corners.
-pub(crate) fn extrapolation(kind: CellKind, rule: Rule, places: &[[f64; 3]]) -> Vec<f64> {
+pub(crate) fn extrapolation(kind: CellKind, rule: QuadratureRule, places: &[[f64; 3]]) -> Vec<f64> {
     let linear = kind.table().linear.table();
     let corners = linear.corners;
     if rule.len() < corners {

@@ -10,7 +10,7 @@ impl SolidBody {
     /// elements. Data of elements are made when something needs them first: of a body that is shared before a run those of other ranks are never made.
     ///
     /// # Errors
-    /// [`SolidError::Length`] unless there is a flag for each element, [`SolidError::Indivisible`], [`SolidError::Elsewhere`]; then nothing has changed.
+    /// [`SolidError::Length`] unless there is a flag for each element, [`SolidError::Indivisible`], [`SolidError::OnOtherRank`]; then nothing has changed.
     pub fn share(&mut self, mine: &[bool]) -> Result<(), SolidError> {
         let expected = self.element_count();
         if mine.len() != expected {
@@ -22,7 +22,7 @@ impl SolidBody {
         }
         let missing = |element: &usize| self.has_history() && mine[*element] && !self.has_element(*element);
         if let Some(element) = (0..expected).find(missing) {
-            return Err(SolidError::Elsewhere { body: self.name().to_string(), element });
+            return Err(SolidError::OnOtherRank { body: self.name().to_string(), element });
         }
         let own = Own::flagged(self.elements(), mine);
         // Of elements that nobody has asked for yet the data were never made.

@@ -2,7 +2,7 @@
 
 use crate::{ForceRule, SolidBody, SolidError, SolidStep, StepEnd};
 use stoss_continuum::Loss;
-use stoss_term::{At, Fault, Local, MaterialWork, Rule, Step, Term, Work};
+use stoss_term::{At, Fault, Local, MaterialWork, Rule, StepContext, Term, Work};
 
 /// An element that is inverted, or whose law has no stress, has no force at these positions.
 impl From<SolidError> for Fault {
@@ -31,7 +31,7 @@ impl Term for SolidBody {
         rule != Rule::Force(ForceRule::DiscreteGradient)
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
         Ok(self.begin_step(step.q_n, step.force, step.dt)?)
     }
 

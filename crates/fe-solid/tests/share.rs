@@ -338,7 +338,7 @@ fn shares_that_cannot_be_are_refused() {
     yielding.share(&[true, true, false, false, true, true]).unwrap();
     yielding.share(&[false, true, false, false, true, false]).unwrap();
     let error = yielding.share(&[false, true, true, false, true, false]).unwrap_err();
-    assert!(matches!(error, SolidError::Elsewhere { element: 2, .. }) && yielding.has_element(1));
+    assert!(matches!(error, SolidError::OnOtherRank { element: 2, .. }) && yielding.has_element(1));
     assert!(matches!(none.share(&[true; 5]), Err(SolidError::Length { found: 5, expected: 6, .. })));
 }
 

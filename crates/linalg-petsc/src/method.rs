@@ -7,7 +7,7 @@ use stoss_linalg::{AutoSolver, MatrixKind};
 pub enum Method {
     /// [`Method::Multigrid`] from [`Method::MULTIGRID`] equations on if all of them are of nodes of bodies, else [`Method::Direct`].
     #[default]
-    Rule,
+    Auto,
     /// Factorisation by MUMPS: LU, or `L D L'` of symmetric matrices, whose negative pivots are counted.
     Direct,
     /// Iteration with smoothed aggregation (GAMG) that knows the rigid motions, by conjugate gradients or, for unsymmetric matrices, GMRES. What it cannot solve, or has equations of multipliers and parts,
@@ -46,7 +46,7 @@ impl Method {
     /// Options of the solver that iterates on so many equations, if one does; `others`: how many are not of nodes of bodies.
     pub(crate) fn iterative(&self, kind: MatrixKind, equations: usize, others: usize) -> Option<String> {
         let iterates = match self {
-            Self::Rule => equations >= Self::MULTIGRID,
+            Self::Auto => equations >= Self::MULTIGRID,
             Self::Multigrid => true,
             Self::Direct | Self::Options(_) => false,
         };
@@ -74,8 +74,8 @@ mod tests {
     #[test]
     fn the_rule_iterates_on_large_systems_of_nodes_only() {
         let iterates = |method: Method, n, others| method.iterative(MatrixKind::General, n, others).is_some();
-        assert!(iterates(Method::Rule, 3000, 0) && !iterates(Method::Rule, 2999, 0));
-        assert!(!iterates(Method::Rule, 9000, 1) && !iterates(Method::Multigrid, 9000, 1));
+        assert!(iterates(Method::Auto, 3000, 0) && !iterates(Method::Auto, 2999, 0));
+        assert!(!iterates(Method::Auto, 9000, 1) && !iterates(Method::Multigrid, 9000, 1));
         assert!(iterates(Method::Multigrid, 30, 0) && !iterates(Method::Direct, 9000, 0));
         assert!(!iterates(Method::Options("-pc_type gamg".into()), 9000, 0));
     }

@@ -7,8 +7,8 @@ use crate::rows::Rows;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use stoss_linalg::{
-    Communicator, EquationPlace, LinalgError, LinearSolver, MatrixKind, Place, SolveReport, SolverOptions,
-    SolverStatistics, SparsityPattern,
+    Communicator, EquationPlace, LinalgError, LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics,
+    SparsityPattern, SystemArray,
 };
 
 /// Numbers of the two solvers of a matrix: the one that factorises (or has the options of the user) and the one that iterates.
@@ -112,7 +112,7 @@ impl PetscSolver {
         let mine = wrong.map_or(-1.0, |index| index as f64);
         self.mpi.gather(&[mine], &vec![1; self.mpi.size()], &mut found);
         if let Some(&index) = found.iter().find(|&&index| index >= 0.0) {
-            return Err(LinalgError::NonFinite { place: Place::Matrix, index: index as usize });
+            return Err(LinalgError::NonFinite { place: SystemArray::Matrix, index: index as usize });
         }
         self.values.clear();
         self.values.extend_from_slice(values);
@@ -146,7 +146,7 @@ impl PetscSolver {
             }
         }
         match rhs.iter().position(|value| !value.is_finite()) {
-            Some(index) => Err(LinalgError::NonFinite { place: Place::RightHandSide, index }),
+            Some(index) => Err(LinalgError::NonFinite { place: SystemArray::RightHandSide, index }),
             None => Ok(()),
         }
     }

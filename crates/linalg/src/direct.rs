@@ -7,7 +7,7 @@ use crate::refinement::{Refinement, check_finite, check_length};
 use crate::scaling::Equilibration;
 use crate::vector::{norm_inf, norm2, pseudo_random};
 use crate::{
-    LinalgError, LinearSolver, MatrixKind, Place, SolveReport, SolverOptions, SolverStatistics, SparsityPattern,
+    LinalgError, LinearSolver, MatrixKind, SolveReport, SolverOptions, SolverStatistics, SparsityPattern, SystemArray,
 };
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -255,7 +255,7 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
         let first = self.refine(rhs, solution);
         let poor = match &first {
             Ok(report) => report.backward_error > GOOD_BACKWARD_ERROR,
-            Err(LinalgError::NotConverged { .. } | LinalgError::NonFinite { place: Place::Solution, .. }) => true,
+            Err(LinalgError::NotConverged { .. } | LinalgError::NonFinite { place: SystemArray::Solution, .. }) => true,
             Err(_) => false,
         };
         let fallen_back = match &self.pattern {
@@ -284,8 +284,8 @@ impl<F: Factorisation> LinearSolver for DirectSolver<F> {
         check_length("values", pattern.nnz(), values)?;
         check_length("right-hand side", pattern.n(), rhs)?;
         check_length("solution", pattern.n(), solution)?;
-        check_finite(Place::Matrix, values)?;
-        check_finite(Place::RightHandSide, rhs)?;
+        check_finite(SystemArray::Matrix, values)?;
+        check_finite(SystemArray::RightHandSide, rhs)?;
         let (factorisation, equilibration) = (&mut self.factorisation, &self.equilibration);
         self.scaled_rhs.clear();
         self.scaled_rhs.extend_from_slice(rhs);

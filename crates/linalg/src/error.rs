@@ -2,7 +2,7 @@
 
 /// Array of a linear system in which a value that is not finite was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum SystemArray {
     /// An entry of the matrix; the index is the position in the list of values.
     Matrix,
     /// An entry of the right-hand side; the index is the equation.
@@ -11,7 +11,7 @@ pub enum Place {
     Solution,
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for SystemArray {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Matrix => "matrix",
@@ -84,7 +84,7 @@ pub enum LinalgError {
     #[error("the {place} is not finite at index {index}")]
     NonFinite {
         /// Array that it is in.
-        place: Place,
+        place: SystemArray,
         /// Index in that array.
         index: usize,
     },

@@ -39,7 +39,7 @@ pub use auto::AutoSolver;
 pub use communicator::{Communicator, Serial, Traffic};
 pub use direct::{DirectSolver, Factorisation};
 pub use equation::EquationPlace;
-pub use error::{LinalgError, Place};
+pub use error::{LinalgError, SystemArray};
 pub use faer_backend::{DenseSolver, FaerSolver};
 pub use gathered::GatheredSolver;
 pub use matrix::SparseMatrix;

@@ -2,7 +2,7 @@
 
 use crate::scaling::Equilibration;
 use crate::vector::first_non_finite;
-use crate::{LinalgError, Place, SolveReport, SolverOptions, SparsityPattern};
+use crate::{LinalgError, SolveReport, SolverOptions, SparsityPattern, SystemArray};
 use std::sync::Arc;
 
 /// The original matrix and the work space for `r = b - A x` and its row-wise measure.
@@ -40,7 +40,7 @@ impl Refinement {
         let pattern =
             self.pattern.as_ref().ok_or(LinalgError::CallOrder { called: "factorise", missing: "analyse" })?;
         check_length("values", pattern.nnz(), values)?;
-        check_finite(Place::Matrix, values)?;
+        check_finite(SystemArray::Matrix, values)?;
         self.values.extend_from_slice(values);
         Ok(())
     }
@@ -75,10 +75,10 @@ impl Refinement {
         }
         check_length("right-hand side", pattern.n(), rhs)?;
         check_length("solution", pattern.n(), solution)?;
-        check_finite(Place::RightHandSide, rhs)?;
+        check_finite(SystemArray::RightHandSide, rhs)?;
         solution.copy_from_slice(rhs);
         apply(solution);
-        check_finite(Place::Solution, solution)?;
+        check_finite(SystemArray::Solution, solution)?;
         let work = Work { pattern, values: &self.values, equilibration };
         let target = options.target_backward_error;
         let mut error = work.error(rhs, solution, &mut self.residual, &mut self.denominator);
@@ -174,6 +174,6 @@ pub(crate) fn check_length(what: &'static str, expected: usize, slice: &[f64]) -
     if slice.len() == expected { Ok(()) } else { Err(LinalgError::Length { what, expected, found: slice.len() }) }
 }
 
-pub(crate) fn check_finite(place: Place, slice: &[f64]) -> Result<(), LinalgError> {
+pub(crate) fn check_finite(place: SystemArray, slice: &[f64]) -> Result<(), LinalgError> {
     first_non_finite(slice).map_or(Ok(()), |index| Err(LinalgError::NonFinite { place, index }))
 }

@@ -4,8 +4,8 @@ use crate::common::Random;
 use crate::common::tangents::{Setting, block_pair};
 use std::sync::Arc;
 use stoss_linalg::{
-    AutoSolver, DenseSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, Place, SolverOptions,
-    SparseMatrix, SparsityPattern,
+    AutoSolver, DenseSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, SolverOptions, SparseMatrix,
+    SparsityPattern, SystemArray,
 };
 
 /// A saddle point that is large enough to be worth an iteration.
@@ -145,7 +145,7 @@ fn bad_input_is_an_error() {
     let mut spoilt = b.clone();
     spoilt[5] = f64::NAN;
     let error = solver.solve_nearby(&a.values, &spoilt, &mut x, 1e-6).unwrap_err();
-    assert!(matches!(error, LinalgError::NonFinite { place: Place::RightHandSide, index: 5 }), "{error}");
+    assert!(matches!(error, LinalgError::NonFinite { place: SystemArray::RightHandSide, index: 5 }), "{error}");
 }
 
 /// The same bits for any number of threads.

@@ -4,7 +4,8 @@ use crate::common::{Random, hex_system, pattern};
 use proptest::prelude::*;
 use std::sync::Arc;
 use stoss_linalg::{
-    AutoSolver, DenseSolver, FaerSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, Place, SparseMatrix,
+    AutoSolver, DenseSolver, FaerSolver, LinalgError, LinearSolver, MatrixKind, MultifrontalSolver, SparseMatrix,
+    SystemArray,
 };
 
 fn solvers() -> Vec<Box<dyn LinearSolver>> {
@@ -315,12 +316,12 @@ fn wrong_input_is_named() {
         assert!(matches!(solver.factorise(&a.values[1..]), Err(LinalgError::Length { .. })));
         let mut bad = a.values.clone();
         bad[7] = f64::NAN;
-        let expected = LinalgError::NonFinite { place: Place::Matrix, index: 7 };
+        let expected = LinalgError::NonFinite { place: SystemArray::Matrix, index: 7 };
         assert_eq!(solver.factorise(&bad), Err(expected));
         solver.factorise(&a.values).unwrap();
         let mut bad = b.clone();
         bad[3] = f64::INFINITY;
-        let expected = LinalgError::NonFinite { place: Place::RightHandSide, index: 3 };
+        let expected = LinalgError::NonFinite { place: SystemArray::RightHandSide, index: 3 };
         assert_eq!(solver.solve(&bad, &mut x), Err(expected));
         assert!(matches!(solver.solve(&b, &mut x[1..]), Err(LinalgError::Length { .. })));
         solver.solve(&b, &mut x).unwrap();

@@ -5,12 +5,12 @@
 //! `cargo run --example convert -p stoss-mesh-io`
 
 use std::error::Error;
-use stoss_mesh::generate::{Ball, Part};
+use stoss_mesh::generate::{Ball, Portion};
 use stoss_mesh_io::{read_mesh, write_mesh};
 use stoss_reference_element::CellKind;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let ball = Ball { radius: 1.0, part: Part::Eighth, divisions: [3, 3, 3], refinement: None }.generate()?;
+    let ball = Ball { radius: 1.0, part: Portion::Eighth, divisions: [3, 3, 3], refinement: None }.generate()?;
     let exact = std::f64::consts::PI / 6.0;
     let folder = tempfile::tempdir()?;
     println!("cells   nodes  elements  facets of `outer`  worst scaled Jacobian  volume / exact - 1");

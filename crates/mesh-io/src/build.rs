@@ -6,7 +6,7 @@ use stoss_reference_element::{CellKind, FaceKind, FacetKind, FacetNodes};
 
 use crate::MeshIoError;
 use crate::contents::{Contents, Source, entry};
-use crate::place::Place;
+use crate::place::FileLocation;
 
 /// Numbers of nodes and elements of one instance, or of a file without instances.
 #[derive(Default)]
@@ -64,7 +64,7 @@ impl Builder {
     }
 
     /// Adds a node. Saying the same twice is no error.
-    pub fn node(&mut self, number: u64, x: [f64; 3], place: Place) -> Result<(), MeshIoError> {
+    pub fn node(&mut self, number: u64, x: [f64; 3], place: FileLocation) -> Result<(), MeshIoError> {
         if let Some(&old) = self.last().nodes.get(&number) {
             if self.contents.nodes[old as usize] == x {
                 return Ok(());
@@ -81,7 +81,7 @@ impl Builder {
     }
 
     /// Index of a node.
-    pub fn node_number(&self, scope: usize, number: u64, place: Place) -> Result<u32, MeshIoError> {
+    pub fn node_number(&self, scope: usize, number: u64, place: FileLocation) -> Result<u32, MeshIoError> {
         let found = self.scopes[scope].nodes.get(&number).copied();
         found.ok_or_else(|| self.contents.unknown("node", number, place))
     }
@@ -94,7 +94,7 @@ impl Builder {
         kind: CellKind,
         nodes: &[u64],
         name: &str,
-        place: Place,
+        place: FileLocation,
     ) -> Result<u32, MeshIoError> {
         let local = self.nodes_of(number, kind.name(), kind.node_count(), nodes, place)?;
         if self.contents.is_plane {
@@ -110,7 +110,7 @@ impl Builder {
         kind: &str,
         count: usize,
         nodes: &[u64],
-        place: Place,
+        place: FileLocation,
     ) -> Result<Vec<u32>, MeshIoError> {
         let scope = self.scopes.len() - 1;
         if nodes.len() != count {
@@ -137,7 +137,7 @@ impl Builder {
         kind: CellKind,
         local: &[u32],
         name: &str,
-        place: Place,
+        place: FileLocation,
     ) -> Result<u32, MeshIoError> {
         if let Some(&same) = self.last().by_nodes.get(local) {
             self.last().elements.insert(number, same);
@@ -164,7 +164,7 @@ impl Builder {
         kind: FaceKind,
         nodes: &[u64],
         name: &str,
-        place: Place,
+        place: FileLocation,
     ) -> Result<u32, MeshIoError> {
         let plane = self.nodes_of(number, kind.name(), kind.node_count(), nodes, place)?;
         if !(self.contents.is_plane || self.contents.elements.is_empty()) {
@@ -192,7 +192,7 @@ impl Builder {
         Ok(element)
     }
 
-    fn mixed(&self, number: u64, place: Place) -> MeshIoError {
+    fn mixed(&self, number: u64, place: FileLocation) -> MeshIoError {
         let remedy = "the file has plane elements and solid ones: write them to two files";
         self.contents.error(place, format_args!("element {number}"), remedy)
     }
@@ -227,7 +227,7 @@ impl Builder {
     }
 
     /// Adds a node of scope 0.
-    pub fn add_to_node_set(&mut self, name: &str, number: u64, place: Place) -> Result<(), MeshIoError> {
+    pub fn add_to_node_set(&mut self, name: &str, number: u64, place: FileLocation) -> Result<(), MeshIoError> {
         let node = self.node_number(0, number, place)?;
         entry(&mut self.contents.node_sets, name).insert(node);
         Ok(())
@@ -238,7 +238,7 @@ impl Builder {
     }
 
     /// Adds an edge of plane elements of scope 0 by its ends: a face of their layer.
-    pub fn add_edge(&mut self, name: &str, ends: &[u64], place: Place) -> Result<(), MeshIoError> {
+    pub fn add_edge(&mut self, name: &str, ends: &[u64], place: FileLocation) -> Result<(), MeshIoError> {
         let mut corners = [0; 4];
         for k in 0..2 {
             let node = self.node_number(0, ends[k], place)?;
@@ -250,7 +250,7 @@ impl Builder {
     }
 
     /// Adds a face of scope 0 by its three or four corners, which must be those of a facet of an element.
-    pub fn add_face(&mut self, name: &str, corners: &[u64], place: Place) -> Result<(), MeshIoError> {
+    pub fn add_face(&mut self, name: &str, corners: &[u64], place: FileLocation) -> Result<(), MeshIoError> {
         let mut local = [0; 4];
         for (local, &corner) in local.iter_mut().zip(corners) {
             *local = self.node_number(0, corner, place)?;

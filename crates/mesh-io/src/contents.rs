@@ -7,14 +7,14 @@ use stoss_mesh::Elements;
 use stoss_reference_element::FacetNodes;
 
 use crate::lines::syntax;
-use crate::place::Place;
+use crate::place::FileLocation;
 use crate::{FilePosition, MeshIoError};
 
 /// A node or an element: its number in the file and its place.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Source {
     pub number: u64,
-    pub place: Place,
+    pub place: FileLocation,
 }
 
 /// Something in a file that Stoss does not compute with.
@@ -23,7 +23,7 @@ pub(crate) struct Other {
     /// Name of the thing as in "3 pyramids (type 7)", without the number.
     pub what: String,
     pub count: usize,
-    pub first: Place,
+    pub first: FileLocation,
     /// The groups of elements that it belongs to; `None` if it concerns the whole file.
     pub groups: Option<BTreeSet<String>>,
     /// Remedy: what to do instead.
@@ -50,7 +50,7 @@ pub struct Contents {
     /// The type of each element by its name in the format, where the format has variants of a cell.
     pub(crate) element_types: Vec<&'static str>,
     /// Types of the cells that are read: how many, and the first.
-    pub(crate) cells: BTreeMap<String, (usize, Place)>,
+    pub(crate) cells: BTreeMap<String, (usize, FileLocation)>,
     pub(crate) others: Vec<Other>,
     /// What a user should know.
     pub(crate) notes: Vec<String>,
@@ -64,7 +64,7 @@ pub struct Contents {
     pub(crate) element_vectors: BTreeMap<String, Vec<[f64; 3]>>,
     pub(crate) facet_sets: BTreeMap<String, BTreeSet<(u32, usize)>>,
     /// Faces, by their corners, that must be facets of elements.
-    pub(crate) faces: BTreeMap<String, Vec<(FacetNodes, Place)>>,
+    pub(crate) faces: BTreeMap<String, Vec<(FacetNodes, FileLocation)>>,
     /// All boundary facets of these elements.
     pub(crate) free_facets: BTreeMap<String, BTreeSet<u32>>,
     /// Names compare without regard to case.
@@ -105,12 +105,12 @@ impl Contents {
     }
 
     /// The file of a place.
-    pub(crate) fn file(&self, place: Place) -> &Path {
+    pub(crate) fn file(&self, place: FileLocation) -> &Path {
         self.files.get(place.file as usize).map_or_else(|| self.path(), PathBuf::as_path)
     }
 
     /// "line 3", "byte 3", with the file if it is an included one.
-    pub(crate) fn place_name(&self, place: Place) -> String {
+    pub(crate) fn place_name(&self, place: FileLocation) -> String {
         let unit = if self.binary { "byte" } else { "line" };
         if place.file == 0 {
             format!("{unit} {}", place.at)
@@ -120,12 +120,12 @@ impl Contents {
     }
 
     /// A place for an error.
-    pub(crate) fn position(&self, place: Place) -> FilePosition {
+    pub(crate) fn position(&self, place: FileLocation) -> FilePosition {
         if self.binary { FilePosition::Byte(place.at) } else { FilePosition::Line(place.at as usize) }
     }
 
     /// An error at a place.
-    pub(crate) fn error(&self, place: Place, value: impl ToString, remedy: impl ToString) -> MeshIoError {
+    pub(crate) fn error(&self, place: FileLocation, value: impl ToString, remedy: impl ToString) -> MeshIoError {
         let (value, remedy) = (value.to_string(), remedy.to_string());
         match self.position(place) {
             FilePosition::Line(line) => syntax(self.file(place), line, value, remedy),
@@ -136,13 +136,13 @@ impl Contents {
     }
 
     /// The error that something does not exist.
-    pub(crate) fn unknown(&self, kind: &'static str, number: impl ToString, place: Place) -> MeshIoError {
+    pub(crate) fn unknown(&self, kind: &'static str, number: impl ToString, place: FileLocation) -> MeshIoError {
         let (path, at) = (self.file(place).to_owned(), self.position(place));
         MeshIoError::Unknown { path, at, kind, number: number.to_string() }
     }
 
     /// Counts what Stoss does not compute with; `groups` are the groups of elements that it belongs to.
-    pub(crate) fn count_other(&mut self, what: &str, remedy: &str, groups: Option<&[String]>, place: Place) {
+    pub(crate) fn count_other(&mut self, what: &str, remedy: &str, groups: Option<&[String]>, place: FileLocation) {
         let index = self.others.iter().position(|o| o.what == what).unwrap_or_else(|| {
             self.others.push(Other {
                 what: what.to_owned(),
@@ -161,7 +161,7 @@ impl Contents {
     }
 
     /// Counts a cell that is read.
-    pub(crate) fn count_cell(&mut self, kind: &str, place: Place) {
+    pub(crate) fn count_cell(&mut self, kind: &str, place: FileLocation) {
         match self.cells.get_mut(kind) {
             Some(cell) => cell.0 += 1,
             None => drop(self.cells.insert(kind.to_owned(), (1, place))),

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::place::Place;
+use crate::place::FileLocation;
 use crate::{FilePosition, MeshIoError};
 
 /// The longest piece of a file that an error repeats.
@@ -28,8 +28,8 @@ impl<'a> Lines<'a> {
     }
 
     /// The current line.
-    pub fn place(&self) -> Place {
-        Place { file: self.file, at: self.number as u64 }
+    pub fn place(&self) -> FileLocation {
+        FileLocation { file: self.file, at: self.number as u64 }
     }
 
     /// The next line that is not blank, or `None` at the end.

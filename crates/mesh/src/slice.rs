@@ -102,7 +102,7 @@ impl Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generate::{Disc, Part, Rectangle};
+    use crate::generate::{Disc, Portion, Rectangle};
 
     fn volume(mesh: &Mesh) -> f64 {
         mesh.elements
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn nodes_on_the_axis_are_a_set_of_their_own() {
-        let disc = Disc { radius: 2.0, part: Part::Quarter, divisions: [3; 3], refinement: None };
+        let disc = Disc { radius: 2.0, part: Portion::Quarter, divisions: [3; 3], refinement: None };
         let layer = disc.generate().unwrap();
         let mesh = layer.clone().slice(Slice::Sector(0.03)).unwrap();
         // A quarter of a ball; its chords lie inside.

@@ -1,6 +1,6 @@
 //! Meshes of other cells: what they must keep, and how well curved boundaries are met.
 
-use stoss_mesh::generate::{Ball, Block, Cylinder, HollowBall, HollowTorus, Part};
+use stoss_mesh::generate::{Ball, Block, Cylinder, HollowBall, HollowTorus, Portion};
 use stoss_mesh::{Elements, Mesh, MeshError};
 use stoss_reference_element::CellKind;
 
@@ -88,7 +88,7 @@ fn spheres_and_cylinders_are_met_exactly() {
             let off = off(&cells, set, radius);
             assert!(off < exact && cells.nodes.len() > corners, "{kind}, {name}: {off:e}");
         };
-        let part = Part::Quarter;
+        let part = Portion::Quarter;
         check(
             "ball",
             Ball { radius: 1.0, divisions: [3, 3, 3], part, refinement: None }.generate().unwrap(),
@@ -97,7 +97,7 @@ fn spheres_and_cylinders_are_met_exactly() {
         );
         let hollow = HollowBall { inner_diameter: 1.0, outer_diameter: 2.0, divisions: [6, 3] };
         check("hollow ball", hollow.generate().unwrap(), "outer", &sphere);
-        let part = Part::Full;
+        let part = Portion::Full;
         let rod = Cylinder { radius: 1.0, length: 1.0, divisions: [3, 3, 3, 2], part, refinement: None };
         check("cylinder", rod.generate().unwrap(), "outer", &cylinder);
         for (n, m) in [(4, 1), (4, 3), (6, 2)] {
@@ -145,7 +145,7 @@ fn other_surfaces_are_met_to_fourth_order() {
 /// The flat ends of a cylinder stay flat.
 #[test]
 fn plane_boundaries_stay_plane() {
-    let rod = Cylinder { radius: 1.0, length: 1.0, divisions: [3, 3, 3, 2], part: Part::Full, refinement: None };
+    let rod = Cylinder { radius: 1.0, length: 1.0, divisions: [3, 3, 3, 2], part: Portion::Full, refinement: None };
     let rod = rod.generate().unwrap().with_cells(CellKind::Tet10).unwrap();
     assert!(
         rod.nodes_of("front")
@@ -167,7 +167,7 @@ fn what_cannot_be_made_is_refused() {
     assert!(refused(&tets, CellKind::Hex8).contains("tet10"));
     assert!(refused(&block.with_cells(CellKind::Tet4).unwrap(), CellKind::Hex20).contains("only tet4, tet10"));
     // The blocks of a ball have different third directions.
-    let ball = Ball { radius: 1.0, divisions: [2; 3], part: Part::Quarter, refinement: None }.generate().unwrap();
+    let ball = Ball { radius: 1.0, divisions: [2; 3], part: Portion::Quarter, refinement: None }.generate().unwrap();
     assert!(refused(&ball, CellKind::Wedge6).contains("tetrahedra"));
     let error = ball.with_cells(CellKind::Wedge15).unwrap_err().to_string();
     assert!(error.contains("wedge15") && !error.contains("wedge6"), "{error}");

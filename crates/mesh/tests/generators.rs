@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use proptest::prelude::*;
 use stoss_mesh::generate::{
-    Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Refinement,
+    Ball, Block, Cylinder, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Portion, Refinement,
 };
 use stoss_mesh::{Facet, Mesh, MeshError};
 
@@ -87,7 +87,8 @@ fn sides(mesh: &Mesh, [nx, ny, nz]: [usize; 3]) {
 }
 
 /// Parts of a ball and how many eighths they have.
-const PARTS: [(Part, usize); 4] = [(Part::Full, 8), (Part::Half, 4), (Part::Quarter, 2), (Part::Eighth, 1)];
+const PARTS: [(Portion, usize); 4] =
+    [(Portion::Full, 8), (Portion::Half, 4), (Portion::Quarter, 2), (Portion::Eighth, 1)];
 
 /// Sets that exist lie in a coordinate plane at `level` to the last bit, and face outwards.
 fn planes(mesh: &Mesh, rows: &[(&str, usize, f64)], level: f64) {
@@ -198,7 +199,7 @@ proptest! {
 
     #[test]
     fn solid_cylinders(n in 1usize..5, m in 1usize..5, r in 1usize..4, l in 1usize..3, p in 0usize..3) {
-        let (part, pieces) = [(Part::Full, 4), (Part::Half, 2), (Part::Quarter, 1)][p];
+        let (part, pieces) = [(Portion::Full, 4), (Portion::Half, 2), (Portion::Quarter, 1)][p];
         let cylinder = Cylinder { radius: 1.5, length: 0.7, part, divisions: [n, m, r, l], refinement: None };
         let mesh = cylinder.generate().unwrap();
         prop_assert_eq!(mesh.elements.len(), pieces * (n * m + (n + m) * r) * l);
@@ -214,8 +215,8 @@ proptest! {
         prop_assert!((mesh.quality().volume - exact).abs() < 1e-12 * exact);
         planes(&mesh, &[("top", 2, 1.0), ("left", 0, -1.0), ("front", 1, -1.0)], 0.0);
         planes(&mesh, &[("back", 1, 1.0)], 0.7);
-        prop_assert_eq!(mesh.facet_sets.contains_key("left"), part == Part::Quarter);
-        prop_assert_eq!(mesh.facet_sets.contains_key("top"), part != Part::Full);
+        prop_assert_eq!(mesh.facet_sets.contains_key("left"), part == Portion::Quarter);
+        prop_assert_eq!(mesh.facet_sets.contains_key("top"), part != Portion::Full);
     }
 
     /// Sizes along the surface from the lowest point: equal, then growing; the first element's depth is the same.
@@ -223,7 +224,7 @@ proptest! {
     fn refined_balls(elements in 1usize..8, beyond in 5usize..10, half_width in 0.01..0.2f64) {
         let refinement = Some(Refinement { half_width, elements });
         let n = elements + beyond;
-        let ball = Ball { radius: 1.0, part: Part::Eighth, divisions: [n, 2, 9], refinement };
+        let ball = Ball { radius: 1.0, part: Portion::Eighth, divisions: [n, 2, 9], refinement };
         let mesh = ball.generate().unwrap();
         battery(&mesh);
         let mut angles: Vec<f64> = (mesh.nodes_of("outer").unwrap().iter())
@@ -261,10 +262,10 @@ proptest! {
             HollowBall { inner_diameter: a[0], outer_diameter: a[1], divisions: [n0, n1] }.generate(),
             HollowTorus { ring_radius: a[0], tube_outer_radius: a[1], tube_inner_radius: a[2], divisions: d3 }.generate(),
             LBlock { length: [a[0], a[1]], width: a[2], thickness: a[3], divisions: [n0, n1, n2, n3] }.generate(),
-            Ball { radius: a[0], part: Part::Quarter, divisions: d3, refinement: None }.generate(),
+            Ball { radius: a[0], part: Portion::Quarter, divisions: d3, refinement: None }.generate(),
             Ball {
                 radius: a[0],
-                part: Part::Eighth,
+                part: Portion::Eighth,
                 divisions: d3,
                 refinement: Some(Refinement { half_width: a[1], elements: n3 }),
             }
@@ -272,7 +273,7 @@ proptest! {
             Cylinder {
                 radius: a[0],
                 length: a[2],
-                part: Part::Full,
+                part: Portion::Full,
                 divisions: n,
                 refinement: Some(Refinement { half_width: a[1], elements: n3 }),
             }
@@ -323,8 +324,13 @@ fn round_volumes_converge() {
         assert!(fine > 0.0 && fine < 0.02 && (3.6..4.4).contains(&(coarse / fine)), "{part:?} {coarse} {fine}");
     }
     let cylinder = |k: usize| {
-        let cylinder =
-            Cylinder { radius: 2.0, length: 3.0, part: Part::Half, divisions: [3 * k, 2 * k, k, 1], refinement: None };
+        let cylinder = Cylinder {
+            radius: 2.0,
+            length: 3.0,
+            part: Portion::Half,
+            divisions: [3 * k, 2 * k, k, 1],
+            refinement: None,
+        };
         1.0 - cylinder.generate().unwrap().quality().volume / (6.0 * PI)
     };
     let (coarse, fine) = (cylinder(1), cylinder(2));
@@ -335,7 +341,7 @@ fn round_volumes_converge() {
 #[test]
 fn strongly_refined_round_bodies() {
     let refinement = Some(Refinement { half_width: 0.024, elements: 12 });
-    let cylinder = Cylinder { radius: 1.0, length: 0.01, part: Part::Half, divisions: [30, 4, 18, 1], refinement };
+    let cylinder = Cylinder { radius: 1.0, length: 0.01, part: Portion::Half, divisions: [30, 4, 18, 1], refinement };
     let mesh = cylinder.generate().unwrap();
     battery(&mesh);
     let near = mesh.nodes_of("outer").unwrap().iter().filter(|&&n| mesh.nodes[n as usize][0].abs() < 0.0201).count();
@@ -346,7 +352,7 @@ fn strongly_refined_round_bodies() {
     assert!(matches!(shallow.generate(), Err(MeshError::Parameter { parameter: "divisions", .. })));
     let many = Cylinder { divisions: [12, 4, 18, 1], ..cylinder };
     assert!(matches!(many.generate(), Err(MeshError::Parameter { parameter: "elements", .. })));
-    let eighth = Cylinder { part: Part::Eighth, ..cylinder };
+    let eighth = Cylinder { part: Portion::Eighth, ..cylinder };
     assert!(matches!(eighth.generate(), Err(MeshError::Parameter { parameter: "part", .. })));
 }
 

@@ -1,7 +1,7 @@
 //! Mass properties: closed forms against surfaces and meshes, invariance, conversions.
 
 use proptest::prelude::*;
-use stoss_mesh::generate::{Ball, Block, Hexahedron, HollowBall, Part};
+use stoss_mesh::generate::{Ball, Block, Hexahedron, HollowBall, Portion};
 use stoss_mesh::surface::{Cone, Cuboid, Cylinder, Plane, RoundDivisions, Sphere};
 use stoss_mesh::{MassProperties, Mesh, MeshError, Rotation, SurfaceMesh};
 use stoss_reference_element::FacetNodes;
@@ -116,7 +116,7 @@ fn round_shapes_converge_at_second_order() {
     second_order("sphere", sphere, |n| of(Sphere { radius: 0.8, divisions: n / 4 }.generate()));
     second_order("ball", sphere, |n| {
         let divisions = [n as usize / 8, n as usize / 8, 2];
-        let ball = Ball { radius: 0.8, part: Part::Full, divisions, refinement: None };
+        let ball = Ball { radius: 0.8, part: Portion::Full, divisions, refinement: None };
         MassProperties::of_mesh(&ball.generate().unwrap(), density).unwrap()
     });
     second_order("cylinder", MassProperties::of_cylinder(0.8, 2.0, density).unwrap(), |n| {

@@ -10,7 +10,7 @@ use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_multibody::{ConstraintSet, Embedded, Equation, QuadraticsBuilder, RigidBody, RigidMass};
 use stoss_newton::NewtonOptions;
-use stoss_solver::{Coupling, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_solver::{CouplingTerm, InsideOutTreatment, Model, Settings, Simulation, StepControl};
 use stoss_term::{Fault, GradientRule, Local, StepConfiguration, Term};
 
 /// `(|x_b - x_a|^2 - l^2) / (2 l) = 0`: a length; its multiplier is the force of the rod, positive in compression.
@@ -31,7 +31,7 @@ const LENGTH: f64 = 1.5;
 const MASS: f64 = 2.0;
 
 fn add(model: &mut Model, name: &str, constraint: impl Term + 'static) {
-    model.contacts.push(Coupling::new(name, constraint, 1.0));
+    model.contacts.push(CouplingTerm::new(name, constraint, 1.0));
 }
 
 fn pair(off: f64, velocities: [[f64; 3]; 2], spins: [[f64; 3]; 2]) -> Result<Pair, Box<dyn Error>> {
@@ -57,7 +57,7 @@ fn simulation(model: Model) -> Result<Simulation, Box<dyn Error>> {
         control: StepControl { step: 0.02, end: 2.0, max_cuts: 0, grow_after: 4, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };

@@ -2,7 +2,7 @@
 
 use crate::compliance::{Compliance, Weights};
 use crate::quadratic::{Evaluation, Quadratics};
-use stoss_term::{At, Bilateral, Fault, GradientRule, Local, Rule, Step, StepConfiguration, Term};
+use stoss_term::{At, Bilateral, Fault, GradientRule, Local, Rule, StepConfiguration, StepContext, Term};
 
 /// Equations of the same vectors: each of the functions is to be zero.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,7 +139,7 @@ impl Term for ConstraintSet {
         rule == Rule::Constraint(GradientRule::EndPoint)
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
         self.compliance.begin(step.dt);
         Ok(())
     }

@@ -7,14 +7,14 @@ use crate::{Embedded, RigidBody};
 /// Of a rigid body they are given by [`RigidBody::frame`]; of a node of a beam they are the position and the directors over their length; on the ground they are
 /// constants. The first direction is the axis of the joints that have one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct JointFrame {
     /// The point, a length.
     pub point: Embedded,
     /// The directions, without unit.
     pub axes: [Embedded; 3],
 }
 
-impl Frame {
+impl JointFrame {
     /// A frame that does not move.
     pub fn ground(point: [f64; 3], axes: [[f64; 3]; 3]) -> Self {
         Self { point: Embedded::ground(point), axes: axes.map(Embedded::ground) }
@@ -23,8 +23,8 @@ impl Frame {
 
 impl RigidBody {
     /// The frame of the body that is at `point` with the directions `axes` (one a row) in the reference configuration.
-    pub fn frame(&self, point: [f64; 3], axes: [[f64; 3]; 3]) -> Frame {
-        Frame { point: self.point(point), axes: axes.map(|axis| self.direction(axis)) }
+    pub fn frame(&self, point: [f64; 3], axes: [[f64; 3]; 3]) -> JointFrame {
+        JointFrame { point: self.point(point), axes: axes.map(|axis| self.direction(axis)) }
     }
 }
 

@@ -8,7 +8,7 @@
 //! What acts at a point acts at an [`Embedded`] point, whatever carries it.
 //!
 //! * [`RigidBody`], [`Beam`], [`ElasticString`], [`PointMass`], [`Spring`], [`ElasticSupport`]: parts;
-//! * [`Joint`], [`JOINTS`], [`CoordinateOptions`]: joints between two [`Frame`]s, with springs, friction, limits and motors;
+//! * [`Joint`], [`JOINTS`], [`CoordinateOptions`]: joints between two [`JointFrame`]s, with springs, friction, limits and motors;
 //! * [`ConstraintSet`], [`QuadraticsBuilder`]: constraints of your own; [`kinematic_coupling`], [`distributing_coupling`]: nodes to a body;
 //! * [`LinearEquations`]: multi-point constraints;
 //! * [`analyse`]: equations that follow from others.
@@ -50,7 +50,7 @@ pub use constraint::{ConstraintSet, Equation};
 pub use coupling::{CouplingError, distributing_coupling, kinematic_coupling};
 pub use embedded::Embedded;
 pub use error::PartDataError;
-pub use frame::{Frame, axes_along};
+pub use frame::{JointFrame, axes_along};
 pub use joint::{
     CoordinateFriction, CoordinateKind, CoordinateOptions, CoordinateSpring, Directions, Drive, DriveFunction, JOINTS,
     Joint, JointEntry, JointError, JointKind, PiecewiseLinear, Pretension, joint_entry,

@@ -3,7 +3,7 @@
 use crate::compliance::{Compliance, Weights};
 use crate::{Drive, Embedded, PiecewiseLinear};
 use std::collections::BTreeMap;
-use stoss_term::{At, Bilateral, Fault, Local, Rule, SlotKind, Step, StepConfiguration, Term, Undefined, Work};
+use stoss_term::{At, Bilateral, Fault, Local, Rule, SlotKind, StepConfiguration, StepContext, Term, Undefined, Work};
 
 /// Part of the length scale by which an equation without a multiplier may be violated.
 const MISSED: f64 = 1e-6;
@@ -183,7 +183,7 @@ impl Term for LinearEquations {
         true
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
         (self.times, self.has_rates) = ([step.time, step.end], step.rates);
         self.compliance.begin(step.dt);
         Ok(())

@@ -3,8 +3,8 @@
 use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, finish, rod, run, run_with};
 use std::sync::Arc;
 use stoss_multibody::{
-    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, Joint, JointKind, PiecewiseLinear,
-    RigidMass,
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Joint, JointFrame, JointKind,
+    PiecewiseLinear, RigidMass,
 };
 use stoss_reference_cases::multibody::mechanisms::braked;
 use stoss_solver::{Model, Simulation};
@@ -15,7 +15,7 @@ fn wheel(j: f64, spin: f64, turned: f64, options: CoordinateOptions) -> Model {
     let body = add_body(&mut model, "wheel", rod(1.0, [0.0; 3], j), [0.0; 3], [0.0, 0.0, spin]);
     let (s, c) = turned.sin_cos();
     // The ground's frame is behind by the angle at the start.
-    let ground = Frame::ground([0.0; 3], [[0.0, 0.0, 1.0], [c, -s, 0.0], [s, c, 0.0]]);
+    let ground = JointFrame::ground([0.0; 3], [[0.0, 0.0, 1.0], [c, -s, 0.0], [s, c, 0.0]]);
     let axle = Joint::new("axle", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z), 0.3, &model.reference);
     add_constraint(&mut model, "axle", axle.unwrap().with_options(options).unwrap());
     model
@@ -115,7 +115,7 @@ fn journal_friction_follows_the_force() {
     let mut model = Model::default();
     let body = add_body(&mut model, "wheel", rod(2.0, [0.0; 3], j), [0.0; 3], [0.0, 0.0, w]);
     add_weight(&mut model, &[&body], [0.0, -9.81, 0.0]);
-    let ground = Frame::ground([0.0; 3], ABOUT_Z);
+    let ground = JointFrame::ground([0.0; 3], ABOUT_Z);
     let axle = Joint::new("axle", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z), 0.3, &model.reference);
     add_constraint(&mut model, "axle", axle.unwrap().with_options(options).unwrap());
     let mut simulation = run(model, 0.01, 2.0);
@@ -193,7 +193,7 @@ fn a_slider_between_limits() {
     let guide = Joint::new(
         "guide",
         JointKind::Slider,
-        &Frame::ground([0.0; 3], AXES),
+        &JointFrame::ground([0.0; 3], AXES),
         &body.frame([0.0; 3], AXES),
         0.2,
         &model.reference,
@@ -241,7 +241,7 @@ fn statics() {
             friction: (friction > 0.0).then_some(CoordinateFriction { bound: friction, ..Default::default() }),
             ..Default::default()
         };
-        let ground = Frame::ground([0.0; 3], ABOUT_Z);
+        let ground = JointFrame::ground([0.0; 3], ABOUT_Z);
         let hinge =
             Joint::new("hinge", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z), 0.4, &model.reference);
         add_constraint(&mut model, "hinge", hinge.unwrap().with_options(options).unwrap());
@@ -275,7 +275,7 @@ fn everything_at_once_is_balanced() {
     let hinge = Joint::new(
         "hinge",
         JointKind::Hinge,
-        &Frame::ground([0.0; 3], ABOUT_Z),
+        &JointFrame::ground([0.0; 3], ABOUT_Z),
         &body.frame([0.0; 3], ABOUT_Z),
         0.4,
         &model.reference,

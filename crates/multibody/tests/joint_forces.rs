@@ -2,10 +2,10 @@
 
 use proptest::prelude::*;
 use stoss_multibody::{
-    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, Frame, JOINTS, Joint, JointKind,
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, DriveFunction, JOINTS, Joint, JointFrame, JointKind,
     Pretension, RigidBody, RigidMass,
 };
-use stoss_term::{At, Bilateral, GradientRule, Local, Step, StepConfiguration, Term};
+use stoss_term::{At, Bilateral, GradientRule, Local, StepConfiguration, StepContext, Term};
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const POINT: [f64; 3] = [0.4, -0.3, 0.2];
@@ -30,7 +30,7 @@ fn axes() -> [[f64; 3]; 3] {
 
 fn joint(kind: JointKind, ground: bool) -> Joint {
     let [a, b] = bodies();
-    let side_a = if ground { Frame::ground(POINT, axes()) } else { a.frame(POINT, axes()) };
+    let side_a = if ground { JointFrame::ground(POINT, axes()) } else { a.frame(POINT, axes()) };
     let q = reference();
     let side_b = match kind {
         // The pin of b has the length that is asked for.
@@ -63,7 +63,7 @@ fn options(which: usize) -> CoordinateOptions {
 }
 
 fn begin(joint: &mut Joint, q_n: &[f64], rule: GradientRule) {
-    joint.begin(&Step::new(q_n, rule, 0.05)).unwrap();
+    joint.begin(&StepContext::new(q_n, rule, 0.05)).unwrap();
 }
 
 fn assemble(joint: &Joint, q: [&[f64]; 2], rule: GradientRule, multipliers: &[f64], tangent: bool) -> Local {
@@ -474,7 +474,7 @@ fn misplaced_frames_are_refused() {
     let [a, b] = bodies();
     let q = reference();
     let frame = a.frame(POINT, axes());
-    let make = |kind, other: &Frame| Joint::new("door", kind, &frame, other, LENGTH, &q);
+    let make = |kind, other: &JointFrame| Joint::new("door", kind, &frame, other, LENGTH, &q);
     let shifted = b.frame([POINT[0] + 1e-3, POINT[1], POINT[2]], axes());
     assert!(make(JointKind::Ball, &shifted).unwrap_err().to_string().contains("the point of side b is 1.000"));
     let turned = b.frame(POINT, axes().map(|v| rotate(axes()[1], 1e-4, v)));
@@ -483,8 +483,8 @@ fn misplaced_frames_are_refused() {
     assert!(make(JointKind::Weld, &b.frame(POINT, axes().map(|v| rotate(axes()[0], 1e-4, v)))).is_err());
     assert!(make(JointKind::Hinge, &b.frame(POINT, axes().map(|v| rotate(axes()[0], 1e-4, v)))).is_ok());
     assert!(make(JointKind::Hinge, &frame.clone()).unwrap_err().to_string().contains("same frame"));
-    let ground = Frame::ground(POINT, axes());
-    assert!(Joint::new("door", JointKind::Ball, &ground, &Frame::ground(POINT, AXES), 1.0, &q).is_err());
+    let ground = JointFrame::ground(POINT, axes());
+    assert!(Joint::new("door", JointKind::Ball, &ground, &JointFrame::ground(POINT, AXES), 1.0, &q).is_err());
     let ball = joint(JointKind::Ball, true);
     assert!(ball.clone().with_options(options(0)).is_err());
     let second = joint(JointKind::Hinge, true).with_options_of(1, options(0)).unwrap_err();

@@ -6,7 +6,7 @@ use stoss_multibody::{
     SpringData, analyse,
 };
 use stoss_solver::{Load, LoadKind, Model, Prescription, Table};
-use stoss_term::{At, Bilateral, GradientRule, Step, StepConfiguration, Term, check};
+use stoss_term::{At, Bilateral, GradientRule, StepConfiguration, StepContext, Term, check};
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 
@@ -139,7 +139,7 @@ fn forces_are_those_of_the_multipliers() {
             GradientRule::EndPointMean,
             GradientRule::DiscreteGradient,
         ] {
-            term.begin(&Step::new(&reference, rule, 0.05)).unwrap();
+            term.begin(&StepContext::new(&reference, rule, 0.05)).unwrap();
             let step = StepConfiguration { q_n: &reference, q_np1: &q_np1, rule };
             let active = vec![true; slots];
             let at = step.at(&multipliers[..slots], &active);
@@ -179,7 +179,7 @@ fn what_follows_and_what_contradicts_is_found() {
     let q = &model.reference;
     assert!(analyse(&[&other], q, |_| false).is_err());
     let mut still = of(0, 2, 0.1);
-    still.begin(&Step::new(q, GradientRule::EndPoint, 0.1)).unwrap();
+    still.begin(&StepContext::new(q, GradientRule::EndPoint, 0.1)).unwrap();
     assert!(still.verify_inactive(q, &[false]).unwrap_err().to_string().contains("contradict"));
     assert!(all[2].verify_inactive(q, &[false]).is_ok());
 }
@@ -204,7 +204,12 @@ fn history_of_a_driven_equation() {
     let value = PiecewiseLinear(vec![(0.0, 0.0), (1.0, 2.0)]);
     let mut term = LinearEquations::new("e", 1.0, &[terms], value, &[0.0; 3]).unwrap();
     let q = [0.5, 0.0, 0.0];
-    let step = |time: f64| Step { time, end: time + 0.25, rates: false, ..Step::new(&q, GradientRule::EndPoint, 0.25) };
+    let step = |time: f64| StepContext {
+        time,
+        end: time + 0.25,
+        rates: false,
+        ..StepContext::new(&q, GradientRule::EndPoint, 0.25)
+    };
     term.begin(&step(0.0)).unwrap();
     term.commit(&At::end(&q, &[3.0], &[true]));
     let mut other = term.clone();

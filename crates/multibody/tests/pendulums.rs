@@ -1,13 +1,13 @@
 //! Pendulums and mechanisms in whole runs under the energy-momentum scheme.
 
 use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, finish, rod, run};
-use stoss_multibody::{Frame, Joint, JointKind, RigidMass};
+use stoss_multibody::{Joint, JointFrame, JointKind, RigidMass};
 use stoss_reference_cases::multibody::mechanisms::slider;
 use stoss_solver::Model;
 
 const GRAVITY: [f64; 3] = [0.0, -9.81, 0.0];
 
-fn joint(model: &mut Model, name: &str, kind: JointKind, a: &Frame, b: &Frame) -> usize {
+fn joint(model: &mut Model, name: &str, kind: JointKind, a: &JointFrame, b: &JointFrame) -> usize {
     let joint = Joint::new(name, kind, a, b, 0.5, &model.reference).unwrap();
     add_constraint(model, name, joint)
 }
@@ -19,7 +19,13 @@ fn double_pendulum_keeps_its_energy() {
     let upper = add_body(&mut model, "upper", rod(1.5, [0.5, 0.0, 0.0], 0.12), [0.0; 3], [0.0; 3]);
     let lower = add_body(&mut model, "lower", rod(0.8, [1.4, 0.0, 0.0], 0.08), [0.0; 3], [0.0; 3]);
     add_weight(&mut model, &[&upper, &lower], GRAVITY);
-    joint(&mut model, "shoulder", JointKind::Hinge, &Frame::ground([0.0; 3], ABOUT_Z), &upper.frame([0.0; 3], ABOUT_Z));
+    joint(
+        &mut model,
+        "shoulder",
+        JointKind::Hinge,
+        &JointFrame::ground([0.0; 3], ABOUT_Z),
+        &upper.frame([0.0; 3], ABOUT_Z),
+    );
     let skew = stoss_multibody::axes_along([0.3, 0.2, 1.0]).unwrap();
     joint(
         &mut model,
@@ -89,7 +95,7 @@ fn spherical_pendulum_keeps_energy_and_vertical_momentum() {
     let w = (9.81 / (l * a.cos())).sqrt();
     let body = add_body(&mut model, "bob", mass, [0.0, 0.0, -w * centre[0]], [0.0, w, 0.0]);
     add_weight(&mut model, &[&body], GRAVITY);
-    joint(&mut model, "pivot", JointKind::Ball, &Frame::ground([0.0; 3], AXES), &body.frame([0.0; 3], AXES));
+    joint(&mut model, "pivot", JointKind::Ball, &JointFrame::ground([0.0; 3], AXES), &body.frame([0.0; 3], AXES));
     let mut simulation = run(model, 0.002, 2.0);
     let first = *simulation.balance();
     let (most, _) = finish(&mut simulation);
@@ -111,7 +117,7 @@ fn an_angle_is_followed_over_50_turns() {
     let mut model = Model::default();
     let w = std::f64::consts::TAU;
     let body = add_body(&mut model, "wheel", rod(1.0, [0.0; 3], 0.5), [0.0; 3], [0.0, 0.0, w]);
-    let ground = Frame::ground([0.0; 3], ABOUT_Z);
+    let ground = JointFrame::ground([0.0; 3], ABOUT_Z);
     let at = joint(&mut model, "axle", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z));
     let copy =
         Joint::new("copy", JointKind::Hinge, &ground, &body.frame([0.0; 3], ABOUT_Z), 0.5, &model.reference).unwrap();
@@ -144,7 +150,13 @@ fn slider_crank() {
     let conrod =
         add_body(&mut model, "rod", rod(0.6, [0.8, 0.0, 0.0], 0.06), [0.0, turn * (0.8 - 1.3), 0.0], [0.0, 0.0, turn]);
     let block = add_body(&mut model, "slider", rod(0.5, [1.3, 0.0, 0.0], 0.01), [0.0; 3], [0.0; 3]);
-    joint(&mut model, "main", JointKind::Hinge, &Frame::ground([0.0; 3], ABOUT_Z), &crank.frame([0.0; 3], ABOUT_Z));
+    joint(
+        &mut model,
+        "main",
+        JointKind::Hinge,
+        &JointFrame::ground([0.0; 3], ABOUT_Z),
+        &crank.frame([0.0; 3], ABOUT_Z),
+    );
     // A plane loop of hinges would have redundant equations: the pins are balls and a cardan joint.
     joint(
         &mut model,
@@ -160,7 +172,7 @@ fn slider_crank() {
         &mut model,
         "guide",
         JointKind::Slider,
-        &Frame::ground([1.3, 0.0, 0.0], AXES),
+        &JointFrame::ground([1.3, 0.0, 0.0], AXES),
         &block.frame([1.3, 0.0, 0.0], AXES),
     );
     let mut simulation = run(model, 0.002, 2.0);

@@ -4,7 +4,7 @@ use crate::common::{ABOUT_Z, AXES, add_body, add_constraint, add_weight, rod, ru
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
 use stoss_multibody::{
-    ConstraintSet, CoordinateOptions, Equations, Frame, Joint, JointKind, PiecewiseLinear, RigidBody, RigidMass,
+    ConstraintSet, CoordinateOptions, Equations, Joint, JointFrame, JointKind, PiecewiseLinear, RigidBody, RigidMass,
     Weights, analyse,
 };
 use stoss_solver::{Model, Simulation};
@@ -12,7 +12,7 @@ use stoss_term::{GradientRule, StepConfiguration, Term};
 
 const WEIGHTS: Weights = Weights { mass: 1.0, stiffness: 0.0 };
 
-fn joint(name: &str, kind: JointKind, a: &Frame, b: &Frame, model: &Model) -> Joint {
+fn joint(name: &str, kind: JointKind, a: &JointFrame, b: &JointFrame, model: &Model) -> Joint {
     Joint::new(name, kind, a, b, 0.5, &model.reference).unwrap()
 }
 
@@ -122,7 +122,13 @@ fn door(hinges: u8) -> (Model, RigidBody, Vec<Joint>) {
     let joints = (0..hinges)
         .map(|k| {
             let at: [f64; 3] = std::array::from_fn(|i| f64::from(k) * 0.7 * axis[0][i]);
-            joint(&format!("door-{}", k + 1), JointKind::Hinge, &Frame::ground(at, axis), &door.frame(at, axis), &model)
+            joint(
+                &format!("door-{}", k + 1),
+                JointKind::Hinge,
+                &JointFrame::ground(at, axis),
+                &door.frame(at, axis),
+                &model,
+            )
         })
         .collect();
     add_weight(&mut model, &[&door], [0.0, 0.0, -9.81]);
@@ -296,7 +302,7 @@ fn a_hundred_redundant_equations() {
 #[test]
 fn contradictions() {
     let (model, body, _) = door(1);
-    let ground = |at: f64| Frame::ground([0.0, 0.0, at], ABOUT_Z);
+    let ground = |at: f64| JointFrame::ground([0.0, 0.0, at], ABOUT_Z);
     let motor = |at: f64, target: f64| {
         let options =
             CoordinateOptions { motor: Some(Arc::new(PiecewiseLinear(vec![(0.0, target)]))), ..Default::default() };

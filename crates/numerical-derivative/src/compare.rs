@@ -1,7 +1,7 @@
 //! An analytic Jacobian against a numerical one.
 
 use crate::error::length;
-use crate::{DerivativeError, Method, Step, VectorFunction, Workspace, jacobian};
+use crate::{DerivativeError, DifferenceStep, Method, VectorFunction, Workspace, jacobian};
 use std::fmt;
 
 /// The entry in which two Jacobians differ most.
@@ -76,7 +76,7 @@ pub fn check_jacobian(
     x: &[f64],
     analytic: &[f64],
     method: Method,
-    step: Step,
+    step: DifferenceStep,
 ) -> Result<Comparison, DerivativeError> {
     let mut numerical = vec![0.0; analytic.len()];
     jacobian(function, x, method, step, &mut Workspace::default(), &mut numerical)?;
@@ -126,8 +126,9 @@ mod tests {
             y[1] = x[0] + x[1] * x[1];
         };
         let right = [3.0, 2.0, 1.0, 6.0];
-        let check =
-            |jacobian: &[f64]| check_jacobian(&mut { f }, &[2.0, 3.0], jacobian, Method::Central, Step::default());
+        let check = |jacobian: &[f64]| {
+            check_jacobian(&mut { f }, &[2.0, 3.0], jacobian, Method::Central, DifferenceStep::default())
+        };
         assert!(check(&right).unwrap().relative_error < 1e-10);
         let wrong = check(&[3.0, 2.0, 1.0, 6.1]).unwrap();
         assert_eq!((wrong.row, wrong.column), (1, 1));

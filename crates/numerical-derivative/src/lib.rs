@@ -12,7 +12,7 @@
 //! over `f64` serves the three differences, and the complex step answers [`DerivativeError::RealOnly`].
 //!
 //! ```
-//! use stoss_numerical_derivative::{Analytic, AnalyticScalar, Method, Scalar, Step, derivative};
+//! use stoss_numerical_derivative::{Analytic, AnalyticScalar, DifferenceStep, Method, Scalar, derivative};
 //!
 //! /// The example of thesis D.1.
 //! struct Example;
@@ -24,9 +24,9 @@
 //! }
 //!
 //! let exact = 2.0_f64.cos() + 32.0;
-//! let slope = derivative(&mut Analytic(Example), 2.0, Method::ComplexStep, Step::default())?;
+//! let slope = derivative(&mut Analytic(Example), 2.0, Method::ComplexStep, DifferenceStep::default())?;
 //! assert!((slope / exact - 1.0).abs() < 1e-15);
-//! let slope = derivative(&mut |x: f64| x.sin() + x.powi(4), 2.0, Method::Central, Step::default())?;
+//! let slope = derivative(&mut |x: f64| x.sin() + x.powi(4), 2.0, Method::Central, DifferenceStep::default())?;
 //! assert!((slope / exact - 1.0).abs() < 1e-9);
 //! # Ok::<(), stoss_numerical_derivative::DerivativeError>(())
 //! ```
@@ -51,7 +51,7 @@ mod tangent;
 pub use compare::{Comparison, check_jacobian, compare_jacobians};
 pub use error::DerivativeError;
 pub use function::{Analytic, AnalyticScalar, AnalyticVector, ScalarFunction, VectorFunction};
-pub use method::{Method, Step};
+pub use method::{DifferenceStep, Method};
 pub use num_complex::Complex64;
 pub use scalar::Scalar;
 pub use study::{Optimum, Row, optimum, steps, study};

@@ -70,7 +70,7 @@ impl fmt::Display for Method {
 
 /// Size of the step of a difference in an argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
+pub enum DifferenceStep {
     /// `h = unit_step max(|x|, length)`: `length` is the size of arguments over which the function changes by its own
     /// size; it matters for arguments near zero.
     Scaled(f64),
@@ -78,14 +78,14 @@ pub enum Step {
     Fixed(f64),
 }
 
-impl Default for Step {
+impl Default for DifferenceStep {
     /// Scaled, for arguments of order one or larger.
     fn default() -> Self {
         Self::Scaled(1.0)
     }
 }
 
-impl Step {
+impl DifferenceStep {
     /// The step for an argument of this magnitude.
     ///
     /// # Errors
@@ -108,19 +108,24 @@ mod tests {
     #[test]
     fn steps_follow_the_larger_of_argument_and_length() {
         let h = Method::Central.unit_step();
-        assert_eq!(Step::default().size(Method::Central, 0.0), Ok(h));
-        assert_eq!(Step::default().size(Method::Central, -8.0), Ok(8.0 * h));
-        assert_eq!(Step::Scaled(0.25).size(Method::Central, 0.0), Ok(0.25 * h));
-        assert_eq!(Step::Fixed(0.5).size(Method::Central, 1e9), Ok(0.5));
+        assert_eq!(DifferenceStep::default().size(Method::Central, 0.0), Ok(h));
+        assert_eq!(DifferenceStep::default().size(Method::Central, -8.0), Ok(8.0 * h));
+        assert_eq!(DifferenceStep::Scaled(0.25).size(Method::Central, 0.0), Ok(0.25 * h));
+        assert_eq!(DifferenceStep::Fixed(0.5).size(Method::Central, 1e9), Ok(0.5));
         assert!((h.powi(3) / f64::EPSILON - 1.0).abs() < 1e-14);
     }
 
     #[test]
     fn what_is_no_step_is_refused() {
-        for step in [Step::Fixed(0.0), Step::Fixed(-1.0), Step::Fixed(f64::NAN), Step::Scaled(0.0)] {
+        for step in [
+            DifferenceStep::Fixed(0.0),
+            DifferenceStep::Fixed(-1.0),
+            DifferenceStep::Fixed(f64::NAN),
+            DifferenceStep::Scaled(0.0),
+        ] {
             assert!(step.size(Method::Forward, 0.0).is_err(), "{step:?}");
         }
-        assert!(Step::default().size(Method::Forward, f64::NAN).is_err());
-        assert!(Step::default().size(Method::Forward, f64::INFINITY).is_err());
+        assert!(DifferenceStep::default().size(Method::Forward, f64::NAN).is_err());
+        assert!(DifferenceStep::default().size(Method::Forward, f64::INFINITY).is_err());
     }
 }

@@ -1,6 +1,6 @@
 //! Error against step size: the study of thesis figure D.1.
 
-use crate::{DerivativeError, Method, ScalarFunction, Step, derivative};
+use crate::{DerivativeError, DifferenceStep, Method, ScalarFunction, derivative};
 
 /// Errors of all methods with one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub fn study(
     for &step in steps {
         let mut errors = [f64::NAN; 4];
         for (error, method) in errors.iter_mut().zip(Method::ALL) {
-            match derivative(function, x, method, Step::Fixed(step)) {
+            match derivative(function, x, method, DifferenceStep::Fixed(step)) {
                 Ok(value) => *error = (value - exact).abs() / scale,
                 Err(DerivativeError::LostStep { .. } | DerivativeError::RealOnly) => {}
                 Err(other) => return Err(other),

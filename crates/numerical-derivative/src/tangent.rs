@@ -4,7 +4,7 @@
 //! round-off of the argument does not enter; along a seed vector they are divided by `h`.
 
 use crate::error::length;
-use crate::{DerivativeError, Method, ScalarFunction, Step, VectorFunction};
+use crate::{DerivativeError, DifferenceStep, Method, ScalarFunction, VectorFunction};
 use num_complex::Complex64;
 
 /// `f'(x)`.
@@ -16,7 +16,7 @@ pub fn derivative(
     function: &mut impl ScalarFunction,
     x: f64,
     method: Method,
-    step: Step,
+    step: DifferenceStep,
 ) -> Result<f64, DerivativeError> {
     let h = step.size(method, x)?;
     if method == Method::ComplexStep {
@@ -75,17 +75,17 @@ pub fn directional_derivative(
     x: &[f64],
     seed: &[f64],
     method: Method,
-    step: Step,
+    step: DifferenceStep,
     workspace: &mut Workspace,
     out: &mut [f64],
 ) -> Result<(), DerivativeError> {
     length("the seed", seed.len(), x.len())?;
     workspace.fit(x.len(), out.len());
     let h = match step {
-        Step::Fixed(_) => step.size(method, 0.0)?,
-        Step::Scaled(_) => {
+        DifferenceStep::Fixed(_) => step.size(method, 0.0)?,
+        DifferenceStep::Scaled(_) => {
             let size = step.size(method, largest(x))? / largest(seed);
-            Step::Fixed(size).size(method, 0.0)?
+            DifferenceStep::Fixed(size).size(method, 0.0)?
         }
     };
     if method == Method::ComplexStep {
@@ -136,7 +136,7 @@ pub fn jacobian(
     function: &mut impl VectorFunction,
     x: &[f64],
     method: Method,
-    step: Step,
+    step: DifferenceStep,
     workspace: &mut Workspace,
     out: &mut [f64],
 ) -> Result<(), DerivativeError> {
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn differences_are_exact_for_polynomials_of_their_order() {
         // (x + h)^2: forward 2 x + h, backward 2 x - h, central 2 x; all numbers are dyadic.
-        let slopes = DIFFERENCES.map(|method| derivative(&mut |x: f64| x * x, 3.0, method, Step::Fixed(0.5)));
+        let slopes = DIFFERENCES.map(|method| derivative(&mut |x: f64| x * x, 3.0, method, DifferenceStep::Fixed(0.5)));
         assert_eq!(slopes, [Ok(6.5), Ok(5.5), Ok(6.0)]);
     }
 
@@ -206,12 +206,13 @@ mod tests {
         for method in DIFFERENCES {
             let mut out = [f64::NAN; 6];
             let x = [1.0, -2.0, 4.0];
-            jacobian(&mut f, &x, method, Step::Fixed(0.25), &mut Workspace::default(), &mut out).unwrap();
+            jacobian(&mut f, &x, method, DifferenceStep::Fixed(0.25), &mut Workspace::default(), &mut out).unwrap();
             assert_eq!(out, [2.0, 3.0, 0.0, 0.0, 5.0, -1.0], "{method}");
             let mut along = [f64::NAN; 2];
             let seed = [1.0, 2.0, -1.0];
             let mut workspace = Workspace::new(3, 2);
-            directional_derivative(&mut f, &x, &seed, method, Step::Fixed(0.25), &mut workspace, &mut along).unwrap();
+            directional_derivative(&mut f, &x, &seed, method, DifferenceStep::Fixed(0.25), &mut workspace, &mut along)
+                .unwrap();
             assert_eq!(along, [8.0, 11.0], "{method}");
         }
     }
@@ -224,7 +225,8 @@ mod tests {
                 count += 1;
                 y[0] = x[0];
             };
-            jacobian(&mut f, &[1.0; 3], method, Step::default(), &mut Workspace::default(), &mut [0.0; 3]).unwrap();
+            jacobian(&mut f, &[1.0; 3], method, DifferenceStep::default(), &mut Workspace::default(), &mut [0.0; 3])
+                .unwrap();
             assert_eq!(count, expected, "{method}");
         }
     }
@@ -233,7 +235,7 @@ mod tests {
     fn wrong_use_is_an_error() {
         let mut f = |x: &[f64], y: &mut [f64]| y.fill(x[0]);
         let work = &mut Workspace::default();
-        let any = Step::default();
+        let any = DifferenceStep::default();
         assert_eq!(
             jacobian(&mut f, &[1.0; 3], Method::Forward, any, work, &mut [0.0; 4]),
             Err(DerivativeError::Length { what: "the Jacobian", expected: 3, found: 4 })
@@ -247,8 +249,8 @@ mod tests {
         assert!(
             along(&[1.0], any).is_err() && along(&[0.0, 0.0], any).is_err() && along(&[1.0, f64::NAN], any).is_err()
         );
-        assert_eq!(along(&[0.0, 0.0], Step::Fixed(0.1)), Ok(()));
-        let lost = derivative(&mut |x: f64| x, 2.0, Method::Central, Step::Fixed(1e-17));
+        assert_eq!(along(&[0.0, 0.0], DifferenceStep::Fixed(0.1)), Ok(()));
+        let lost = derivative(&mut |x: f64| x, 2.0, Method::Central, DifferenceStep::Fixed(1e-17));
         assert_eq!(lost, Err(DerivativeError::LostStep { step: 1e-17, x: 2.0 }));
         assert!(lost.unwrap_err().to_string().contains("1e-17"));
         assert!(derivative(&mut |_: f64| f64::NAN, 2.0, Method::Central, any).unwrap().is_nan());

@@ -1,7 +1,7 @@
 //! Thesis D.1: `f(x) = sin x + x^4` at `x = 2`, `f' = cos x + 4 x^3`.
 
 use stoss_numerical_derivative::{
-    Analytic, AnalyticScalar, Method, Row, Scalar, Step, derivative, optimum, steps, study,
+    Analytic, AnalyticScalar, DifferenceStep, Method, Row, Scalar, derivative, optimum, steps, study,
 };
 
 struct Example;
@@ -75,7 +75,7 @@ fn optima_are_near_the_theoretical_ones() {
 #[test]
 fn default_steps_reach_what_the_method_can() {
     for method in Method::ALL {
-        let value = derivative(&mut Analytic(Example), X, method, Step::default()).unwrap();
+        let value = derivative(&mut Analytic(Example), X, method, DifferenceStep::default()).unwrap();
         let error = (value / exact() - 1.0).abs();
         assert!(error < 10.0 * method.attainable_error(), "{method}: {error:e}");
     }

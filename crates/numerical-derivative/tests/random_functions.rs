@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use stoss_numerical_derivative::{
-    Analytic, AnalyticVector, DerivativeError, Method, Scalar, Step, Workspace, check_jacobian, directional_derivative,
-    jacobian,
+    Analytic, AnalyticVector, DerivativeError, DifferenceStep, Method, Scalar, Workspace, check_jacobian,
+    directional_derivative, jacobian,
 };
 
 const INPUTS: usize = 3;
@@ -91,7 +91,7 @@ proptest! {
         let mut workspace = Workspace::new(INPUTS, OUTPUTS);
         for method in Method::ALL {
             let mut numerical = [f64::NAN; INPUTS * OUTPUTS];
-            jacobian(&mut Analytic(f.clone()), &x, method, Step::default(), &mut workspace, &mut numerical).unwrap();
+            jacobian(&mut Analytic(f.clone()), &x, method, DifferenceStep::default(), &mut workspace, &mut numerical).unwrap();
             for (k, (a, b)) in exact.iter().zip(&numerical).enumerate() {
                 // Truncation: h/2 with h <= 2 sqrt(eps), or h^2/6, times a derivative; the rest is round-off.
                 let bound = 12.0 * method.attainable_error() * f.size(k / INPUTS, &x);
@@ -108,7 +108,7 @@ proptest! {
         for method in Method::ALL {
             let mut along = [f64::NAN; OUTPUTS];
             let mut g = Analytic(f.clone());
-            directional_derivative(&mut g, &x, &seed, method, Step::default(), &mut workspace, &mut along).unwrap();
+            directional_derivative(&mut g, &x, &seed, method, DifferenceStep::default(), &mut workspace, &mut along).unwrap();
             for i in 0..OUTPUTS {
                 let expected: f64 = (0..INPUTS).map(|j| exact[i * INPUTS + j] * seed[j]).sum();
                 let length: f64 = seed.iter().map(|p| p.abs()).sum();
@@ -124,7 +124,7 @@ proptest! {
         let mut jacobian = f.jacobian(&x);
         let size = (0..OUTPUTS).map(|i| f.size(i, &x)).fold(0.0, f64::max);
         let check = |jacobian: &[f64]| {
-            check_jacobian(&mut Analytic(f.clone()), &x, jacobian, Method::ComplexStep, Step::default()).unwrap()
+            check_jacobian(&mut Analytic(f.clone()), &x, jacobian, Method::ComplexStep, DifferenceStep::default()).unwrap()
         };
         let right = check(&jacobian);
         prop_assert!(right.relative_error * right.scale <= 1e-14 * size, "{right}");
@@ -138,6 +138,7 @@ proptest! {
 #[test]
 fn closures_have_no_complex_step() {
     let mut f = |x: &[f64], y: &mut [f64]| y[0] = x[0];
-    let step = jacobian(&mut f, &[1.0], Method::ComplexStep, Step::default(), &mut Workspace::default(), &mut [0.0]);
+    let step =
+        jacobian(&mut f, &[1.0], Method::ComplexStep, DifferenceStep::default(), &mut Workspace::default(), &mut [0.0]);
     assert_eq!(step, Err(DerivativeError::RealOnly));
 }

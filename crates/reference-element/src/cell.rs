@@ -1,7 +1,7 @@
 //! The list of cells, and what is asked of one by its kind.
 
 use crate::cells::{HEX8, HEX20, HEX27, TET4, TET10, WEDGE6, WEDGE15};
-use crate::table::{CellKind, CellTable, Face, Family, Integration, Rule};
+use crate::table::{CellKind, CellTable, Face, Family, Integration, QuadratureRule};
 
 impl CellKind {
     /// All kinds of cells.
@@ -55,7 +55,7 @@ impl CellKind {
     }
 
     /// Quadrature rule of stress and stiffness, if the cell has it.
-    pub fn rule(self, integration: Integration) -> Option<Rule> {
+    pub fn rule(self, integration: Integration) -> Option<QuadratureRule> {
         self.table().rules.iter().find(|(name, _)| *name == integration).map(|(_, rule)| *rule)
     }
 

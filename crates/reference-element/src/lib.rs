@@ -40,4 +40,6 @@ pub mod triangle;
 pub use face::{FaceGradient, FaceKind, FaceNodes, FaceShape, MAX_FACE_NODES, Trace};
 pub use facet::{FacetKind, FacetNodes, MAX_NODES, Nodal};
 pub use piece::FacePiece;
-pub use table::{CellKind, CellTable, Face, Family, Integration, MAX_CELL_NODES, Rule, Shape, ShapeGradient};
+pub use table::{
+    CellKind, CellTable, Face, Family, Integration, MAX_CELL_NODES, QuadratureRule, ShapeFunctions, ShapeGradient,
+};

@@ -6,11 +6,11 @@ use crate::FaceKind;
 pub const MAX_CELL_NODES: usize = 27;
 
 /// Shape functions of a cell, zero beyond its nodes.
-pub type Shape = [f64; MAX_CELL_NODES];
+pub type ShapeFunctions = [f64; MAX_CELL_NODES];
 /// Gradients of the shape functions of a cell: row the node, column the direction; zero beyond its nodes.
 pub type ShapeGradient = [[f64; 3]; MAX_CELL_NODES];
 /// Quadrature rule of a cell: points in natural coordinates and weights, which add up to the cell's volume there.
-pub type Rule = &'static [([f64; 3], f64)];
+pub type QuadratureRule = &'static [([f64; 3], f64)];
 
 /// The shape of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -103,11 +103,11 @@ pub struct CellTable {
     /// The linear cell with the same corners.
     pub linear: CellKind,
     /// Quadrature rules of stress and stiffness; the first is the default.
-    pub rules: &'static [(Integration, Rule)],
+    pub rules: &'static [(Integration, QuadratureRule)],
     /// Quadrature rule of mass and volume forces: exact for products of shape functions on cells with straight edges (parallelepipeds, if a hexahedron).
-    pub mass: Rule,
+    pub mass: QuadratureRule,
     /// Shape functions at natural coordinates.
-    pub shape: fn([f64; 3]) -> Shape,
+    pub shape: fn([f64; 3]) -> ShapeFunctions,
     /// Gradients of the shape functions at natural coordinates.
     pub shape_gradient: fn([f64; 3]) -> ShapeGradient,
     /// VTK's number of the cell, whose order of nodes is ours.

@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use std::collections::BTreeMap;
-use stoss_reference_element::{CellKind, FaceKind, Family, Integration, Rule, hex8, quadrature};
+use stoss_reference_element::{CellKind, FaceKind, Family, Integration, QuadratureRule, hex8, quadrature};
 
 /// Monomials of total degree up to 1 or 2.
 fn monomials(quadratic: bool, x: [f64; 3]) -> Vec<f64> {
@@ -187,7 +187,7 @@ fn exact(family: Family, [i, j, k]: [i32; 3]) -> f64 {
 }
 
 /// Largest error of a rule over the monomials of a total degree.
-fn error(family: Family, rule: Rule, degree: i32) -> f64 {
+fn error(family: Family, rule: QuadratureRule, degree: i32) -> f64 {
     let mut worst = 0.0f64;
     for i in 0..=degree {
         for j in 0..=degree - i {
@@ -201,7 +201,7 @@ fn error(family: Family, rule: Rule, degree: i32) -> f64 {
 
 #[test]
 fn rules_are_exact_to_their_degree_and_not_beyond() {
-    let rules: [(Family, Rule, i32); 8] = [
+    let rules: [(Family, QuadratureRule, i32); 8] = [
         (Family::Hexahedron, &quadrature::GAUSS_HEX_2, 3),
         (Family::Hexahedron, &quadrature::GAUSS_HEX_3, 5),
         (Family::Tetrahedron, &quadrature::TET_1, 1),

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::Outcome;
 use crate::folder::Folder;
 use crate::page::{Field, title};
-use crate::paint::{Camera, Finish, Layout, Shot, Style, Surface, draw_raster, draw_svg};
+use crate::paint::{Camera, Finish, Layout, Primitives, Shot, Style, draw_raster, draw_svg};
 use crate::units;
 use crate::vtu::{Array, Grid};
 
@@ -118,7 +118,7 @@ impl<'a> Motif<'a> {
     }
 
     /// Snapshot of a frame: its surface and the text below.
-    pub fn shot(&self, frame: usize, grid: &Grid, surface: Surface) -> Outcome<Shot> {
+    pub fn shot(&self, frame: usize, grid: &Grid, surface: Primitives) -> Outcome<Shot> {
         let frame_of = &self.folder.frames[frame];
         if !surface.places().flatten().all(f64::is_finite) {
             return Err(format!("{}: positions that are not finite cannot be drawn", frame_of.path.display()).into());
@@ -245,7 +245,7 @@ pub(crate) fn surface(
     grid: &Grid,
     name: &str,
     factor: f64,
-) -> Result<Option<(Surface, String)>, String> {
+) -> Result<Option<(Primitives, String)>, String> {
     let fields = Field::of(grid);
     let Some(field) = fields.iter().find(|field| field.name() == name) else { return Ok(None) };
     let points: Vec<usize> = (0..grid.points.len()).collect();
@@ -256,10 +256,10 @@ pub(crate) fn surface(
         displacement.values.iter_mut().for_each(|value| *value *= factor);
     }
     let unit = units::of_field(folder, &field.array);
-    Ok(Some((Surface::new(&grid, DRAWN)?, units::with_unit(&field.label, unit.as_deref()))))
+    Ok(Some((Primitives::new(&grid, DRAWN)?, units::with_unit(&field.label, unit.as_deref()))))
 }
 
-pub(crate) fn has_values(surface: &Surface) -> bool {
+pub(crate) fn has_values(surface: &Primitives) -> bool {
     surface.values().any(f64::is_finite)
 }
 
@@ -287,7 +287,7 @@ pub(crate) fn coloured(
     grid: &Grid,
     wanted: Option<&str>,
     factor: f64,
-) -> Result<(Surface, String), String> {
+) -> Result<(Primitives, String), String> {
     let name = wanted.map_or_else(|| default_field(folder, grid), Ok)?;
     match surface(folder, grid, name, factor)? {
         None => Err(no_such_field(grid, name)),

@@ -1,7 +1,7 @@
 //! A picture of a made-up frame of all kinds of cells.
 
 use stoss_mesh_io::{Field, VtuFrame, write_vtu_to};
-use stoss_report::paint::{Camera, Shot, Style, Surface, draw};
+use stoss_report::paint::{Camera, Primitives, Shot, Style, draw};
 use stoss_report::vtu;
 
 /// Quadrilaterals of a box whose corners are numbered from `first` on as those of a hexahedron.
@@ -65,7 +65,7 @@ fn a_trebuchet_is_seen_from_the_side() {
     let mut text = Vec::new();
     write_vtu_to(&mut text, &frame).unwrap();
     let grid = vtu::parse(&String::from_utf8(text).unwrap()).unwrap();
-    let surface = Surface::new(&grid, "speed").unwrap();
+    let surface = Primitives::new(&grid, "speed").unwrap();
     let style = Style { title: "Trebuchet", label: "speed", width: 560.0, range: None };
     let shots = [-90.0, -60.0].map(|azimuth| (Camera { azimuth, elevation: 8.0 }, surface.clone()));
     for (number, (camera, surface)) in shots.into_iter().enumerate() {

@@ -4,7 +4,7 @@ use std::path::Path;
 use stoss_mesh_io::{Field, VtuFrame, write_vtu};
 use stoss_reference_element::CellKind;
 use stoss_report::picture::{Unfit, Which};
-use stoss_report::values::{Configuration, Options, Place, values};
+use stoss_report::values::{Configuration, Options, SamplePoints, values};
 use tempfile::TempDir;
 
 /// Linear in the reference position.
@@ -79,13 +79,13 @@ fn folder() -> TempDir {
 }
 
 fn line(from: [f64; 3], to: [f64; 3], points: usize, configuration: Configuration, fields: &[&str]) -> Options {
-    let place = Place::Line { ends: [from, to], points };
+    let place = SamplePoints::Line { ends: [from, to], points };
     let fields = fields.iter().map(|&field| field.to_owned()).collect();
     Options { frame: Which::Last, place, fields, configuration }
 }
 
 fn plane(point: [f64; 3], normal: [f64; 3], spacing: Option<f64>) -> Options {
-    let place = Place::Plane { point, normal, spacing };
+    let place = SamplePoints::Plane { point, normal, spacing };
     Options { frame: Which::Last, place, fields: vec!["temperature".into()], configuration: Configuration::Reference }
 }
 

@@ -94,7 +94,7 @@ pub use load::{Load, LoadKind};
 pub use material::{Inelasticity, Material};
 pub use mesh::{
     Ball, Block, Cylinder, Disc, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile,
-    MeshSource, Part, Rectangle, Refinement,
+    MeshSource, Portion, Rectangle, Refinement,
 };
 pub use names::known;
 pub use output::{FrameFormat, Frames, Output};

@@ -174,7 +174,7 @@ pub struct Indenter {
 
 named! {
     /// Part of a round body that is meshed; the cut surfaces are symmetry planes.
-    Part {
+    Portion {
         /// The whole body.
         Full = "full",
         /// z <= 0.
@@ -206,8 +206,8 @@ pub struct Ball {
     #[key(dimension = Length, example = "1", positive)]
     pub radius: f64,
     /// Part that is meshed: `full` if left out.
-    #[key(default = Part::Full)]
-    pub part: Part,
+    #[key(default = Portion::Full)]
+    pub part: Portion,
     /// Numbers of elements of an eighth: horizontally (x and y), vertically (z), and from the cube in the middle to the surface.
     #[key(example = "[6, 4, 6]", read = |node| divisions(node, [1; 3], ball_elements, ELEMENTS))]
     pub divisions: [usize; 3],
@@ -226,8 +226,8 @@ pub struct Cylinder {
     #[key(dimension = Length, example = "1", positive)]
     pub length: f64,
     /// Part that is meshed: `full` if left out; not `eighth`.
-    #[key(default = Part::Full, by = round_part)]
-    pub part: Part,
+    #[key(default = Portion::Full, by = round_part)]
+    pub part: Portion,
     /// Numbers of elements of a quarter: horizontally (x), vertically (z), from the square in the middle to the surface, and along y.
     #[key(example = "[6, 4, 6, 1]", read = |node| divisions(node, [1; 4], cylinder_elements, ELEMENTS))]
     pub divisions: [usize; 4],
@@ -260,8 +260,8 @@ pub struct Disc {
     #[key(dimension = Length, example = "1", positive)]
     pub radius: f64,
     /// Part that is meshed, with y for z: `full` if left out; `half` (y <= 0), `quarter` (also x >= 0).
-    #[key(default = Part::Full, by = round_part)]
-    pub part: Part,
+    #[key(default = Portion::Full, by = round_part)]
+    pub part: Portion,
     /// Numbers of elements of a quarter: along x, along y, from the square in the middle to the rim.
     #[key(example = "[6, 6, 6]", read = |node| divisions(node, [1; 3], |[x, y, out]| 4.0 * (x * y + (x + y) * out), ELEMENTS))]
     pub divisions: [usize; 3],
@@ -341,9 +341,9 @@ fn grading<const N: usize>(node: &Node<'_>, divisions: Option<[usize; N]>) -> Op
 }
 
 /// A part of what is round in a plane.
-fn round_part<C>(node: &Node<'_>, context: &C) -> Option<Part> {
-    let part = Part::read(node, context)?;
-    if part == Part::Eighth {
+fn round_part<C>(node: &Node<'_>, context: &C) -> Option<Portion> {
+    let part = Portion::read(node, context)?;
+    if part == Portion::Eighth {
         return node.fail("is a part of a ball only", "choose \"quarter\", \"half\" or \"full\"");
     }
     Some(part)

@@ -7,7 +7,7 @@
 //! Where both polygons have a side in the same plane of symmetry, both surfaces go on behind it: there the slave's side is the boundary, and the master's sides across the plane are
 //! taken as far as that, a little less or more than to their corners.
 
-use crate::pieces::Piece;
+use crate::pieces::ConvexPolygon;
 use crate::plane::{cross, orient, sub};
 use stoss_reference_element::MAX_NODES;
 
@@ -39,7 +39,7 @@ fn is_left(a: [f64; 2], b: [f64; 2], p: [f64; 2], shift_sign: f64) -> bool {
 }
 
 impl Signs {
-    fn new(s: &Piece, m: &Piece) -> Self {
+    fn new(s: &ConvexPolygon, m: &ConvexPolygon) -> Self {
         let none = [[false; MAX_NODES]; MAX_NODES];
         let ends = reached(s, m);
         let mut signs = Self { master_in: none, slave_in: none };
@@ -55,7 +55,7 @@ impl Signs {
         signs
     }
 
-    fn crosses(&self, s: &Piece, m: &Piece, i: usize, j: usize) -> bool {
+    fn crosses(&self, s: &ConvexPolygon, m: &ConvexPolygon, i: usize, j: usize) -> bool {
         self.master_in[i][j] != self.master_in[i][(j + 1) % m.count]
             && self.slave_in[j][i] != self.slave_in[j][(i + 1) % s.count]
     }
@@ -63,7 +63,7 @@ impl Signs {
 
 /// Corners of the master as far as they count: one in a plane in which the slave has a side is where its side across the plane, prolonged, meets the slave's. Neighbours over that side find the same
 /// point to the last bit.
-fn reached(s: &Piece, m: &Piece) -> [[f64; 2]; MAX_NODES] {
+fn reached(s: &ConvexPolygon, m: &ConvexPolygon) -> [[f64; 2]; MAX_NODES] {
     let mut ends = m.points;
     for j in 0..m.count {
         let Some(i) = (0..s.count).find(|&i| s.planes_of_side(i) & m.planes[j] != 0) else { continue };
@@ -85,7 +85,7 @@ fn reached(s: &Piece, m: &Piece) -> [[f64; 2]; MAX_NODES] {
 }
 
 /// Vertices of the intersection, counter-clockwise; returns how many there are (0, or 3 to 8).
-pub(crate) fn clip(s: &Piece, m: &Piece, out: &mut [ClipVertex; 8]) -> usize {
+pub(crate) fn clip(s: &ConvexPolygon, m: &ConvexPolygon, out: &mut [ClipVertex; 8]) -> usize {
     let signs = Signs::new(s, m);
     let slave_inside = |i: usize| (0..m.count).all(|j| signs.slave_in[j][i]);
     let master_inside = |j: usize| (0..s.count).all(|i| signs.master_in[i][j]);
@@ -144,7 +144,7 @@ pub(crate) struct Crossing {
     pub master_fraction: f64,
 }
 
-fn ordered(piece: &Piece, side: usize) -> ([u8; 2], [[f64; 2]; 2]) {
+fn ordered(piece: &ConvexPolygon, side: usize) -> ([u8; 2], [[f64; 2]; 2]) {
     let next = (side + 1) % piece.count;
     let (a, b) = (piece.points[side], piece.points[next]);
     let corners = [piece.corners[side], piece.corners[next]];
@@ -156,7 +156,7 @@ fn fraction_of(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])
 }
 
-pub(crate) fn crossing(s: &Piece, slave: usize, m: &Piece, master: usize) -> Crossing {
+pub(crate) fn crossing(s: &ConvexPolygon, slave: usize, m: &ConvexPolygon, master: usize) -> Crossing {
     let (slave_corners, [a, b]) = ordered(s, slave);
     let (master_corners, [c, d]) = ordered(m, master);
     let (from, to) = (orient(c, d, a), orient(c, d, b));

@@ -2,7 +2,7 @@
 
 use crate::SegmentationError;
 use crate::map::Images;
-use crate::pieces::{Orientation, Piece, split};
+use crate::pieces::{ConvexPolygon, Orientation, split};
 use nalgebra::{Matrix3, Vector3};
 use stoss_reference_element::{FacetKind, MAX_NODES, Nodal};
 
@@ -20,7 +20,7 @@ pub struct SlaveFrame {
     tangents: [Vector3<f64>; 2],
     diagonal_product: f64,
     pub(crate) images: Images,
-    pub(crate) pieces: [Option<Piece>; 2],
+    pub(crate) pieces: [Option<ConvexPolygon>; 2],
     is_split: bool,
 }
 

@@ -6,7 +6,7 @@ use stoss_reference_element::{MAX_NODES, Nodal};
 
 /// A convex polygon of corners of a facet, counter-clockwise in the plane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct ConvexPolygon {
     pub count: usize,
     /// Corners of the facet.
     pub corners: [u8; MAX_NODES],
@@ -17,7 +17,7 @@ pub(crate) struct Piece {
     pub planes: [u8; MAX_NODES],
 }
 
-impl Piece {
+impl ConvexPolygon {
     /// Notes the planes that the corners of the facet lie in.
     pub fn set_planes(&mut self, of_facet: [u8; MAX_NODES]) {
         self.planes = self.corners.map(|k| of_facet[k as usize]);
@@ -62,7 +62,7 @@ pub(crate) enum Orientation {
 /// leaves: of both diagonals the one whose triangles reach less to the negative side. For a reflex image that is the
 /// inner one; an image that crosses itself has one triangle of each sign, and the smaller the crossing, the less is
 /// lost.
-pub(crate) fn split(images: &Images, orientation: Orientation) -> ([Option<Piece>; 2], bool) {
+pub(crate) fn split(images: &Images, orientation: Orientation) -> ([Option<ConvexPolygon>; 2], bool) {
     let kind = images.kind();
     let count = images.len();
     let order = Nodal::from_fn(kind, |k| match orientation {
@@ -73,14 +73,14 @@ pub(crate) fn split(images: &Images, orientation: Orientation) -> ([Option<Piece
     let turn = Nodal::from_fn(kind, |k| orient(p[kind.previous(k)], p[k], p[kind.next(k)]));
     if turn.iter().all(|&o| o > 0.0) {
         let (corners, points, planes) = (*order.padded(), *p.padded(), [0; MAX_NODES]);
-        let whole = Piece { count, corners, points, map: FacetMap::whole(kind), planes };
+        let whole = ConvexPolygon { count, corners, points, map: FacetMap::whole(kind), planes };
         return ([Some(whole), None], false);
     }
     // A diagonal cuts off the corners in the middle of its triangles, and their turns are the triangles' areas.
     let reach = |pieces: &[[u8; 3]; 2]| turn[pieces[0][1] as usize].min(turn[pieces[1][1] as usize]);
     let better = |best: &'static [[u8; 3]; 2], other| if reach(other) > reach(best) { other } else { best };
     let Some(pieces) = kind.pieces().iter().reduce(better) else { return ([None, None], false) };
-    (pieces.map(|corners| Piece::triangle(corners.map(|k| order[k as usize]), images)), true)
+    (pieces.map(|corners| ConvexPolygon::triangle(corners.map(|k| order[k as usize]), images)), true)
 }
 
 #[cfg(test)]

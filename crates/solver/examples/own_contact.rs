@@ -12,8 +12,8 @@ use stoss_linalg::AutoSolver;
 use stoss_materials::NeoHooke;
 use stoss_mesh::{Rotation, generate::Block};
 use stoss_newton::NewtonOptions;
-use stoss_solver::{Body, Coupling, InsideOutRule, Model, Settings, Simulation, StepControl};
-use stoss_term::{At, Fault, GradientRule, Local, Potential, Step, Term};
+use stoss_solver::{Body, CouplingTerm, InsideOutTreatment, Model, Settings, Simulation, StepControl};
+use stoss_term::{At, Fault, GradientRule, Local, Potential, StepContext, Term};
 
 /// Nodes of a surface against the plane `z = 0` with the energy `V(g) = k A g^2 / 2` for a gap `g < 0`, `A` the reference area of the node.
 #[derive(Debug)]
@@ -60,7 +60,7 @@ impl Term for PenaltyPlane {
     fn conserves_angular_momentum(&self) -> bool {
         false
     }
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
         self.near = (0..self.surface.nodes().len()).filter(|&local| self.gap(local, step.q_n) < step.reach).collect();
         Ok(())
     }
@@ -114,7 +114,7 @@ fn block(height: f64) -> Result<Model, Box<dyn Error>> {
     Ok(Model {
         velocity: [1.0, 0.5, -3.0].repeat(mesh.nodes.len()),
         bodies: vec![body],
-        contacts: vec![Coupling::new("plane", plane, 1.0)],
+        contacts: vec![CouplingTerm::new("plane", plane, 1.0)],
         reference,
         ..Model::default()
     })
@@ -127,7 +127,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             control: StepControl { step: 0.01, end: 0.6, max_cuts: 0, grow_after: 1, automatic: None },
             scheme: Some(Box::new(EnergyMomentum)),
             newton: NewtonOptions { relative_tolerance: 1e-11, ..NewtonOptions::default() },
-            inside_out: InsideOutRule::Refuse,
+            inside_out: InsideOutTreatment::Refuse,
             max_plastic_increment: None,
             solver: Box::new(AutoSolver::new()),
         };

@@ -8,7 +8,7 @@ use std::ops::Range;
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_newton::NewtonOptions;
-use stoss_solver::{InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_solver::{InsideOutTreatment, Model, Settings, Simulation, StepControl};
 use stoss_term::{At, Fault, ForceRule, Local, Term, Undefined, Vectors};
 
 /// Point masses `a` and `b` with the energy `V = c / l` at the distance `l = |b - a|`; `c` is a force times length^2, negative for charges that attract each other.
@@ -173,7 +173,7 @@ fn miss(orbit: &Orbit, steps: u32) -> Result<f64, Box<dyn Error>> {
         control: StepControl { step, end: orbit.period, max_cuts: 0, grow_after: 4, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-11, ..NewtonOptions::default() },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };

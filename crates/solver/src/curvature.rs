@@ -3,7 +3,7 @@
 use crate::downhill::SMALLEST_SHIFT;
 use crate::problem::StepProblem;
 use crate::timing::Phase;
-use crate::{Coupling, StepError};
+use crate::{CouplingTerm, StepError};
 
 impl StepProblem<'_> {
     /// Negative eigenvalues of what was factorised last, a symmetric tangent, beyond one for each multiplier; zero if the solver does not count.
@@ -28,7 +28,7 @@ impl StepProblem<'_> {
             return 0;
         }
         let count = self.negative(None);
-        if count == 0 || !self.model.contacts.iter().filter_map(Coupling::potential).any(|of| of.acts()) {
+        if count == 0 || !self.model.contacts.iter().filter_map(CouplingTerm::potential).any(|of| of.acts()) {
             return count;
         }
         let Ok(mut values) = self.without_softening() else { return count };

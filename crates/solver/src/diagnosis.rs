@@ -260,7 +260,7 @@ pub(crate) fn largest_residual(
 }
 
 /// Whether a pair is a support along a normal.
-fn is_sliding_support(pair: &crate::Coupling) -> bool {
+fn is_sliding_support(pair: &crate::CouplingTerm) -> bool {
     pair.supported_node(0, 0.0).is_some()
 }
 

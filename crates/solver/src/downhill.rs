@@ -3,7 +3,7 @@
 use crate::assembly::System;
 use crate::diagnosis::linear_error;
 use crate::problem::StepProblem;
-use crate::{Coupling, Phase, StepError};
+use crate::{CouplingTerm, Phase, StepError};
 use stoss_linalg::{LinalgError, MatrixKind, vector};
 use stoss_newton::NewtonProblem as _;
 
@@ -47,7 +47,7 @@ impl StepProblem<'_> {
         model
             .contacts
             .iter_mut()
-            .filter_map(Coupling::potential_mut)
+            .filter_map(CouplingTerm::potential_mut)
             .for_each(|of| of.set_line(&system.base.full_increment));
     }
 

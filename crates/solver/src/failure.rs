@@ -3,7 +3,7 @@
 //! Not a diagnosis: what the facts mean for a scene is not known here.
 
 use crate::error::StepError;
-use crate::shares::Elsewhere;
+use crate::shares::RankFault;
 use crate::{Model, NewtonRow, Place};
 use serde::{Deserialize, Serialize};
 use stoss_fe_solid::SolidError;
@@ -128,8 +128,8 @@ fn of_element(model: &Model, body: &str, element: usize) -> Place {
 
 fn classified(model: &Model, cause: &StepError) -> (FailureKind, Place) {
     match cause {
-        StepError::Term(fault) => match (fault.cause(), fault.cause::<Elsewhere>()) {
-            (None, Some(Elsewhere { element: Some((body, element)), .. })) => {
+        StepError::Term(fault) => match (fault.cause(), fault.cause::<RankFault>()) {
+            (None, Some(RankFault { element: Some((body, element)), .. })) => {
                 (FailureKind::InvertedElement, of_element(model, body, *element))
             }
             (

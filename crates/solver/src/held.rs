@@ -2,7 +2,7 @@
 
 use crate::numbering::Numbering;
 use stoss_linalg::NONE;
-use stoss_term::{GradientRule, Local, Step, StepConfiguration, Term};
+use stoss_term::{GradientRule, Local, StepConfiguration, StepContext, Term};
 
 /// Part of the length of a joint by which free components are moved to see which of its rows depend on them.
 const PROBED: f64 = 1.0e-3;
@@ -11,7 +11,11 @@ const SMALLEST_DEPENDENCE: f64 = 1.0e-9;
 
 /// Which rows of a joint depend on components that are free, or on its own multipliers; `None` if it cannot be evaluated. Where of a node some components are held
 /// and others are not, an equation may be about those that are held alone.
-pub(crate) fn depends_on_free(method: &mut dyn Term, numbering: &Numbering, begins: &Step<'_>) -> Option<Vec<bool>> {
+pub(crate) fn depends_on_free(
+    method: &mut dyn Term,
+    numbering: &Numbering,
+    begins: &StepContext<'_>,
+) -> Option<Vec<bool>> {
     let q = begins.q_n;
     let count = method.slot_count();
     let by = PROBED * method.length_scale();

@@ -7,7 +7,7 @@
 //! Quasi-static and dynamic problems differ in one argument (the scheme) and take the same path: without a scheme there is
 //! no inertia, no mass matrix is built, and all forces are taken at the end of the step.
 //!
-//! * [`Model`]: bodies ([`Body`]), parts, contacts, ties and joints ([`Coupling`]), loads, prescribed motion;
+//! * [`Model`]: bodies ([`Body`]), parts, contacts, ties and joints ([`CouplingTerm`]), loads, prescribed motion;
 //! * [`Settings`], [`StepControl`]: scheme, step sizes, Newton's method, linear solver;
 //! * [`Simulation`]: steps, state, pressures, reactions; [`Balance`], [`StepRecord`]: what a step did;
 //! * [`Checkpoint`]: all that a run needs to go on.
@@ -76,13 +76,13 @@ pub use embedding::Embedding;
 pub use error::{SimulationError, StepError, Unknown};
 pub use failure::{FailedAttempt, FailureKind, SlotChanges};
 pub use loads::{Load, LoadKind};
-pub use model::{Body, Coupling, Damping, Model, Prescription};
+pub use model::{Body, CouplingTerm, Damping, Model, Prescription};
 pub use place::Place;
 pub use record::{ContactSummary, Decision, DecisionKind, NewtonRow, PairSummary, StepRecord};
 pub use rotation::AxisRotation;
 pub use run_state::{Ledger, Log, NodalForces, SlotState, StageState};
-pub use shares::Elsewhere;
-pub use simulation::{FirstStage, InsideOutRule, Plan, Settings, Simulation, Stage, Steered};
+pub use shares::RankFault;
+pub use simulation::{FirstStage, InsideOutTreatment, Plan, Settings, Simulation, Stage, Steered};
 pub use sliding_support::SlidingSupport;
 pub use stabilise::Stabilise;
 pub use stoss_term::{BodyPair, SurfaceForce, SurfaceNode};

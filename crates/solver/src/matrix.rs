@@ -123,7 +123,7 @@ pub(crate) struct Slots {
 
 impl Slots {
     fn new(model: &Model) -> Self {
-        let width = |pair: &crate::Coupling| 1 + Auxiliary::equations(pair.term.auxiliaries()) as u32;
+        let width = |pair: &crate::CouplingTerm| 1 + Auxiliary::equations(pair.term.auxiliaries()) as u32;
         Self {
             equation: model.contacts.iter().map(|pair| vec![NONE; pair.term.slot_count()]).collect(),
             width: model.contacts.iter().map(width).collect(),

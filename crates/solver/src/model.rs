@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use stoss_fe_solid::{MassKind, MassMatrix, Massless, SolidBody};
-use stoss_term::{Bilateral, Hold, JointReport, Potential, Support, SupportedNode, Term, Unilateral};
+use stoss_term::{Bilateral, HeldNodes, Hold, JointReport, Potential, SupportedNode, Term, Unilateral};
 
 /// Mass- and stiffness-proportional damping of a body (Rayleigh): for small strains the force `(a M + b K) v`. Only where there is inertia.
 ///
@@ -127,7 +127,7 @@ impl Prescription {
 
 /// A term that joins what others move (contact, a tie, a joint, a barrier), with what the run has to know of it beside the term.
 #[derive(Debug)]
-pub struct Coupling {
+pub struct CouplingTerm {
     /// Name for reports, unique.
     pub name: String,
     /// The term.
@@ -141,7 +141,7 @@ pub struct Coupling {
     pub restitution: Option<f64>,
 }
 
-impl Coupling {
+impl CouplingTerm {
     /// A coupling that acts, with the factor of the complementarity function (zero if nothing opens and closes) and without a law of impact.
     pub fn new(name: impl Into<String>, term: impl Term + 'static, complementarity: f64) -> Self {
         Self { name: name.into(), term: Box::new(term), acts: true, complementarity, restitution: None }
@@ -221,17 +221,17 @@ pub struct Model {
     /// Loads.
     pub loads: Vec<Load>,
     /// Contacts, ties, joints and potentials.
-    pub contacts: Vec<Coupling>,
+    pub contacts: Vec<CouplingTerm>,
 }
 
 impl Model {
     /// The couplings that act, with their numbers.
-    pub fn couplings(&self) -> impl Iterator<Item = (usize, &Coupling)> {
+    pub fn couplings(&self) -> impl Iterator<Item = (usize, &CouplingTerm)> {
         self.contacts.iter().enumerate().filter(|(_, pair)| pair.acts)
     }
 
     /// The couplings that act, with their numbers, to be changed.
-    pub(crate) fn couplings_mut(&mut self) -> impl Iterator<Item = (usize, &mut Coupling)> {
+    pub(crate) fn couplings_mut(&mut self) -> impl Iterator<Item = (usize, &mut CouplingTerm)> {
         self.contacts.iter_mut().enumerate().filter(|(_, pair)| pair.acts)
     }
 
@@ -315,30 +315,27 @@ impl Model {
     }
 
     /// What is known of the motion of nodes without asking the equations, from the prescriptions of which `acts` says that they act and the couplings that are not switched off.
-    pub fn support(&self, acts: impl Fn(usize) -> bool) -> Support {
-        let mut support = Support::new(self.node_count());
+    pub fn held_nodes(&self, acts: impl Fn(usize) -> bool) -> HeldNodes {
+        let mut held = HeldNodes::new(self.node_count());
         for (_, prescription) in self.prescriptions.iter().enumerate().filter(|(p, _)| acts(*p)) {
             for &node in &prescription.nodes {
-                prescription.components.iter().for_each(|&c| support.prescribe(node, usize::from(c)));
+                prescription.components.iter().for_each(|&c| held.prescribe(node, usize::from(c)));
             }
         }
         // A node that others carry is where they are.
         for &node in self.embedding.nodes() {
             let carriers = self.embedding.carriers(node).unwrap_or_default();
             for component in 0..3 {
-                if carriers.iter().all(|&(carrier, _)| support.prescribed(carrier)[component]) {
-                    support.prescribe(node, component);
+                if carriers.iter().all(|&(carrier, _)| held.prescribed(carrier)[component]) {
+                    held.prescribe(node, component);
                 }
             }
         }
-        self.traces
-            .keys()
-            .filter(|&&node| self.follows_its_face(node))
-            .for_each(|&node| support.hold(node, Hold::Wholly));
+        self.traces.keys().filter(|&&node| self.follows_its_face(node)).for_each(|&node| held.hold(node, Hold::Wholly));
         for (_, pair) in self.couplings() {
-            pair.term.holds(&mut |node, how| support.hold(node, how));
+            pair.term.holds(&mut |node, how| held.hold(node, how));
         }
-        support
+        held
     }
 
     /// Whether all of these nodes are carried by rigid parts: embedded, and no vertices of traces, which deform with their faces.

@@ -5,7 +5,7 @@ use crate::assembly::{Base, System, has_condensed, with_nodes};
 use crate::diagnosis::{blocked, linear_error};
 use crate::iterate::Iterate;
 use crate::system::FeSystem;
-use crate::{Coupling, Load, Model, Phase, PhaseTime, StepError, Timings};
+use crate::{CouplingTerm, Load, Model, Phase, PhaseTime, StepError, Timings};
 use std::sync::Arc;
 use stoss_integrators::{Buffers, Step, evaluate, evaluate_constraints};
 use stoss_linalg::{LinalgError, LinearSolver, MatrixKind, NONE, SparsityPattern, vector};
@@ -363,7 +363,7 @@ impl StepProblem<'_> {
         !self.step.rule.has_inertia()
             && !self.model.acting_loads(&self.system.present.acting).any(Load::follows)
             && self.has_symmetric_forces()
-            && self.model.contacts.iter().filter_map(Coupling::potential).all(|of| of.has_energy(rule))
+            && self.model.contacts.iter().filter_map(CouplingTerm::potential).all(|of| of.has_energy(rule))
             && !self.iterate.active.iter().flatten().any(|&active| active)
     }
 }
@@ -461,7 +461,7 @@ impl NewtonProblem for StepProblem<'_> {
     }
 
     fn line_search(&self, chosen: LineSearch) -> LineSearch {
-        let is_steep = self.model.contacts.iter().filter_map(Coupling::potential).any(|of| of.acts());
+        let is_steep = self.model.contacts.iter().filter_map(CouplingTerm::potential).any(|of| of.acts());
         if is_steep && chosen != LineSearch::Off {
             LineSearch::best()
         } else if self.model.bodies.iter().any(|body| body.solid.has_history()) {
@@ -513,7 +513,7 @@ impl NewtonProblem for StepProblem<'_> {
             .as_ref()
             .map_or(0.0, |anchor| anchor.energy(&iterate.q, &system.matrix.numbering.free));
         let friction: f64 =
-            model.contacts.iter().filter_map(Coupling::potential).map(|of| of.friction_along(*part)).sum();
+            model.contacts.iter().filter_map(CouplingTerm::potential).map(|of| of.friction_along(*part)).sum();
         let friction = if is_fixed { 0.0 } else { friction };
         let round_off = ENERGY_ROUND_OFF * system.scales.energy;
         Ok(Some(Potential { value: value + anchored + friction, round_off, is_fixed }))

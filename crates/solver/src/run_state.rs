@@ -3,7 +3,7 @@
 use crate::{Balance, Books, Decision, Departure, Release, Switches, Timings};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use stoss_term::{Support, SurfaceForce};
+use stoss_term::{HeldNodes, SurfaceForce};
 
 /// The present stage, and what does not act in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,7 +23,7 @@ pub struct StageState {
     pub(crate) prescribed: Vec<(u32, u32, u32)>,
     /// What terms are told of what acts; follows from the model.
     #[serde(skip)]
-    pub(crate) support: Support,
+    pub(crate) held: HeldNodes,
     /// Loads that act with their whole value in the next step, see [`crate::Simulation::loads_at_once`].
     #[serde(skip)]
     pub(crate) sudden: Vec<usize>,

@@ -15,7 +15,7 @@ const SHORT: usize = 16;
 /// What cannot be evaluated on one of the ranks: the same on all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{text}")]
-pub struct Elsewhere {
+pub struct RankFault {
     /// The message of the rank that has it.
     pub text: String,
     /// Body and element, if it is one.
@@ -413,7 +413,7 @@ fn read(text: &str) -> Fault {
     let mut next = || parts.next().unwrap_or_default();
     let (undefined, element, body, text) = (next() == "true", next(), next(), next());
     let element = element.parse().ok().map(|element| (body.to_owned(), element));
-    let cause = Elsewhere { text: text.to_owned(), element };
+    let cause = RankFault { text: text.to_owned(), element };
     if undefined { Fault::undefined(cause) } else { Fault::other(cause) }
 }
 
@@ -445,7 +445,7 @@ mod tests {
                 let shares = Shares { communicator, owner: vec![0], ..Shares::default() };
                 assert_eq!(shares.agree(Ok(5)).unwrap(), 5);
                 let fault = shares.agree(if rank <= last { of(rank) } else { of(0) }).unwrap_err();
-                (fault.is_undefined(), fault.cause::<Elsewhere>().cloned())
+                (fault.is_undefined(), fault.cause::<RankFault>().cloned())
             });
             let expected = of(1).unwrap_err().to_string();
             for (undefined, cause) in faults {

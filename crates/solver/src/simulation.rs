@@ -38,7 +38,7 @@ use std::collections::BTreeMap;
 use stoss_integrators::{ForceRule, Scheme, State, StepRule};
 use stoss_linalg::{AutoSolver, LinearSolver, SolverStatistics};
 use stoss_newton::NewtonOptions;
-use stoss_term::{At, Local, SlotReport, Step as ContactStep, Support, SurfaceForce, Term as _};
+use stoss_term::{At, HeldNodes, Local, SlotReport, StepContext, SurfaceForce, Term as _};
 
 /// Slave nodes nearer to the master surface than this (in multiples of an edge length of the slave surface) are in contact from the
 /// start of a quasi-static run; tension releases them. Without inertia a body that is held by contact alone could not move
@@ -55,7 +55,7 @@ pub struct Settings {
     /// Newton's settings.
     pub newton: NewtonOptions,
     /// Treatment of elements that are inverted at a vertex.
-    pub inside_out: InsideOutRule,
+    pub inside_out: InsideOutTreatment,
     /// Largest increment of the equivalent plastic strain that a point may have in a step, positive: a step with more fails with [`StepError::PlasticIncrement`], thus is tried again with
     /// a smaller one, and a step with more than half of it is not followed by a larger one. No limit if `None`.
     pub max_plastic_increment: Option<f64>,
@@ -77,7 +77,7 @@ pub struct FirstStage {
 /// Treatment of elements that are inverted at a vertex at the end of a step and were not before: the
 /// integrals are not affected as long as `det F > 0` at the Gauss points, see [`stoss_fe_solid::SolidBody::inside_out`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum InsideOutRule {
+pub enum InsideOutTreatment {
     /// The step fails with [`StepError::InsideOut`], thus is tried again with a smaller one.
     #[default]
     Refuse,
@@ -136,7 +136,7 @@ struct How {
     control: StepControl,
     scheme: Option<Box<dyn Scheme>>,
     newton: NewtonOptions,
-    inside_out: InsideOutRule,
+    inside_out: InsideOutTreatment,
     max_plastic_increment: Option<f64>,
 }
 
@@ -160,8 +160,8 @@ pub struct Simulation {
 }
 
 /// What couplings are told of what acts; nothing if there are none.
-fn support(model: &Model, acting: &Acting) -> Support {
-    if model.contacts.is_empty() { Support::default() } else { model.support(|p| acting.prescriptions[p]) }
+fn held_nodes(model: &Model, acting: &Acting) -> HeldNodes {
+    if model.contacts.is_empty() { HeldNodes::default() } else { model.held_nodes(|p| acting.prescriptions[p]) }
 }
 
 impl Simulation {
@@ -189,7 +189,7 @@ impl Simulation {
         }
         model.check_places().map_err(SimulationError::Model)?;
         let prescribed = model.prescribed_components(&acting)?;
-        let support = support(&model, &acting);
+        let held = held_nodes(&model, &acting);
         let components = model.reference.len();
         let dynamic = settings.scheme.is_some();
         let has_mass = dynamic || later_dynamics;
@@ -220,7 +220,7 @@ impl Simulation {
             model.embedding.follow(&mut state.v);
         }
         let (departures, sudden) = (Vec::new(), Vec::new());
-        let count = |pair: &crate::Coupling| pair.term.slot_count();
+        let count = |pair: &crate::CouplingTerm| pair.term.slot_count();
         let has_supports = model.prescriptions.iter().any(|p| !p.nodes.is_empty());
         let mut simulation = Self {
             how: How { control, scheme, newton, inside_out, max_plastic_increment },
@@ -231,7 +231,7 @@ impl Simulation {
                 departures,
                 from_motion: false,
                 prescribed,
-                support,
+                held,
                 sudden,
             },
             system,
@@ -287,8 +287,7 @@ impl Simulation {
     /// Activates the slots of all bilateral constraints that act, but for those that nothing which can move enters: they determine nothing.
     fn set_bilateral(&mut self) -> Result<(), StepError> {
         let (embedding, numbering, dt) = (&self.model.embedding, &self.system.matrix.numbering, self.clock.dt());
-        let begins =
-            ContactStep { end: self.state.time + dt, support: &self.stage.support, ..at_rest(&self.state, dt) };
+        let begins = StepContext { end: self.state.time + dt, held: &self.stage.held, ..at_rest(&self.state, dt) };
         for (pair, active) in self.model.contacts.iter_mut().zip(&mut self.slots.active) {
             if pair.bilateral().is_none() {
                 continue;
@@ -323,7 +322,7 @@ impl Simulation {
                 continue;
             }
             let near = TOUCHING * pair.term.length_scale();
-            pair.term.begin(&ContactStep { reach: near, support: &self.stage.support, ..at_rest(&self.state, dt) })?;
+            pair.term.begin(&StepContext { reach: near, held: &self.stage.held, ..at_rest(&self.state, dt) })?;
             let mut gaps = vec![0.0; active.len()];
             let Some(method) = pair.unilateral_mut() else { continue };
             method.complementarity_gaps(q, active, &mut gaps)?;

@@ -1,7 +1,9 @@
 //! Sliding supports: nodes whose displacement is prescribed along a direction, while they slide freely in the plane normal to it. Also symmetry planes in any direction.
 
 use crate::Table;
-use stoss_term::{At, Bilateral, Fault, Hold, Local, Rule, SlotKind, Step, SupportedNode, Term, Undefined, Work};
+use stoss_term::{
+    At, Bilateral, Fault, Hold, Local, Rule, SlotKind, StepContext, SupportedNode, Term, Undefined, Work,
+};
 
 /// Tolerance, as a part of the length scale, of the constraint of a slot without a multiplier.
 const MISSED: f64 = 1.0e-6;
@@ -103,7 +105,7 @@ impl Term for SlidingSupport {
         self.nodes.iter().for_each(|&(node, _)| visit(node, Hold::Partly));
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
         (self.times, self.has_rates) = ([step.time, step.end], step.rates);
         Ok(())
     }
@@ -229,8 +231,8 @@ mod tests {
         SlidingSupport::new("cut", &[1, 0], [3.0, 0.0, -4.0], table, &REFERENCE, 1.0).unwrap()
     }
 
-    fn dynamics(dt: f64) -> Step<'static> {
-        Step::new(&REFERENCE, GradientRule::DiscreteGradient, dt)
+    fn dynamics(dt: f64) -> StepContext<'static> {
+        StepContext::new(&REFERENCE, GradientRule::DiscreteGradient, dt)
     }
 
     fn contributions(support: &SlidingSupport, q: &[f64], multipliers: &[f64]) -> Vec<Local> {
@@ -244,7 +246,7 @@ mod tests {
     #[test]
     fn the_tangent_is_the_derivative() {
         let mut support = support();
-        support.begin(&Step { time: 0.5, ..dynamics(1.0) }).unwrap();
+        support.begin(&StepContext { time: 0.5, ..dynamics(1.0) }).unwrap();
         let (q, p) = ([0.3, 0.1, -0.2, 1.4, 0.3, 0.9], [0.7, -1.2]);
         let here = contributions(&support, &q, &p);
         for (k, local) in here.iter().enumerate() {
@@ -283,12 +285,12 @@ mod tests {
         assert!((told - 2.0 * u).abs() < 1e-15 && (work - told).abs() < 1e-14, "{told} {work}");
         assert!(support.moves());
         // In statics by the mean of the forces.
-        support.begin(&Step { rates: false, ..dynamics(1.0) }).unwrap();
+        support.begin(&StepContext { rates: false, ..dynamics(1.0) }).unwrap();
         support.commit(&At::end(&q, &[1.0, 1.0], &[true, false]));
         let saved = support.save_history();
         let mut other = self::support();
         other.load_history(&saved).unwrap();
-        other.begin(&Step { rates: false, ..dynamics(1.0) }).unwrap();
+        other.begin(&StepContext { rates: false, ..dynamics(1.0) }).unwrap();
         assert!((other.work(&At::end(&q, &p, &[true; 2])).unwrap().driven - 0.5 * (4.0 - 1.0) * u).abs() < 1e-15);
         assert!(other.load_history(&saved[1..]).is_err());
     }

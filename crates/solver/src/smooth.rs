@@ -156,7 +156,7 @@ impl<'a> Path<'a> {
         timings: &'a mut Timings,
         trace: &'a mut AttemptLog,
     ) -> Self {
-        let of_contact = |c: &crate::Coupling| c.unilateral().is_some();
+        let of_contact = |c: &crate::CouplingTerm| c.unilateral().is_some();
         let lengths = model.contacts.iter().filter(|c| of_contact(c)).map(|c| c.term.length_scale());
         let edge = lengths.fold(f64::INFINITY, f64::min);
         let moduli: Vec<f64> = model.contacts.iter().map(|c| c.complementarity * c.term.length_scale()).collect();

@@ -5,7 +5,7 @@ use crate::diagnosis::{largest_residual, slot_name, slot_place};
 use crate::failure::AttemptLog;
 use crate::iterate::Iterate;
 use crate::problem::{Known, StepProblem, start_auxiliaries};
-use crate::{Coupling, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
+use crate::{CouplingTerm, Decision, DecisionKind, Model, NewtonRow, Phase, StepError, Timings};
 use stoss_contact::active_set::ActiveSetTolerance;
 use stoss_contact::{ActiveSetControl, ActiveSetOutcome};
 use stoss_integrators::Step;
@@ -80,7 +80,7 @@ struct SetUpdate {
 impl ActiveSets {
     fn new(model: &Model, iterate: &Iterate) -> Self {
         let control =
-            |pair: &Coupling| ActiveSetControl::new(ActiveSetTolerance::for_length_scale(pair.term.length_scale()));
+            |pair: &CouplingTerm| ActiveSetControl::new(ActiveSetTolerance::for_length_scale(pair.term.length_scale()));
         let gaps: Vec<Vec<f64>> = iterate.pressures.iter().map(|p| vec![0.0; p.len()]).collect();
         Self {
             controls: model.contacts.iter().map(control).collect(),

@@ -5,7 +5,7 @@ use std::ops::Range;
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_newton::NewtonOptions;
-use stoss_solver::{InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_solver::{InsideOutTreatment, Model, Settings, Simulation, StepControl};
 use stoss_term::{At, Fault, ForceRule, Local, Term, Vectors, Work, check};
 
 /// Point masses, the first vectors of the model.
@@ -204,7 +204,7 @@ fn run(chain: &WarmChain, temperatures: &[f64], speed: f64, step: f64, end: f64)
         control: StepControl { step, end, max_cuts: 0, grow_after: 4, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-11, ..NewtonOptions::default() },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };

@@ -5,8 +5,8 @@ use std::ops::Range;
 use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_newton::NewtonOptions;
-use stoss_solver::{InsideOutRule, Model, Release, Settings, Simulation, StepControl};
-use stoss_term::{At, Fault, ForceRule, Local, Step, Term, Undefined, Vectors, Work};
+use stoss_solver::{InsideOutTreatment, Model, Release, Settings, Simulation, StepControl};
+use stoss_term::{At, Fault, ForceRule, Local, StepContext, Term, Undefined, Vectors, Work};
 
 const STIFFNESS: f64 = 30.0;
 /// Elongation at which it slides.
@@ -67,7 +67,7 @@ impl Term for Slider {
     fn conserves_linear_momentum(&self) -> bool {
         false
     }
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
         self.begun = Some((step.force, step.dt));
         Ok(())
     }
@@ -159,7 +159,7 @@ fn with(part: Box<dyn Term>) -> Simulation {
         control: StepControl { step: 0.01, end: 2.0, max_cuts: 0, grow_after: 4, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-12, ..NewtonOptions::default() },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };

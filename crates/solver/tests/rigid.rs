@@ -4,7 +4,7 @@ use stoss_integrators::EnergyMomentum;
 use stoss_linalg::AutoSolver;
 use stoss_multibody::{RigidBody, RigidMass};
 use stoss_newton::NewtonOptions;
-use stoss_solver::{Coupling, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_solver::{CouplingTerm, InsideOutTreatment, Model, Settings, Simulation, StepControl};
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -12,7 +12,7 @@ fn add(name: &str, model: &mut Model, mass: RigidMass, velocity: [f64; 3], spin:
     let body = RigidBody::new(name, model.node_count() as u32, mass);
     model.reference.extend(body.reference().iter().flatten());
     model.velocity.extend(body.velocity(velocity, spin).iter().flatten());
-    model.contacts.push(Coupling {
+    model.contacts.push(CouplingTerm {
         name: format!("{name} rigidity"),
         acts: true,
         term: Box::new(body.constraints()),
@@ -27,7 +27,7 @@ fn simulation(model: Model, step: f64, end: f64) -> Simulation {
         control: StepControl { step, end, max_cuts: 0, grow_after: 4, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };

@@ -14,8 +14,8 @@ use stoss_mesh::generate::Block;
 use stoss_multibody::{ConstraintSet, Embedded, Equation, QuadraticsBuilder, RigidBody, RigidMass};
 use stoss_newton::NewtonOptions;
 use stoss_solver::{
-    Body, Coupling, DecisionKind, FirstStage, InsideOutRule, Load, LoadKind, Model, Prescription, Release, Settings,
-    Simulation, SimulationError, Stage, StepControl, Switches, Table,
+    Body, CouplingTerm, DecisionKind, FirstStage, InsideOutTreatment, Load, LoadKind, Model, Prescription, Release,
+    Settings, Simulation, SimulationError, Stage, StepControl, Switches, Table,
 };
 use stoss_term::{At, Fault, GradientRule, Local, Potential, Term};
 
@@ -27,7 +27,7 @@ fn settings(scheme: Option<Box<dyn Scheme>>, step: f64, end: f64) -> Settings {
         control: StepControl { step, end, max_cuts: 0, grow_after: 4, automatic: None },
         scheme,
         newton: NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     }
@@ -159,7 +159,7 @@ fn contact_carries_over_from_statics() {
         let (slave, master) = (facets(&upper, "bottom", count), facets(&lower, "top", 0));
         let method =
             NodeToSurface::new("floor", &slave, &master, &model.reference, NodeToSurfaceOptions::default()).unwrap();
-        let pair = Coupling {
+        let pair = CouplingTerm {
             name: "floor".into(),
             acts: true,
             term: Box::new(method),
@@ -318,7 +318,7 @@ fn pendulum(mass: RigidMass, spin: [f64; 3]) -> (Model, RigidBody) {
     let pin = ConstraintSet::new("pin", 1.0, vec![Equation::each(pin.build())]);
     let couplings = [("rigidity", body.constraints()), ("pin", pin)];
     for (name, constraints) in couplings {
-        model.contacts.push(Coupling::new(name, constraints, 1.0));
+        model.contacts.push(CouplingTerm::new(name, constraints, 1.0));
     }
     let kind = LoadKind::Dead { patterns: vec![vec![(2, body.mass().mass)]] };
     model.loads.push(Load { name: "gravity".into(), kind, magnitude: Table::constant(&[-GRAVITY]) });
@@ -588,8 +588,8 @@ fn potentials_are_switched_with_their_energy() {
     model.velocity.extend([0.0; 12]);
     let stiffness = 50.0;
     let spring = Spring { node: 0, anchor: [0.3, 0.0, 0.0], stiffness };
-    model.contacts.push(Coupling::new("rigidity", body.constraints(), 1.0));
-    model.contacts.push(Coupling::new("spring", spring, 1.0));
+    model.contacts.push(CouplingTerm::new("rigidity", body.constraints(), 1.0));
+    model.contacts.push(CouplingTerm::new("spring", spring, 1.0));
     model.parts.push(Box::new(body));
     let off = || Switches { contacts: vec![1], ..Switches::default() };
     let dynamics = || -> Option<Box<dyn Scheme>> { Some(Box::new(EnergyMomentum)) };
@@ -633,7 +633,7 @@ fn contact_comes_back() {
     let (slave, master) = (facets(&upper, "bottom", count), facets(&lower, "top", 0));
     let method =
         NodeToSurface::new("floor", &slave, &master, &model.reference, NodeToSurfaceOptions::default()).unwrap();
-    model.contacts.push(Coupling::new("floor", method, 2000.0));
+    model.contacts.push(CouplingTerm::new("floor", method, 2000.0));
     let scheme = || -> Option<Box<dyn Scheme>> { Some(Box::new(EnergyMomentum)) };
     let off = Switches { contacts: vec![0], ..Switches::default() };
     let mut simulation = Simulation::staged(model, settings(scheme(), 0.01, 0.05), later(off)).unwrap();

@@ -1,6 +1,6 @@
 //! Why a run or its folder of results fails.
 
-use crate::ranks::Elsewhere;
+use crate::ranks::OtherRankError;
 use crate::scene::SceneErrors;
 use std::path::{Path, PathBuf};
 use stoss_solver::{SimulationError, digits};
@@ -34,7 +34,7 @@ pub enum RunError {
     Option(String),
     /// Another rank of the run has an error, and this one has none; the text has its number.
     #[error(transparent)]
-    Elsewhere(#[from] Elsewhere),
+    OtherRank(#[from] OtherRankError),
     /// The checkpoint does not fit.
     #[error("cannot resume from {path}: {reason}", path = .path.display())]
     Resume {
@@ -68,7 +68,7 @@ pub enum RunError {
 pub enum OutputError {
     /// Another rank of the run cannot write, and this one does not: the text has its number.
     #[error(transparent)]
-    Elsewhere(#[from] Elsewhere),
+    OtherRank(#[from] OtherRankError),
     /// Input or output.
     #[error("{path}: {source}", path = .path.display())]
     Io {

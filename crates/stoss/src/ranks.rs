@@ -34,7 +34,7 @@ enum Kind {
 /// An error that another rank of a run has, and this one has not; the text begins with its number.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct Elsewhere(String);
+pub struct OtherRankError(String);
 
 impl Ranks {
     /// Ranks of which each gathers the whole matrix and solves with the scene's solver ([`GatheredSolver`]): for tests of what is shared out, with threads as ranks ([`stoss_linalg::Threads`]).
@@ -92,17 +92,17 @@ impl Ranks {
     }
 
     /// What the first rank with an error says, where this one has none. Collective.
-    pub(crate) fn elsewhere(&self, own: Option<&dyn Display>) -> Option<Elsewhere> {
+    pub(crate) fn elsewhere(&self, own: Option<&dyn Display>) -> Option<OtherRankError> {
         let communicator = self.communicator();
         let text = own.map(|error| format!("rank {}: {error}", communicator.rank()));
-        communicator.first_text(text.as_deref()).filter(|_| own.is_none()).map(Elsewhere)
+        communicator.first_text(text.as_deref()).filter(|_| own.is_none()).map(OtherRankError)
     }
 
     /// The result, or an error on all ranks if one of them has one: its own, or that of the first other rank. Collective.
     ///
     /// # Errors
-    /// The error of the result, or [`Elsewhere`].
-    pub fn agree<T, E: Display + From<Elsewhere>>(&self, result: Result<T, E>) -> Result<T, E> {
+    /// The error of the result, or [`OtherRankError`].
+    pub fn agree<T, E: Display + From<OtherRankError>>(&self, result: Result<T, E>) -> Result<T, E> {
         match self.elsewhere(result.as_ref().err().map(|error| error as &dyn Display)) {
             Some(error) => Err(error.into()),
             None => result,

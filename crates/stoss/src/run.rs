@@ -4,7 +4,7 @@ mod estimate;
 mod session;
 
 use crate::build::{Built, OwnLaws, build_on};
-use crate::diagnosis::{Case, Cause, Confidence, Diagnosis};
+use crate::diagnosis::{Cause, Confidence, DiagnosedRun, Diagnosis};
 use crate::left_out;
 #[cfg(doc)]
 use crate::output::Outcome;
@@ -153,7 +153,7 @@ fn diagnose_start(path: &Path, options: &RunOptions, scene: &Scene, built: &Buil
     let start = judge_start(&built.simulation, scene, &built.drawing)?;
     let watched = watched_bodies(built);
     let folder = scene_folder(path);
-    Ok(Diagnosis::of(&Case::new(scene, folder, &options.laws, &built.simulation, watched, &start, None)))
+    Ok(Diagnosis::of(&DiagnosedRun::new(scene, folder, &options.laws, &built.simulation, watched, &start, None)))
 }
 
 /// Numbers of pressures, further unknowns of contact and tie multipliers that there may be, in words.

@@ -124,7 +124,7 @@ pub fn derivative(term: &mut dyn Term, at: &At<'_>, direction: &Unknowns, h: f64
 
 /// What a term promises, against what its forces do at an iterate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Promises {
+pub struct TermCheck {
     /// Size of the sum of the forces on positions over the sum of their sizes.
     pub resultant: f64,
     /// Size of the sum of the moments about the origin with positions of the middle of the step, directors included, over the sum of forces times distances.
@@ -149,11 +149,11 @@ pub fn promises(
     term: &mut dyn Term,
     at: &At<'_>,
     is_direction: &(dyn Fn(u32) -> bool + Sync),
-) -> Result<Promises, Fault> {
+) -> Result<TermCheck, Fault> {
     term.renew(at, true)?;
     let mut stencils = Vec::new();
     term.stencils(at.active, &mut |nodes, slots| stencils.push((nodes.to_vec(), slots.to_vec())));
-    let mut found = Promises { has_order: true, is_pure: true, ..Promises::default() };
+    let mut found = TermCheck { has_order: true, is_pure: true, ..TermCheck::default() };
     let (mut force, mut moment, mut sizes) = ([0.0; 3], [0.0; 3], [0.0; 2]);
     let (mut asymmetry, mut largest, mut k, mut first) = (0.0_f64, 0.0_f64, 0, Vec::new());
     term.assemble(at, true, &mut |local| {

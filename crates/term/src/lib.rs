@@ -1,4 +1,4 @@
-//! The TRAIT [`Term`] of whatever adds to the equations of a step: beams, springs, loads, joints, ties, contact. What it is told ([`Step`], [`At`]), what it hands out ([`Local`]), what it
+//! The TRAIT [`Term`] of whatever adds to the equations of a step: beams, springs, loads, joints, ties, contact. What it is told ([`StepContext`], [`At`]), what it hands out ([`Local`]), what it
 //! says of itself ([`Work`], reports).
 //!
 //! A contribution is a [`Local`]: rows and columns of the vectors and multipliers that it joins. Nobody who implements a term sees a matrix, an iteration or a file, and nobody who solves a step knows a
@@ -37,7 +37,7 @@ pub use report::{
     Coverage, JointCoordinate, JointReport, JointTorques, MaterialWork, SlotFriction, SlotReport, SupportedNode, Work,
 };
 pub use share::Share;
-pub use step::{Hold, Step, Support};
+pub use step::{HeldNodes, Hold, StepContext};
 pub use stoss_integrators::{ForceRule, GradientRule};
 pub use term::Term;
 pub use unilateral::Unilateral;

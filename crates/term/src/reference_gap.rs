@@ -3,7 +3,7 @@
 //! `g_ref = s(t) g_0 + d(t)`: `g_0 <= 0` is the overlap of a slot where its contact begins to act, `s` says what becomes of it, and `d >= 0` is an interference that the
 //! surfaces do not have as they are given. A method adds it to the gap that its closed slots have, and counts gaps beyond it.
 
-use crate::Step;
+use crate::StepContext;
 
 /// What becomes of an overlap of the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -103,7 +103,7 @@ impl ReferenceGap {
     }
 
     /// Begins a step. `gap` measures the slots at its start, if they are asked for: `None` without a partner.
-    pub fn begin(&mut self, step: &Step<'_>, slots: usize, gap: impl Fn(usize) -> Option<f64>) {
+    pub fn begin(&mut self, step: &StepContext<'_>, slots: usize, gap: impl Fn(usize) -> Option<f64>) {
         self.time = step.end;
         if self.begun {
             return;
@@ -161,7 +161,7 @@ impl ReferenceGap {
     }
 
     /// Factor on the bound of friction in a step.
-    pub fn friction_factor(&self, step: &Step<'_>) -> f64 {
+    pub fn friction_factor(&self, step: &StepContext<'_>) -> f64 {
         let of_ramp = if self.overlap() == Overlap::Ramp { self.until } else { f64::NEG_INFINITY };
         let closed = of_ramp.max(self.options.settled());
         // What closes at once does so in the first step.
@@ -225,8 +225,8 @@ impl ReferenceGap {
 mod tests {
     use super::*;
 
-    fn step(time: f64, end: f64) -> Step<'static> {
-        Step { time, end, ..Step::quasi_static(&[], end - time) }
+    fn step(time: f64, end: f64) -> StepContext<'static> {
+        StepContext { time, end, ..StepContext::quasi_static(&[], end - time) }
     }
 
     fn of(options: ReferenceGapOptions) -> ReferenceGap {

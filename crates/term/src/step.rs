@@ -13,9 +13,9 @@ pub enum Hold {
     Wholly,
 }
 
-/// What is known of the motion of nodes without asking the equations: by the prescriptions, ties and contacts that act at present. [`Support::default`] knows nothing.
+/// What is known of the motion of nodes without asking the equations: by the prescriptions, ties and contacts that act at present. [`HeldNodes::default`] knows nothing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Support {
+pub struct HeldNodes {
     /// Whether each component is prescribed.
     prescribed: Vec<bool>,
     /// Whether each node is held wholly; then, in part; then, on a surface.
@@ -24,8 +24,8 @@ pub struct Support {
     on_surface: Vec<bool>,
 }
 
-impl Support {
-    /// The support of so many nodes, all of them free.
+impl HeldNodes {
+    /// So many nodes, all of them free.
     pub fn new(nodes: usize) -> Self {
         let free = vec![false; nodes];
         Self { prescribed: vec![false; 3 * nodes], wholly: free.clone(), partly: free.clone(), on_surface: free }
@@ -69,7 +69,7 @@ fn of(flags: &[bool], node: u32) -> bool {
 
 /// A step as it begins: what is known before any iterate. Positions and velocities have `3 * nodes` entries, node-major.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<'a> {
+pub struct StepContext<'a> {
     /// Positions at the start, a length each.
     pub q_n: &'a [f64],
     /// Velocities there, for methods that look ahead; empty if there is nothing to look ahead to.
@@ -94,16 +94,16 @@ pub struct Step<'a> {
     /// Largest distance that two surfaces are expected to approach each other: what is farther away needs no partner.
     pub reach: f64,
     /// What acts on nodes beside the one that is told.
-    pub support: &'a Support,
+    pub held: &'a HeldNodes,
 }
 
-/// A support that holds nothing.
-static FREE: Support =
-    Support { prescribed: Vec::new(), wholly: Vec::new(), partly: Vec::new(), on_surface: Vec::new() };
+/// Nodes that nothing holds.
+static FREE: HeldNodes =
+    HeldNodes { prescribed: Vec::new(), wholly: Vec::new(), partly: Vec::new(), on_surface: Vec::new() };
 
-impl<'a> Step<'a> {
+impl<'a> StepContext<'a> {
     /// A step with inertia from `q_n`, from the time zero on, of nodes that nothing else holds, with nothing in reach that does not touch, no velocities to look ahead with, and forces at the end. Other values
-    /// go before: `Step { reach: 0.1, ..Step::new(q_n, rule, dt) }`.
+    /// go before: `StepContext { reach: 0.1, ..StepContext::new(q_n, rule, dt) }`.
     pub fn new(q_n: &'a [f64], rule: GradientRule, dt: f64) -> Self {
         Self {
             q_n,
@@ -117,7 +117,7 @@ impl<'a> Step<'a> {
             careful: false,
             impacts: false,
             reach: 0.0,
-            support: &FREE,
+            held: &FREE,
         }
     }
 
@@ -133,15 +133,15 @@ mod tests {
 
     #[test]
     fn nodes_on_two_surfaces_may_be_held() {
-        let mut support = Support::new(4);
-        support.prescribe(3, 1);
+        let mut held = HeldNodes::new(4);
+        held.prescribe(3, 1);
         [(0, Hold::Surface), (1, Hold::Surface), (1, Hold::Surface), (2, Hold::Wholly)]
             .into_iter()
-            .for_each(|(node, how)| support.hold(node, how));
-        assert_eq!([0, 1, 2, 3].map(|node| support.may_hold(node)), [false, true, false, true]);
-        assert_eq!(support.given(2), [true; 3]);
-        assert_eq!((support.given(3), support.prescribed(3)), ([false, true, false], [false, true, false]));
+            .for_each(|(node, how)| held.hold(node, how));
+        assert_eq!([0, 1, 2, 3].map(|node| held.may_hold(node)), [false, true, false, true]);
+        assert_eq!(held.given(2), [true; 3]);
+        assert_eq!((held.given(3), held.prescribed(3)), ([false, true, false], [false, true, false]));
         // Of nodes beyond those that it was made for nothing is known.
-        assert!(!Support::default().may_hold(7) && Support::default().given(7) == [false; 3]);
+        assert!(!HeldNodes::default().may_hold(7) && HeldNodes::default().given(7) == [false; 3]);
     }
 }

@@ -1,8 +1,8 @@
 //! The trait of whatever adds to the equations of a step.
 
 use crate::{
-    At, Auxiliary, Bilateral, Coverage, Fault, Hold, Local, Potential, Rule, Share, SlotReport, Step, Unilateral,
-    Vectors, Work,
+    At, Auxiliary, Bilateral, Coverage, Fault, Hold, Local, Potential, Rule, Share, SlotReport, StepContext,
+    Unilateral, Vectors, Work,
 };
 use std::ops::Range;
 
@@ -80,10 +80,10 @@ pub trait Term: Send + Sync + std::fmt::Debug {
     ///
     /// # Errors
     /// A rule of the scheme that the term does not have, and what search and projection refuse.
-    fn begin(&mut self, _step: &Step<'_>) -> Result<(), Fault> {
+    fn begin(&mut self, _step: &StepContext<'_>) -> Result<(), Fault> {
         Ok(())
     }
-    /// Tells of every node that it joins what it does to it while it acts, once a node, for [`crate::Support`].
+    /// Tells of every node that it joins what it does to it while it acts, once a node, for [`crate::HeldNodes`].
     fn holds(&self, _visit: &mut dyn FnMut(u32, Hold)) {}
     /// Follows the iterate: renews what does so by itself, for instance integrals over moving overlaps; called before every `assemble` at the same place. What `augment`, `work` and `commit` need of the last
     /// one the term keeps. Returns whether the stencils of active slots changed. `want_tangent` tells whether derivatives will be needed.

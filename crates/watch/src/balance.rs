@@ -20,7 +20,7 @@ const WRONG_GAIN: f64 = 0.5;
 /// Judgement of what closing gaps cost, where nothing else is meant to take energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Closing {
+pub enum ClosingJudgement {
     /// No judgement: the scheme takes energy itself.
     #[default]
     Unjudged,
@@ -48,7 +48,7 @@ pub struct Promises {
     pub contact_gives_nothing: bool,
     /// Whether energy that closing gaps take is judged.
     #[serde(default)]
-    pub closing: Closing,
+    pub closing: ClosingJudgement,
     /// Relative tolerance: round-off and what the Newton iteration leaves, as a part of the scale of each quantity.
     pub tolerance: f64,
 }
@@ -285,7 +285,7 @@ impl BalanceWatch {
         if autonomous && !energy {
             self.grown.note(grown, floor, now);
         }
-        if closing != Closing::Unjudged {
+        if closing != ClosingJudgement::Unjudged {
             let by_impacts = state.impact_deformable - first.impact_deformable;
             self.by_impacts = self.by_impacts.max(by_impacts);
             self.closed.note(state.closing_loss - first.closing_loss + by_impacts, floor, now);
@@ -340,7 +340,7 @@ impl BalanceWatch {
         });
         let place = closed_by.map(|name| format!(", most of it in {name}")).unwrap_or_default();
         add(&self.closed, FindingKind::ClosingLoss, &|percent, _| match self.promises.closing {
-            Closing::Lines => format!(
+            ClosingJudgement::Lines => format!(
                 "closing gaps had taken {percent:.1} % of the largest energy of the run{place}. The mass of the line is consistent: what stops a node on the surface jerks its neighbours, and what \
                  is still in the air does not move freely. Smaller elements and steps do not change that; write `mass_matrix = \"lumped\"` for a string, or use elements of a solid for a beam"
             ),
@@ -375,7 +375,7 @@ mod tests {
             energy: true,
             autonomous: true,
             contact_gives_nothing: true,
-            closing: Closing::Unjudged,
+            closing: ClosingJudgement::Unjudged,
             tolerance: 1e-7,
         }
     }
@@ -498,12 +498,12 @@ mod tests {
 
     #[test]
     fn what_closing_gaps_take_is_doubtful_where_it_is_judged() {
-        let lossy = Promises { closing: Closing::Surfaces, ..promises() };
+        let lossy = Promises { closing: ClosingJudgement::Surfaces, ..promises() };
         let lost = |part: f64| move |s: &mut BalanceState| (s.total, s.closing_loss) = (2.0 - 3.0 * part, 3.0 * part);
         assert_eq!(second(lossy, lost(0.0099)), []);
         assert_eq!(second(lossy, lost(0.0101)), [Severity::Doubtful]);
         assert_eq!(second(promises(), lost(0.5)), []);
-        let mut watch = BalanceWatch::new(Promises { closing: Closing::Lines, ..lossy }, 1.0, 1.0, 0.0);
+        let mut watch = BalanceWatch::new(Promises { closing: ClosingJudgement::Lines, ..lossy }, 1.0, 1.0, 0.0);
         watch.observe(0, 0.0, &start());
         watch.observe(1, 0.1, &BalanceState { total: 1.4, closing_loss: 0.6, ..start() });
         let [Finding { kind: FindingKind::ClosingLoss, sentence, .. }] = &watch.standing(Some("floor"))[..] else {
@@ -515,7 +515,7 @@ mod tests {
     /// What the law of impact takes from deformable bodies is doubtful, from rigid ones it is not; what it was kept from adding is.
     #[test]
     fn what_impacts_take_is_doubtful_of_deformable_bodies() {
-        let lossy = Promises { closing: Closing::Surfaces, ..promises() };
+        let lossy = Promises { closing: ClosingJudgement::Surfaces, ..promises() };
         let lost = |part: f64, deformable: f64| {
             move |s: &mut BalanceState| {
                 (s.total, s.impact_loss, s.impact_deformable) = (2.0 - 3.0 * part, 3.0 * part, 3.0 * deformable);

@@ -37,7 +37,7 @@ mod sweep;
 mod verdict;
 mod words;
 
-pub use balance::{BalanceState, BalanceWatch, Closing, Promises, Resolution};
+pub use balance::{BalanceState, BalanceWatch, ClosingJudgement, Promises, Resolution};
 pub use contact::{ContactPoint, ContactState, PointFriction};
 pub use finding::{Finding, FindingKind, Severity};
 pub use kept::KeptGaps;

@@ -4,7 +4,7 @@ use crate::pairs::{Inside, TOUCHING, overlap};
 use crate::predicates::{inside_element, nearest_point};
 use crate::solids::{Shapes, SolidObservation};
 use crate::surface::Surface;
-use crate::sweep::{Sweep, passages};
+use crate::sweep::{SweptBoxes, passages};
 use crate::{WatchBody, WatchError, WatchFacet, WatchModel, WatchShape};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -258,7 +258,7 @@ impl Watch {
                 continue;
             }
             let regions: Vec<Aabb> = near.iter().map(|&a| bounds[a]).collect();
-            let sweep = Sweep::new(&self.surfaces[b], &before[b].0, &regions);
+            let sweep = SweptBoxes::new(&self.surfaces[b], &before[b].0, &regions);
             for a in near {
                 let (body, other, tied) = (&self.surfaces[a], &self.surfaces[b], self.tied(a, b));
                 let exempt = |point| tied.is_some_and(|tied| touches(body, point, tied));

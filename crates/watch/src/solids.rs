@@ -4,7 +4,7 @@ use crate::{WatchBody, WatchModel};
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stoss_mesh::Elements;
-use stoss_reference_element::{CellKind, Integration, Rule};
+use stoss_reference_element::{CellKind, Integration, QuadratureRule};
 
 /// Scaled Jacobian below which an element is poor, if the mesh was not so from the start.
 const POOR: f64 = 0.02;
@@ -58,7 +58,7 @@ impl Frames {
 pub(crate) struct Tangents<'a> {
     frames: &'a Frames,
     /// The points and their weights.
-    pub rule: Rule,
+    pub rule: QuadratureRule,
 }
 
 impl Tangents<'_> {
@@ -73,7 +73,7 @@ impl Tangents<'_> {
 struct Kind {
     nodes: Frames,
     gauss: Frames,
-    rule: Rule,
+    rule: QuadratureRule,
     /// Volume in natural coordinates.
     volume: f64,
 }

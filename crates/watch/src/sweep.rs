@@ -20,7 +20,7 @@ const SAMPLES: usize = 8;
 
 /// Boxes of the triangles of a surface over a step.
 #[derive(Debug)]
-pub(crate) struct Sweep {
+pub(crate) struct SweptBoxes {
     tree: BoundingVolumeTree,
     /// Triangle of each box.
     triangles: Vec<u32>,
@@ -34,7 +34,7 @@ pub(crate) struct Passage {
     pub position: Vector3<f64>,
 }
 
-impl Sweep {
+impl SweptBoxes {
     /// The sweep of a surface whose points were at `before`; of a rigid one as far as it reaches into one of the `regions`, in which the others move.
     pub fn new(surface: &Surface, before: &[Vector3<f64>], regions: &[Aabb]) -> Self {
         let swept = |t: usize| {
@@ -83,7 +83,7 @@ impl Sweep {
 /// Nodes of `body`, at `before` until now, that passed through `other`, or from one side of an open surface to the other; not those for which `exempt` holds.
 pub(crate) fn passages(
     (body, before): (&Surface, &[Vector3<f64>]),
-    (other, other_before, sweep): (&Surface, &[Vector3<f64>], &Sweep),
+    (other, other_before, sweep): (&Surface, &[Vector3<f64>], &SweptBoxes),
     exempt: impl Fn(u32) -> bool,
 ) -> Vec<Passage> {
     let mut found = Vec::new();

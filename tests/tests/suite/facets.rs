@@ -15,7 +15,7 @@ use stoss::mesh::Mesh as Solid;
 use stoss::mesh::generate::Block;
 use stoss::newton::NewtonOptions;
 use stoss::solver::{
-    Body, Coupling, InsideOutRule, Model, Prescription, Settings, Simulation, StepControl, StepRecord, Table,
+    Body, CouplingTerm, InsideOutTreatment, Model, Prescription, Settings, Simulation, StepControl, StepRecord, Table,
 };
 use stoss::term::Term;
 use stoss_reference_cases::patch::unevenness;
@@ -85,7 +85,7 @@ impl Blocks {
 
     fn simulation(mut self, term: Box<dyn Term>, step: f64, end: f64) -> Simulation {
         let complementarity = YOUNG / term.length_scale();
-        self.model.contacts.push(Coupling {
+        self.model.contacts.push(CouplingTerm {
             name: "contact".into(),
             term,
             acts: true,
@@ -97,7 +97,7 @@ impl Blocks {
             control: StepControl { step, end, max_cuts: 0, grow_after: 1, automatic: None },
             scheme: if is_dynamic { Some(Box::new(EnergyMomentum)) } else { None },
             newton: NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() },
-            inside_out: InsideOutRule::Refuse,
+            inside_out: InsideOutTreatment::Refuse,
             max_plastic_increment: None,
             solver: Box::new(AutoSolver::new()),
         };

@@ -1,7 +1,7 @@
 //! Scenes that stop or come out wrong are diagnosed rightly: cause, place, and a remedy, which is applied where it is a change of the scene.
 
 use std::path::Path;
-use stoss::diagnosis::{Cause, Change, Confidence, Diagnosis, Finding};
+use stoss::diagnosis::{Cause, Change, Confidence, Diagnosis, LikelyCause};
 use stoss::output::{Outcome, Summary};
 use stoss::run::{Event, RunError, RunOptions, check_scene, diagnose_scene, run_scene};
 use stoss::watch::Severity;
@@ -45,12 +45,12 @@ pub(crate) fn comes_out_well(text: &str) {
 }
 
 /// The first finding of a scene that stops or comes out wrong.
-pub(crate) fn diagnosed(name: &str) -> (Finding, Diagnosis) {
+pub(crate) fn diagnosed(name: &str) -> (LikelyCause, Diagnosis) {
     diagnosis_of(name, &run(&text_of(name)))
 }
 
 /// The first finding of a run that is over.
-fn diagnosis_of(name: &str, Left { result, diagnosis }: &Left) -> (Finding, Diagnosis) {
+fn diagnosis_of(name: &str, Left { result, diagnosis }: &Left) -> (LikelyCause, Diagnosis) {
     let bad = match result {
         Err(RunError::Simulation { .. }) => true,
         Ok(summary) => summary.verdict.level == Severity::Wrong,
@@ -63,7 +63,7 @@ fn diagnosis_of(name: &str, Left { result, diagnosis }: &Left) -> (Finding, Diag
     (diagnosis.findings[0].clone(), diagnosis)
 }
 
-pub(crate) fn is_cause(finding: &Finding, cause: Cause) {
+pub(crate) fn is_cause(finding: &LikelyCause, cause: Cause) {
     assert_eq!((finding.cause, finding.confidence), (cause, Confidence::High), "{finding:#?}");
     assert!(
         !finding.remedies.is_empty() && !finding.evidence.is_empty() && !finding.place.text.is_empty(),
@@ -91,7 +91,7 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) {
 }
 
 /// The scene with the changes of the first remedy.
-fn mended(text: &str, finding: &Finding, remedy: usize) -> String {
+fn mended(text: &str, finding: &LikelyCause, remedy: usize) -> String {
     let mut table: toml::Table = text.parse().unwrap();
     let mut added = String::new();
     let changes = &finding.remedies[remedy].changes;
@@ -109,7 +109,7 @@ fn mended(text: &str, finding: &Finding, remedy: usize) -> String {
 }
 
 /// The scene with the changes of a remedy runs to its end, and nothing certain is said about it.
-pub(crate) fn is_mended(name: &str, finding: &Finding, remedy: usize) {
+pub(crate) fn is_mended(name: &str, finding: &LikelyCause, remedy: usize) {
     let text = mended(&text_of(name), finding, remedy);
     let Left { result, diagnosis } = run(&text);
     let summary = result.unwrap_or_else(|e| panic!("{name}: {e}\n{text}"));
@@ -335,7 +335,7 @@ fn right_data_in_rare_units_are_no_mistake() {
 }
 
 /// What the error says, and what the diagnosis says: of one cause.
-fn of_error(text: &str) -> (String, Finding) {
+fn of_error(text: &str) -> (String, LikelyCause) {
     let Left { result, diagnosis } = run(text);
     let error = result.unwrap_err().to_string();
     (error, diagnosis.unwrap().findings[0].clone())
@@ -626,7 +626,7 @@ fn a_sliver() {
     // The corner in the middle of a straight edge.
     assert!(finding.place.position.is_some_and(|x| x[0] == 0.5005 && x[1] == 0.5), "{finding:#?}");
     // What the scene has already is not offered.
-    let warns = |finding: &Finding| finding.remedies.iter().any(|remedy| remedy.text.contains("inside_out"));
+    let warns = |finding: &LikelyCause| finding.remedies.iter().any(|remedy| remedy.text.contains("inside_out"));
     assert!(warns(&finding));
     let text = text_of("sliver") + "\n[solver]\ninside_out = \"warn\"\n";
     let found = run(&text).diagnosis.map(|diagnosis| diagnosis.findings).unwrap_or_default();

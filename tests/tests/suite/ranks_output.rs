@@ -172,7 +172,7 @@ fn what_one_rank_cannot_read_or_write_is_an_error_of_all() {
     let told = |results: Vec<Result<Summary, RunError>>, who: usize, part: &str| {
         for (rank, result) in results.into_iter().enumerate() {
             let error = result.expect_err("the run fails");
-            let is_of_other = matches!(error, RunError::Elsewhere(_) | RunError::Output(OutputError::Elsewhere(_)));
+            let is_of_other = matches!(error, RunError::OtherRank(_) | RunError::Output(OutputError::OtherRank(_)));
             let text = error.to_string();
             assert!(text.contains(part) && is_of_other == (rank != who), "rank {rank}: {text}");
             assert!(!is_of_other || text.starts_with(&format!("rank {who}: ")), "{text}");

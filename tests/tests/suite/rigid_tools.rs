@@ -11,7 +11,9 @@ use stoss::materials::NeoHooke;
 use stoss::mesh::generate::Block;
 use stoss::multibody::{RigidBody, RigidMass};
 use stoss::newton::NewtonOptions;
-use stoss::solver::{Balance, Body, Coupling, InsideOutRule, Model, Settings, Simulation, StepControl, StepRecord};
+use stoss::solver::{
+    Balance, Body, CouplingTerm, InsideOutTreatment, Model, Settings, Simulation, StepControl, StepRecord,
+};
 use stoss::term::Term;
 
 /// A solid block and a rigid one that falls on it, turning; the rigid one's surface is that of a mesh.
@@ -49,7 +51,7 @@ impl Impact {
         let tool = RigidBody::new("tool", model.node_count() as u32, mass);
         model.reference.extend(tool.reference().iter().flatten());
         model.velocity.extend(tool.velocity([0.2, 0.1, -2.0], [0.1, -0.2, 0.5]).iter().flatten());
-        model.contacts.push(Coupling::new("rigidity", tool.constraints(), 1.0));
+        model.contacts.push(CouplingTerm::new("rigidity", tool.constraints(), 1.0));
         let shape = Block::new([0.6, 0.45, 1.1], [1.6, 1.45, 1.6], [3, 3, 1]).generate().unwrap();
         let first = model.node_count() as u32;
         for (k, x) in shape.nodes.iter().enumerate() {
@@ -69,7 +71,7 @@ impl Impact {
 
     fn run(mut self, term: Box<dyn Term>) -> Vec<StepRecord> {
         let complementarity = 1000.0 / term.length_scale();
-        self.model.contacts.push(Coupling {
+        self.model.contacts.push(CouplingTerm {
             name: "contact".into(),
             term,
             acts: true,
@@ -80,7 +82,7 @@ impl Impact {
             control: StepControl { step: 5e-3, end: 0.4, max_cuts: 0, grow_after: 1, automatic: None },
             scheme: Some(Box::new(EnergyMomentum)),
             newton: NewtonOptions { relative_tolerance: 1e-10, ..NewtonOptions::default() },
-            inside_out: InsideOutRule::Refuse,
+            inside_out: InsideOutTreatment::Refuse,
             max_plastic_increment: None,
             solver: Box::new(AutoSolver::new()),
         };

@@ -4,7 +4,7 @@ use crate::support::simulation;
 use stoss::integrators::{ForceRule, GradientRule};
 use stoss::solver::{Model, Simulation};
 use stoss::term::check::{self, Derivative};
-use stoss::term::{At, Rule, SlotKind, Step, Term};
+use stoss::term::{At, Rule, SlotKind, StepContext, Term};
 
 /// Scenes, and steps after which their terms are looked at.
 const SCENES: [(&str, usize); 15] = [
@@ -68,8 +68,8 @@ impl Case<'_> {
     fn check(&mut self, rule: Rule, is_direction: &(dyn Fn(u32) -> bool + Sync), count: &mut Count) {
         let name = format!("{} {rule:?}", self.name);
         let step = match rule {
-            Rule::Force(force) => Step { force, ..Step::new(self.q_n, GradientRule::EndPoint, self.dt) },
-            Rule::Constraint(rule) => Step { reach: self.length, ..Step::new(self.q_n, rule, self.dt) },
+            Rule::Force(force) => StepContext { force, ..StepContext::new(self.q_n, GradientRule::EndPoint, self.dt) },
+            Rule::Constraint(rule) => StepContext { reach: self.length, ..StepContext::new(self.q_n, rule, self.dt) },
         };
         // A rule that a method does not have.
         if self.term.begin(&step).is_err() {

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::source::Source;
-use super::{Finding, documents};
+use super::{Violation, documents};
 
 /// Folder of the pages, from the root.
 const FOLDER: &str = "docs/theory/";
@@ -35,11 +35,11 @@ impl Theory {
     }
 
     /// All findings of one file.
-    pub fn check(&self, file: &str, content: &str) -> Vec<Finding> {
+    pub fn check(&self, file: &str, content: &str) -> Vec<Violation> {
         let lines = prose(file, content);
         let mut findings = Vec::new();
         for (number, line) in lines.iter().enumerate() {
-            let mut tell = |message: String| findings.push(Finding::new(file, number + 1, message));
+            let mut tell = |message: String| findings.push(Violation::new(file, number + 1, message));
             for (page, rest) in places(line) {
                 if rest.starts_with(".md") {
                     if !file.ends_with(".md") {

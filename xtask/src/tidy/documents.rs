@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Component, Path, PathBuf};
 
-use super::Finding;
+use super::Violation;
 
 /// Folders at the root; a word that starts with one of them is meant as a path.
 const FOLDERS: [&str; 6] = ["crates/", "docs/", "scenes/", "tests/", "xtask/", ".ci/"];
@@ -14,7 +14,7 @@ pub fn check(
     content: &str,
     exists: impl Fn(&Path) -> bool,
     anchors_of: impl Fn(&Path) -> Option<BTreeSet<String>>,
-) -> Vec<Finding> {
+) -> Vec<Violation> {
     let mut findings = Vec::new();
     let mut known = BTreeMap::new();
     let mut fenced = false;
@@ -25,7 +25,7 @@ pub fn check(
         }
         let mut demand = |path: PathBuf| {
             if !exists(&path) {
-                findings.push(Finding::new(
+                findings.push(Violation::new(
                     file,
                     number + 1,
                     format!("names {}, which does not exist", path.display()),
@@ -41,7 +41,7 @@ pub fn check(
                 let found = known.entry(path.clone()).or_insert_with(|| anchors_of(&path));
                 if found.as_ref().is_some_and(|found| !found.contains(anchor)) {
                     let message = format!("links to {}#{anchor}, which has no such anchor", path.display());
-                    findings.push(Finding::new(file, number + 1, message));
+                    findings.push(Violation::new(file, number + 1, message));
                 }
             }
         }

@@ -21,7 +21,7 @@ use crate::workspace::{Outcome, Workspace};
 
 /// Something to mend.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct Violation {
     /// Path from the root.
     pub file: String,
     /// Line from 1; 0 for the file as a whole.
@@ -30,14 +30,14 @@ pub struct Finding {
     pub message: String,
 }
 
-impl Finding {
+impl Violation {
     /// Makes one.
     pub fn new(file: &str, line: usize, message: impl Into<String>) -> Self {
         Self { file: file.to_owned(), line, message: message.into() }
     }
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for Violation {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.line {
             0 => write!(out, "{}: {}", self.file, self.message),

@@ -1,13 +1,13 @@
 //! Rules for manifests and for what git keeps.
 
-use super::Finding;
+use super::Violation;
 use crate::manifest::{self, Member};
 use crate::workspace::{Outcome, Workspace, capture};
 
 /// All findings of the members' manifests and of the proptest regressions.
-pub fn check(workspace: &Workspace) -> Outcome<Vec<Finding>> {
+pub fn check(workspace: &Workspace) -> Outcome<Vec<Violation>> {
     let members = manifest::members(workspace)?;
-    let mut findings: Vec<Finding> = members.iter().flat_map(member).collect();
+    let mut findings: Vec<Violation> = members.iter().flat_map(member).collect();
     for member in members.iter().filter(|member| member.is_published()) {
         let source = workspace.read(format!("{}/src/lib.rs", member.folder))?;
         findings.extend(front_page(&member.folder, &source));
@@ -16,7 +16,7 @@ pub fn check(workspace: &Workspace) -> Outcome<Vec<Finding>> {
     let list = ["ls-files", "-z", "--others", "--", "*proptest-regressions*", ":!target/"];
     let untracked = capture(workspace.process("git").args(list))?;
     let files = untracked.split('\0').filter(|file| !file.is_empty());
-    findings.extend(files.map(|file| Finding::new(file, 0, "a proptest regression that git does not track")));
+    findings.extend(files.map(|file| Violation::new(file, 0, "a proptest regression that git does not track")));
     Ok(findings)
 }
 
@@ -27,23 +27,23 @@ const PUBLISHED_KEYS: [&str; 5] = ["repository", "documentation", "readme", "key
 /// Most keywords that crates.io takes.
 const MOST_KEYWORDS: usize = 5;
 
-fn member(member: &Member) -> Vec<Finding> {
+fn member(member: &Member) -> Vec<Violation> {
     let file = format!("{}/Cargo.toml", member.folder);
     let published: &[&str] = if member.is_published() { &PUBLISHED_KEYS } else { &[] };
     let missing = KEYS.iter().chain(published).filter(|key| !member.package.contains_key(**key));
-    let mut findings: Vec<Finding> = missing.map(|key| Finding::new(&file, 0, format!("no `{key}`"))).collect();
+    let mut findings: Vec<Violation> = missing.map(|key| Violation::new(&file, 0, format!("no `{key}`"))).collect();
     if manifest::strings(member.package.get("keywords")).len() > MOST_KEYWORDS {
-        findings.push(Finding::new(&file, 0, format!("more than {MOST_KEYWORDS} keywords")));
+        findings.push(Violation::new(&file, 0, format!("more than {MOST_KEYWORDS} keywords")));
     }
     findings
 }
 
 /// The README of a published crate is a part of its front page: so its example compiles, and both say the same.
-fn front_page(folder: &str, source: &str) -> Option<Finding> {
+fn front_page(folder: &str, source: &str) -> Option<Violation> {
     let included =
         source.lines().any(|line| line.starts_with("#![") && line.contains("include_str!(\"../README.md\")"));
     let message = "does not include its README.md as documentation";
-    (!included).then(|| Finding::new(&format!("{folder}/src/lib.rs"), 0, message))
+    (!included).then(|| Violation::new(&format!("{folder}/src/lib.rs"), 0, message))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Rules for Rust sources.
 
-use super::Finding;
+use super::Violation;
 use super::source::Source;
 
 /// Longest file without a reason.
@@ -13,22 +13,22 @@ const LONG_FILES: &[(&str, &str)] = &[];
 const CANNOT_FAIL: &str = "cannot fail:";
 
 /// All findings of one source file.
-pub fn check(file: &str, content: &str) -> Vec<Finding> {
+pub fn check(file: &str, content: &str) -> Vec<Violation> {
     let mut findings = Vec::new();
     let lines = content.lines().count();
     if lines > MOST_LINES && !LONG_FILES.iter().any(|(long, _)| *long == file) {
-        findings.push(Finding::new(
+        findings.push(Violation::new(
             file,
             0,
             format!("{lines} lines, more than {MOST_LINES}: split it along its sense"),
         ));
     }
     if in_sources(file) && !content.starts_with("//!") {
-        findings.push(Finding::new(file, 1, "does not start with `//!`: say what the module is"));
+        findings.push(Violation::new(file, 1, "does not start with `//!`: say what the module is"));
     }
     let source = Source::new(content);
     for (line, code) in source.code.iter().enumerate() {
-        let mut tell = |message: &str| findings.push(Finding::new(file, line + 1, message));
+        let mut tell = |message: &str| findings.push(Violation::new(file, line + 1, message));
         for unfinished in ["todo!", "unimplemented!", "dbg!", "#[ignore"] {
             if has_word(code, unfinished) {
                 tell(&format!("{unfinished} is unfinished work"));
@@ -64,9 +64,9 @@ pub fn check(file: &str, content: &str) -> Vec<Finding> {
 }
 
 /// Entries of the list of long files that name no file.
-pub fn stale_allowances(exists: impl Fn(&str) -> bool) -> Vec<Finding> {
+pub fn stale_allowances(exists: impl Fn(&str) -> bool) -> Vec<Violation> {
     let stale = LONG_FILES.iter().filter(|(file, _)| !exists(file));
-    stale.map(|(file, _)| Finding::new(file, 0, "is on the list of long files, but does not exist")).collect()
+    stale.map(|(file, _)| Violation::new(file, 0, "is on the list of long files, but does not exist")).collect()
 }
 
 fn in_sources(file: &str) -> bool {

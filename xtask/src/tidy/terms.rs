@@ -3,7 +3,7 @@
 //! Texts for users are Markdown without that for developers, the descriptions of the scene format, and the string
 //! literals of the crates that speak with users. To ban a phrase, add it to [`TERMS`] with what to write in its place.
 
-use super::Finding;
+use super::Violation;
 use super::source::Source;
 
 /// Phrases that are not used, in lower case, and what says it instead.
@@ -68,7 +68,7 @@ const SPEAKERS: [&str; 9] = [
 ];
 
 /// All findings of one file.
-pub fn check(file: &str, content: &str) -> Vec<Finding> {
+pub fn check(file: &str, content: &str) -> Vec<Violation> {
     let lines = read_by_users(file, content);
     let mut findings = Vec::new();
     for (number, line) in lines.iter().enumerate() {
@@ -77,7 +77,7 @@ pub fn check(file: &str, content: &str) -> Vec<Finding> {
         let text = format!("{} {next}", line.trim_end());
         for (term, instead) in TERMS {
             if starts(&text, term).any(|at| at < line.len()) {
-                findings.push(Finding::new(file, number + 1, format!("says \"{term}\"; write \"{instead}\"")));
+                findings.push(Violation::new(file, number + 1, format!("says \"{term}\"; write \"{instead}\"")));
             }
         }
     }

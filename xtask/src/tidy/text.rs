@@ -1,6 +1,6 @@
 //! Rules for every text file: line ends, blanks, places that only exist on somebody's machine.
 
-use super::Finding;
+use super::Violation;
 
 /// Files whose bytes are ours to keep tidy; test data may need odd bytes.
 fn is_ours(file: &str) -> bool {
@@ -17,10 +17,10 @@ const PLACES: [&str; 4] = [concat!("/wo", "rk/"), concat!("/ro", "ot/"), concat!
 const SECTION: char = '\u{a7}';
 
 /// All findings of one file.
-pub fn check(file: &str, content: &str) -> Vec<Finding> {
+pub fn check(file: &str, content: &str) -> Vec<Violation> {
     let mut findings = Vec::new();
     for (number, line) in content.split('\n').enumerate() {
-        let mut tell = |message: String| findings.push(Finding::new(file, number + 1, message));
+        let mut tell = |message: String| findings.push(Violation::new(file, number + 1, message));
         for place in PLACES.iter().filter(|place| names(line, place)) {
             tell(format!("names {place}, which is outside the repository"));
         }
@@ -40,10 +40,10 @@ pub fn check(file: &str, content: &str) -> Vec<Finding> {
         }
     }
     if is_ours(file) && !content.is_empty() && !content.ends_with('\n') {
-        findings.push(Finding::new(file, 0, "does not end with a line end"));
+        findings.push(Violation::new(file, 0, "does not end with a line end"));
     }
     if is_ours(file) && content.ends_with("\n\n") {
-        findings.push(Finding::new(file, 0, "ends with empty lines"));
+        findings.push(Violation::new(file, 0, "ends with empty lines"));
     }
     findings
 }

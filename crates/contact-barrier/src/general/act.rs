@@ -4,11 +4,11 @@ use super::GeneralContact;
 use super::contacts::Contact;
 use super::history::Rubbed;
 use super::joint::{Joint, Law, Sums, Term};
-use super::pieces::{Patch, Piece};
+use super::pieces::{Patch, Summand};
 use crate::proximity::Candidate;
 use crate::skin::GUARD;
 use crate::slip::{Slid, SlipLine};
-use crate::{Friction, FrictionForce, Layer, PairStart, PairTerm, StepForce, Stick, Tangent};
+use crate::{FrictionForce, Layer, PairFriction, PairStart, PairTerm, Presliding, StepForce, Tangent};
 use nalgebra::Vector3;
 use std::ops::Range;
 use stoss_geometry::{ClosestPair, PairKind, closest};
@@ -50,7 +50,7 @@ pub(super) struct ActForce {
 pub(super) struct Acts {
     list: Vec<Act>,
     keys: Vec<u32>,
-    pieces: Vec<Piece>,
+    pieces: Vec<Summand>,
 }
 
 impl<'a> IntoIterator for &'a Acts {
@@ -82,7 +82,7 @@ impl Acts {
         self.pieces.clear();
     }
 
-    fn push(&mut self, contact: &Contact, end: Candidate, close: ClosestPair, pieces: &[Piece]) {
+    fn push(&mut self, contact: &Contact, end: Candidate, close: ClosestPair, pieces: &[Summand]) {
         let (key, first) = (self.keys.len(), self.pieces.len());
         self.pieces.extend_from_slice(pieces);
         self.keys.extend(contact.begin.facets.into_iter().chain(end.facets));
@@ -112,7 +112,7 @@ impl GeneralContact {
     /// Finds what acts at the iterate; returns whether there are new stencils.
     pub(super) fn activate(&mut self) -> bool {
         let mut contacts = std::mem::take(&mut self.contacts);
-        contacts.ask(&self.scene(), &self.x);
+        contacts.ask(&self.onset(), &self.x);
         self.contacts = contacts;
         let (mut acts, mut pieces) = (std::mem::take(&mut self.acts), std::mem::take(&mut self.pieces));
         acts.clear();
@@ -176,23 +176,23 @@ impl GeneralContact {
         self.options.slip_velocity.filter(|_| self.has_rates)
     }
 
-    fn friction(&self, act: &Act) -> Option<Friction<'_>> {
+    fn friction(&self, act: &Act) -> Option<PairFriction<'_>> {
         let [a, b] = act.begin.classes;
         let interaction = self.rules.between(a, b)?;
         let law = interaction.friction.as_deref()?;
         let Rubbed { stretch, slid, .. } = act.rubbed;
         let stick = match self.creep() {
-            _ if !law.sticks() => Stick::Never,
-            Some(speed) => Stick::Creep { slip_scale: speed * self.step_size },
+            _ if !law.sticks() => Presliding::Never,
+            Some(speed) => Presliding::Creep { slip_scale: speed * self.step_size },
             None => {
                 // A guard carries alone what points of integration do not see: its spring is that of the area of which its weight is a part.
                 let area = if act.begin.is_integration_point { act.weight } else { act.weight / GUARD };
                 let stiffness = SHEAR * interaction.modulus / self.options.thickness * area;
-                Stick::Spring { stiffness, stretch }
+                Presliding::Spring { stiffness, stretch }
             }
         };
         // The law sees the pressure of the layer.
-        Some(Friction { law, area: act.weight, step_size: self.step_size, slid, stick })
+        Some(PairFriction { law, area: act.weight, step_size: self.step_size, slid, stick })
     }
 
     /// Energy of a contact at positions of the points.
@@ -259,7 +259,7 @@ impl GeneralContact {
         &self,
         act: &Act,
         layer: &Layer,
-        friction: Option<&Friction<'_>>,
+        friction: Option<&PairFriction<'_>>,
         joint: &mut Joint,
         wants_tangent: bool,
     ) -> ActForce {

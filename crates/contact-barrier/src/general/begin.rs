@@ -22,8 +22,8 @@ const TILTED: f64 = 0.02;
 /// The part of the thickness in which that acts which is not needed as long as other contacts carry: corners that are flush, and edges of the mesh of flat surfaces.
 const LAST: f64 = 0.3;
 
-/// Skin, candidates and both configurations, the start of the step and its predictor, by which it is decided what begins to act; not a scene of the program.
-pub(super) struct Scene<'a> {
+/// Skin, candidates and both configurations, the start of the step and its predictor, by which it is decided what begins to act.
+pub(super) struct Onset<'a> {
     pub skin: &'a Skin,
     pub rules: &'a Interactions,
     pub candidates: &'a [Candidate],
@@ -54,7 +54,7 @@ struct End {
     is_sharp: bool,
 }
 
-impl Scene<'_> {
+impl Onset<'_> {
     /// The place on the second primitive that is closest to a point.
     pub fn foot(&self, c: &Candidate, close: &ClosestPair, x: &[Vector3<f64>]) -> Vector3<f64> {
         x[c.points[0] as usize] - combine(&close.weights, &c.of(x))

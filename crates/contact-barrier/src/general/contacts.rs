@@ -1,7 +1,7 @@
 //! What may act in a step: points against patches of triangles, and edges that cross, each with a weight and a thickness that stay as long as it is in the layer; theory/barrier#contacts.
 
 use super::GeneralContact;
-use super::begin::Scene;
+use super::begin::Onset;
 use super::history::{Held, Key, Rubbed};
 use super::pieces::{Patch, PieceList};
 use crate::proximity::{Candidate, nearest};
@@ -89,13 +89,13 @@ impl Contacts {
     }
 
     /// The candidates are new: those of one point and one class go together. What is near at the start of the step is asked for its contacts.
-    pub fn regroup(&mut self, scene: &Scene<'_>) {
+    pub fn regroup(&mut self, onset: &Onset<'_>) {
         let Self { groups, members, list, order, .. } = self;
         groups.clear();
         members.clear();
         list.clear();
         order.clear();
-        for (k, c) in scene.candidates.iter().enumerate() {
+        for (k, c) in onset.candidates.iter().enumerate() {
             if c.kind == PairKind::VertexTriangle {
                 order.push((c.points[0], c.classes[1], k as u32));
             } else {
@@ -108,45 +108,45 @@ impl Contacts {
             groups.push(Group { members: members.len()..members.len() + of_point.len(), contacts: None });
             members.extend(of_point.iter().map(|of| of.2));
         }
-        self.ask(scene, scene.x_n);
+        self.ask(onset, onset.x_n);
     }
 
     /// Asks those that are near at `x` for their contacts.
-    pub fn ask(&mut self, scene: &Scene<'_>, x: &[Vector3<f64>]) {
+    pub fn ask(&mut self, onset: &Onset<'_>, x: &[Vector3<f64>]) {
         for g in 0..self.groups.len() {
             let Group { members, contacts: None } = &self.groups[g] else { continue };
             let near = |&k: &u32| {
-                let c = &scene.candidates[k as usize];
-                c.may_meet(&c.of(x), &[Vector3::zeros(); 4], scene.thickness)
+                let c = &onset.candidates[k as usize];
+                c.may_meet(&c.of(x), &[Vector3::zeros(); 4], onset.thickness)
             };
             if !self.members[members.clone()].iter().any(near) {
                 continue;
             }
             let (members, first) = (members.clone(), self.list.len());
-            if scene.candidates[self.members[members.start] as usize].kind == PairKind::VertexTriangle {
-                self.ask_point(scene, members);
+            if onset.candidates[self.members[members.start] as usize].kind == PairKind::VertexTriangle {
+                self.ask_point(onset, members);
             } else {
-                self.ask_edges(scene, members);
+                self.ask_edges(onset, members);
             }
             self.groups[g].contacts = Some(first..self.list.len());
         }
     }
 
-    fn ask_edges(&mut self, scene: &Scene<'_>, members: Range<usize>) {
-        let c = &scene.candidates[self.members[members.start] as usize];
-        let start = closest(c.kind, &c.of(scene.x_n));
+    fn ask_edges(&mut self, onset: &Onset<'_>, members: Range<usize>) {
+        let c = &onset.candidates[self.members[members.start] as usize];
+        let start = closest(c.kind, &c.of(onset.x_n));
         let key = (c.kind, c.points);
         let [weight, thickness] = match self.known.get(&key) {
             Some(known) => *known,
             None => {
-                let blocked = || self.blocked.contains(&key).then(|| scene.blocked_edges(c));
-                let Some([weight, thickness]) = scene.edges_begin(c).or_else(blocked) else { return };
+                let blocked = || self.blocked.contains(&key).then(|| onset.blocked_edges(c));
+                let Some([weight, thickness]) = onset.edges_begin(c).or_else(blocked) else { return };
                 let begun = [weight, thickness.min(start.distance_squared.sqrt())];
                 self.known.insert(key, begun);
                 begun
             }
         };
-        let rubbed = scene.rubbed([key].into_iter());
+        let rubbed = onset.rubbed([key].into_iter());
         self.list.push(Contact {
             members,
             weight,
@@ -162,19 +162,19 @@ impl Contacts {
 
     /// Patches of a point: members that are neighbours, or lie on one sheet and do not look against each other. Floor and wall of a notch are patches of their own, and so are two lobes of a surface that folds;
     /// places between which the candidates have gaps, as on a long way, are not.
-    fn ask_point(&mut self, scene: &Scene<'_>, members: Range<usize>) {
+    fn ask_point(&mut self, onset: &Onset<'_>, members: Range<usize>) {
         let Self { labels, normals, members: all, .. } = self;
         let of = &mut all[members.clone()];
         labels.clear();
         labels.extend(0..of.len());
         normals.clear();
-        normals.extend(of.iter().map(|&k| scene.unit_normal(scene.candidates[k as usize].of[0])));
+        normals.extend(of.iter().map(|&k| onset.unit_normal(onset.candidates[k as usize].of[0])));
         for i in 0..of.len() {
             for j in 0..i {
-                let [s, t] = [of[i], of[j]].map(|k| scene.candidates[k as usize].of[0]);
+                let [s, t] = [of[i], of[j]].map(|k| onset.candidates[k as usize].of[0]);
                 let is_one = || {
-                    scene.skin.goes_on(s, t)
-                        || (scene.skin.sheet(s) == scene.skin.sheet(t) && normals[i].dot(&normals[j]) > AGAINST)
+                    onset.skin.goes_on(s, t)
+                        || (onset.skin.sheet(s) == onset.skin.sheet(t) && normals[i].dot(&normals[j]) > AGAINST)
                 };
                 if labels[i] != labels[j] && is_one() {
                     let (from, to) = (labels[i].max(labels[j]), labels[i].min(labels[j]));
@@ -189,13 +189,13 @@ impl Contacts {
         for patch in sorted.chunk_by(|a, b| a.0 == b.0) {
             let patch = first..first + patch.len();
             first = patch.end;
-            self.ask_patch(scene, patch);
+            self.ask_patch(onset, patch);
         }
     }
 
-    fn ask_patch(&mut self, scene: &Scene<'_>, patch: Range<usize>) {
+    fn ask_patch(&mut self, onset: &Onset<'_>, patch: Range<usize>) {
         let key = |k: u32| {
-            let c = &scene.candidates[k as usize];
+            let c = &onset.candidates[k as usize];
             (c.kind, c.points)
         };
         let known: Vec<(u32, [f64; 2])> = self.members[patch.clone()]
@@ -203,12 +203,12 @@ impl Contacts {
             .filter_map(|&k| self.known.get(&key(k)).map(|known| (k, *known)))
             .collect();
         let [_, _, ..] = known[..] else {
-            return self.add_patch(scene, patch, known.first().map(|known| known.1));
+            return self.add_patch(onset, patch, known.first().map(|known| known.1));
         };
         // Patches that have merged while the point was in both layers: each keeps what is next to where it was met.
         let foot = |k: u32| {
-            let c = &scene.candidates[k as usize];
-            scene.foot(c, &closest(c.kind, &c.of(scene.x_n)), scene.x_n)
+            let c = &onset.candidates[k as usize];
+            onset.foot(c, &closest(c.kind, &c.of(onset.x_n)), onset.x_n)
         };
         let feet: Vec<Vector3<f64>> = known.iter().map(|known| foot(known.0)).collect();
         let owner = |k: u32| {
@@ -223,22 +223,22 @@ impl Contacts {
         for part in sorted.chunk_by(|a, b| a.0 == b.0) {
             let members = first..first + part.len();
             first = members.end;
-            self.add_patch(scene, members, Some(known[part[0].0].1));
+            self.add_patch(onset, members, Some(known[part[0].0].1));
         }
     }
 
     /// The contact of a patch, if it is one that is known or one that begins.
-    fn add_patch(&mut self, scene: &Scene<'_>, patch: Range<usize>, known: Option<[f64; 2]>) {
+    fn add_patch(&mut self, onset: &Onset<'_>, patch: Range<usize>, known: Option<[f64; 2]>) {
         let of = &self.members[patch.clone()];
-        let Some((begin, start)) = nearest(scene.candidates, of, scene.x_n) else { return };
-        let begin = scene.candidates[begin as usize];
+        let Some((begin, start)) = nearest(onset.candidates, of, onset.x_n) else { return };
+        let begin = onset.candidates[begin as usize];
         let [weight, thickness] = match known {
             Some(known) => known,
             None => {
-                let candidate = |&k: &u32| &scene.candidates[k as usize];
+                let candidate = |&k: &u32| &onset.candidates[k as usize];
                 let stops = |c: &&Candidate| self.blocked.contains(&(c.kind, c.points));
-                let blocked = || of.iter().map(candidate).find(stops).map(|c| scene.blocked_point(c));
-                let Some([weight, thickness]) = scene.point_begins(of).or_else(blocked) else { return };
+                let blocked = || of.iter().map(candidate).find(stops).map(|c| onset.blocked_point(c));
+                let Some([weight, thickness]) = onset.point_begins(of).or_else(blocked) else { return };
                 let begun = [weight, thickness.min(start.distance_squared.sqrt())];
                 self.known.insert((begin.kind, begin.points), begun);
                 begun
@@ -246,14 +246,14 @@ impl Contacts {
         };
         let inside_n = start.distance_squared < thickness * thickness;
         let Self { pieces, .. } = self;
-        let view = Patch { skin: scene.skin, candidates: scene.candidates, members: of, thickness };
-        let several_n = inside_n && view.several(scene.x_n, pieces);
-        let by_pieces = scene.between_states && view.turns_inward(scene, &begin, &start);
+        let view = Patch { skin: onset.skin, candidates: onset.candidates, members: of, thickness };
+        let several_n = inside_n && view.several(onset.x_n, pieces);
+        let by_pieces = onset.between_states && view.turns_inward(onset, &begin, &start);
         let key = |&k: &u32| {
-            let c = &scene.candidates[k as usize];
+            let c = &onset.candidates[k as usize];
             (c.kind, c.points)
         };
-        let rubbed = scene.rubbed(of.iter().map(key));
+        let rubbed = onset.rubbed(of.iter().map(key));
         self.list.push(Contact {
             members: patch,
             weight,

@@ -4,7 +4,7 @@ use crate::Layer;
 use crate::layer::LayerStep;
 use crate::pattern::{Along, Ends, Pattern};
 use crate::sensitivity::Sensitivity;
-use crate::slip::{Friction, Pressed, Slid, SlipLine, Variation, add_block};
+use crate::slip::{PairFriction, Pressed, Slid, SlipLine, Variation, add_block};
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{ClosestPair, PairKind};
 
@@ -29,7 +29,7 @@ pub(super) struct Sums {
 }
 
 /// The law of friction and the places of the four points whose spin is no slip.
-pub(super) type Law<'a> = (&'a Friction<'a>, (PairKind, [usize; 4]));
+pub(super) type Law<'a> = (&'a PairFriction<'a>, (PairKind, [usize; 4]));
 
 /// The points of a contact, each once and the point itself first, and what its force is made of. It is used for one contact after the other.
 #[derive(Debug, Default)]
@@ -214,7 +214,7 @@ impl Joint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Stick;
+    use crate::Presliding;
     use fastrand::Rng;
     use stoss_contact::friction::Coulomb;
     use stoss_geometry::closest;
@@ -260,8 +260,8 @@ mod tests {
     fn patches_conserve() {
         let mut rng = Rng::with_seed(7);
         let law = Coulomb::new(0.4).unwrap();
-        let stick = Stick::Creep { slip_scale: 0.3 };
-        let friction = Friction { law: &law, area: 1.0, step_size: 1.0, slid: 0.0, stick };
+        let stick = Presliding::Creep { slip_scale: 0.3 };
+        let friction = PairFriction { law: &law, area: 1.0, step_size: 1.0, slid: 0.0, stick };
         let layer = Layer::new(1.0, 2.0);
         let psi = |d: f64| layer.evaluate(d)[0];
         let mut worst = [0.0_f64; 8];

@@ -18,7 +18,7 @@ use crate::proximity::Proximity;
 use crate::slip::SlipLine;
 use crate::{Interactions, Skin};
 use act::{ActForce, Acts};
-use begin::Scene;
+use begin::Onset;
 use contacts::Contacts;
 use history::History;
 use joint::Joint;
@@ -28,7 +28,8 @@ use scatter::Scatter;
 use std::ops::Range;
 use stoss_contact::{ContactError, in_order};
 use stoss_term::{
-    At, BodyPair, Fault, GradientRule, Local, Potential, Rule, Share, Step, SurfaceForce, SurfaceNode, Term, Work,
+    At, BodyPair, Fault, GradientRule, Local, Potential, Rule, Share, StepContext, SurfaceForce, SurfaceNode, Term,
+    Work,
 };
 
 /// Iterations of a step with inertia in which motions are shortened because they pass very many facets; then the step is given up.
@@ -171,9 +172,9 @@ impl GeneralContact {
     }
 
     /// What decides which contacts begin.
-    fn scene(&self) -> Scene<'_> {
+    fn onset(&self) -> Onset<'_> {
         let Self { skin, rules, proximity, x_n, predicted, .. } = self;
-        Scene {
+        Onset {
             skin,
             rules,
             candidates: &proximity.candidates,
@@ -188,7 +189,7 @@ impl GeneralContact {
     /// Makes the contacts of the step, after the candidates changed.
     fn regroup(&mut self) {
         let mut contacts = std::mem::take(&mut self.contacts);
-        contacts.regroup(&self.scene());
+        contacts.regroup(&self.onset());
         self.contacts = contacts;
     }
 }
@@ -211,8 +212,8 @@ impl Term for GeneralContact {
         Some(self.share.clone())
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
-        let Step { q_n, v_n, .. } = *step;
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
+        let StepContext { q_n, v_n, .. } = *step;
         (self.step_size, self.has_rates) = (step.dt, step.rates);
         self.at_end = match step.rule {
             GradientRule::EndPoint => true,

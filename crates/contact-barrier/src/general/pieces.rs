@@ -1,6 +1,6 @@
 //! A patch of triangles as the sum of its triangles less the edges between them, plus the vertices inside: the surface of a patch that turns inward; theory/barrier#pieces.
 
-use super::begin::Scene;
+use super::begin::Onset;
 use crate::proximity::Candidate;
 use crate::{Layer, Skin};
 use nalgebra::Vector3;
@@ -17,7 +17,7 @@ const SAME: f64 = 1e-12;
 
 /// Piece of the sum over a patch: a triangle, an edge that is taken off, or a vertex, and the point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct Summand {
     pub kind: PairKind,
     pub points: [u32; 4],
     pub sign: f64,
@@ -29,7 +29,7 @@ pub(super) struct Piece {
 /// Pieces, and lists to find them.
 #[derive(Debug, Default)]
 pub(super) struct PieceList {
-    pub list: Vec<Piece>,
+    pub list: Vec<Summand>,
     edges: Vec<([u32; 2], u32)>,
     vertices: Vec<(u32, u32)>,
 }
@@ -51,7 +51,7 @@ impl Patch<'_> {
             let distance_squared = closest(kind, &points.map(|p| x[p as usize])).distance_squared;
             if distance_squared < square {
                 let facets = self.candidates[member as usize].facets;
-                list.push(Piece { kind, points, sign, facets, distance_squared });
+                list.push(Summand { kind, points, sign, facets, distance_squared });
             }
         };
         edges.clear();
@@ -101,24 +101,24 @@ impl Patch<'_> {
 
     /// Whether it turns inward at an edge near its point, which moves along it by less than a part of its distance: then its pieces act one by one in all of the step, so that nothing changes when an iterate comes to
     /// where they differ from the nearest place.
-    pub fn turns_inward(&self, scene: &Scene<'_>, begin: &Candidate, start: &ClosestPair) -> bool {
-        let reach = 2.0 * scene.thickness;
+    pub fn turns_inward(&self, onset: &Onset<'_>, begin: &Candidate, start: &ClosestPair) -> bool {
+        let reach = 2.0 * onset.thickness;
         let square = reach * reach;
         if self.members.len() == 1 || start.distance_squared > square {
             return false;
         }
-        let (x, y) = (begin.of(scene.x_n), begin.of(scene.predicted));
+        let (x, y) = (begin.of(onset.x_n), begin.of(onset.predicted));
         let r = combine(&start.weights, &x);
         let moved = combine(&start.weights, &std::array::from_fn(|i| y[i] - x[i]));
         let across = moved - r * (r.dot(&moved) / r.norm_squared());
-        if across.norm() > SLIGHT_WAY * r.norm().min(scene.thickness) {
+        if across.norm() > SLIGHT_WAY * r.norm().min(onset.thickness) {
             return false;
         }
         let is_near = |k: &u32| {
             let c = &self.candidates[*k as usize];
-            closest(c.kind, &c.of(scene.x_n)).distance_squared < square
+            closest(c.kind, &c.of(onset.x_n)).distance_squared < square
         };
-        let at = |v: u32| scene.x_n[v as usize];
+        let at = |v: u32| onset.x_n[v as usize];
         let inward = |s: &[u32; 4], t: &[u32; 4]| {
             let common = s[1..].iter().filter(|v| t[1..].contains(v)).count();
             if common != 2 {

@@ -30,7 +30,7 @@ impl Around {
 
 /// Angles of a surface in the reference.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Shape {
+pub(super) struct SurfaceAngles {
     /// Angle by which the surface turns at each edge: positive where it is convex, `PI` at a rim.
     angle: Vec<f64>,
     /// The triangles at each edge and their corners opposite of it; `u32::MAX` for those that a rim lacks.
@@ -46,7 +46,7 @@ pub(super) struct Shape {
     sheet: Vec<u32>,
 }
 
-impl Shape {
+impl SurfaceAngles {
     /// The shape of triangles with corners at `positions`, and their edges in ascending order.
     pub fn new(triangles: &[[u32; 3]], edges: &[[u32; 2]], positions: &[Vector3<f64>]) -> Self {
         let n = positions.len();
@@ -225,7 +225,7 @@ mod tests {
             let x = [[0.0, 0.0, height], [0.0, 1.0, height], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]].map(Vector3::from);
             let triangles = [[0, 2, 1], [0, 1, 3]];
             let edges = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3]];
-            let shape = Shape::new(&triangles, &edges, &x);
+            let shape = SurfaceAngles::new(&triangles, &edges, &x);
             let angle = 2.0 * f64::atan(height);
             assert!((shape.angle[0] - angle).abs() < 1e-15);
             assert!(shape.is_sharp_edge(0) == sharp && shape.is_sharp_edge(1) && shape.goes_on(0));

@@ -1,7 +1,7 @@
 //! Places below the surfaces of bodies.
 
 use super::Bodies;
-use super::rigid::{Frame, fits};
+use super::rigid::{AffineBasis, fits};
 use crate::{Facing, Interactions, Skin, SkinFacet, mitre};
 use std::collections::BTreeMap;
 use stoss_contact::round::BEYOND;
@@ -29,7 +29,7 @@ pub(super) fn inset(
     given: &Given<'_>,
     skin: &Skin,
     facing: &Facing<'_>,
-    frames: &BTreeMap<u32, Option<Frame>>,
+    bases: &BTreeMap<u32, Option<AffineBasis>>,
     depths: &[f64],
 ) -> Result<BTreeMap<u32, Vec<(u32, f64)>>, NoRoom> {
     let &Given { bodies, rules, reference } = given;
@@ -54,10 +54,10 @@ pub(super) fn inset(
         let no_room = |reason| NoRoom { body, node, depth, reason };
         let m = mitre(&facets).ok_or_else(|| no_room("facets there face each other"))?;
         let at = std::array::from_fn(|i| reference[3 * node as usize + i] - m[i]);
-        if let Some(frame) = frames.get(&body) {
+        if let Some(basis) = bases.get(&body) {
             // cannot fail: bodies without an inside have no part in the inset.
-            let frame = frame.as_ref().ok_or_else(|| no_room("the surface is flat or not closed"))?;
-            places.insert(node, frame.terms(at));
+            let basis = basis.as_ref().ok_or_else(|| no_room("the surface is flat or not closed"))?;
+            places.insert(node, basis.terms(at));
             continue;
         }
         // Vertices of traces of curved faces need not lie in an element: the nearest one goes on beyond its faces.
@@ -70,7 +70,7 @@ pub(super) fn inset(
         let point = bodies.material_point(body, at, beyond);
         places.insert(node, point.ok_or_else(|| no_room("the body is too thin there"))?);
     }
-    for (&body, _) in frames.iter().filter(|(_, frame)| frame.is_some()) {
+    for (&body, _) in bases.iter().filter(|(_, basis)| basis.is_some()) {
         let depth = deepest.get(&body).copied().unwrap_or_default();
         if depth == 0.0 {
             continue;

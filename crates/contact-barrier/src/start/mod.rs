@@ -13,7 +13,7 @@ use crate::{Facing, Interactions, Relation, Skin, SkinFacet, check_initial};
 use below::{Given, NoRoom, facets_of, inset};
 use edges::{edge_of, shortest_edge};
 use relations::{depth, enclosed, inside, slight};
-use rigid::Frame;
+use rigid::AffineBasis;
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_reference_element::FacetNodes;
 
@@ -161,15 +161,15 @@ pub fn start(
     }
     let between: Vec<_> = look.nearest.iter().filter(|([a, b], n)| a != b && n.distance < reach).collect();
     // Bodies without points below the surface.
-    let mut frames: BTreeMap<u32, Option<Frame>> = BTreeMap::new();
+    let mut bases: BTreeMap<u32, Option<AffineBasis>> = BTreeMap::new();
     let inner: BTreeSet<[u32; 2]> = inner.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
     for &body in between.iter().flat_map(|(pair, _)| *pair).chain(inner.iter().flatten()) {
         if bodies.is_rigid(body) {
-            let frame = || Frame::of(&facets_of(&facets, rules, body), reference);
-            frames.entry(body).or_insert_with(frame);
+            let basis = || AffineBasis::of(&facets_of(&facets, rules, body), reference);
+            bases.entry(body).or_insert_with(basis);
         }
     }
-    let is_flat = |body: u32| frames.get(&body).is_some_and(Option::is_none);
+    let is_flat = |body: u32| bases.get(&body).is_some_and(Option::is_none);
     // Two that are near each other but do not touch get a thinner layer, which costs nothing but smaller steps at contact.
     if given.is_none() {
         let apart = between.iter().filter(|(pair, _)| pair.iter().all(|&body| is_flat(body)));
@@ -218,7 +218,7 @@ pub fn start(
                 }
             }
         }
-        let places = match inset(&Given { bodies, rules, reference }, &skin, &facing, &frames, &depths) {
+        let places = match inset(&Given { bodies, rules, reference }, &skin, &facing, &bases, &depths) {
             Ok(places) => places,
             Err(NoRoom { body, node, depth, reason }) => {
                 // Bodies that do not touch have no need of it; they get a thinner layer.

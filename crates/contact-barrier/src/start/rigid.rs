@@ -18,7 +18,7 @@ const STAYS: u32 = 2;
 
 /// Four nodes of a rigid surface that tell where any of its points is.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
+pub(super) struct AffineBasis {
     nodes: [u32; 4],
     origin: Vector3,
     inverse: Matrix3<f64>,
@@ -28,7 +28,7 @@ fn at(reference: &[f64], node: u32) -> Vector3 {
     Vector3::from_column_slice(&reference[3 * node as usize..3 * node as usize + 3])
 }
 
-impl Frame {
+impl AffineBasis {
     /// Nodes of these facets that are far apart. `None` of a surface that is flat, or not closed and thus without an inside.
     pub fn of(facets: &[SkinFacet], reference: &[f64]) -> Option<Self> {
         let skin = Skin::new(facets.to_vec(), reference, &|_| None);
@@ -117,16 +117,16 @@ mod tests {
     #[test]
     fn points_follow_any_rigid_motion() {
         let (facets, q) = cube(1.0);
-        let frame = Frame::of(&facets, &q).unwrap();
-        let terms = frame.terms([0.1, 0.7, 0.2]);
+        let basis = AffineBasis::of(&facets, &q).unwrap();
+        let terms = basis.terms([0.1, 0.7, 0.2]);
         assert!((terms.iter().map(|term| term.1).sum::<f64>() - 1.0).abs() < 1e-15);
         // A quarter turn about z and a translation.
         let moved: Vec<f64> = q.chunks(3).flat_map(|x| [2.0 - x[1], x[0], x[2] + 5.0]).collect();
         let x: Vector3 = terms.iter().map(|&(node, w)| at(&moved, node) * w).sum();
         assert!((x - Vector3::new(1.3, 0.1, 5.2)).norm() < 1e-14);
-        assert!(Frame::of(&facets[..5], &q).is_none());
+        assert!(AffineBasis::of(&facets[..5], &q).is_none());
         let (flat, q) = cube(1e-9);
-        assert!(Frame::of(&flat, &q).is_none());
+        assert!(AffineBasis::of(&flat, &q).is_none());
     }
 
     /// The bottom alone goes inside: the sides of the body are around it, and its top may be as near as it likes, but not below it.
@@ -134,10 +134,10 @@ mod tests {
     fn a_base_goes_inside_alone() {
         for (height, fits_it) in [(0.09, false), (0.11, true), (1.0, true)] {
             let (facets, q) = cube(height);
-            let frame = Frame::of(&facets, &q).unwrap();
+            let basis = AffineBasis::of(&facets, &q).unwrap();
             let place = |node: u32| {
                 let x = at(&q, node);
-                (x[2] == 0.0).then(|| frame.terms([x[0], x[1], 0.1]))
+                (x[2] == 0.0).then(|| basis.terms([x[0], x[1], 0.1]))
             };
             let inside = [true, false, false, false, false, false];
             assert_eq!(fits(&facets, &inside, &q, 0.1, &place), fits_it, "{height}");
@@ -148,12 +148,12 @@ mod tests {
     fn thin_bodies_have_no_room() {
         for (height, fits_it) in [(0.1, false), (0.18, false), (0.21, true), (1.0, true)] {
             let (facets, q) = cube(height);
-            let frame = Frame::of(&facets, &q).unwrap();
+            let basis = AffineBasis::of(&facets, &q).unwrap();
             let depth = 0.1;
             let place = |node: u32| {
                 let x = at(&q, node);
                 let inwards = |x: f64, high: f64| if x == 0.0 { depth } else { high - depth };
-                Some(frame.terms([inwards(x[0], 1.0), inwards(x[1], 1.0), inwards(x[2], height)]))
+                Some(basis.terms([inwards(x[0], 1.0), inwards(x[1], 1.0), inwards(x[2], height)]))
             };
             assert_eq!(fits(&facets, &[true; 6], &q, depth, &place), fits_it, "{height}");
         }

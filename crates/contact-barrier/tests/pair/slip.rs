@@ -2,12 +2,13 @@
 
 use super::*;
 use stoss_contact::friction::{Coefficient, FrictionLaw, Sliding};
-use stoss_contact_barrier::{Friction, StepForce, Stick};
+use stoss_contact_barrier::{PairFriction, Presliding, StepForce};
 
 const SLIP_SCALE: f64 = 0.05;
 const MU: f64 = 0.4;
-const CREEP: Stick = Stick::Creep { slip_scale: SLIP_SCALE };
-const LAW: Friction<'static> = Friction { law: &Constant(MU), area: 0.5, step_size: 0.1, slid: 0.3, stick: CREEP };
+const CREEP: Presliding = Presliding::Creep { slip_scale: SLIP_SCALE };
+const LAW: PairFriction<'static> =
+    PairFriction { law: &Constant(MU), area: 0.5, step_size: 0.1, slid: 0.3, stick: CREEP };
 
 /// Coulomb's law.
 #[derive(Debug)]
@@ -51,10 +52,10 @@ impl FrictionLaw for Falling {
 }
 
 /// A constant coefficient, one that depends on pressure and speed, and a law without stick.
-const LAWS: [Friction<'static>; 3] = [
+const LAWS: [PairFriction<'static>; 3] = [
     LAW,
-    Friction { law: &Falling { sticks: true }, ..LAW },
-    Friction { law: &Falling { sticks: false }, stick: Stick::Never, ..LAW },
+    PairFriction { law: &Falling { sticks: true }, ..LAW },
+    PairFriction { law: &Falling { sticks: false }, stick: Presliding::Never, ..LAW },
 ];
 const TOUCHING: [PairKind; 2] = [PairKind::VertexTriangle, PairKind::EdgeEdge];
 
@@ -168,7 +169,7 @@ fn a_rigid_motion_has_no_slip() {
         let (x_n, _) = pressed(&mut random, kind);
         let (turn, shift) = (Rotation3::new(vector(&mut random) * 1.5), vector(&mut random));
         let x = x_n.map(|x| turn * x + shift);
-        let law = Friction { stick: Stick::Creep { slip_scale: 1e-3 }, ..LAW };
+        let law = PairFriction { stick: Presliding::Creep { slip_scale: 1e-3 }, ..LAW };
         let friction = start(kind, 0.0, &x_n).step(&x, Some(&law), None).friction;
         let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
         let bound = if sine(kind, &middle) > 0.1 { 1e-13 } else { 1e-10 };
@@ -217,7 +218,7 @@ fn where_there_is_no_friction() {
         let (x_n, x) = states(&mut random, kind);
         let pair = start(kind, 0.0, &x_n);
         // No coefficient; too few points.
-        let law = if k % 4 < 2 { Friction { law: &Constant(0.0), ..LAW } } else { LAW };
+        let law = if k % 4 < 2 { PairFriction { law: &Constant(0.0), ..LAW } } else { LAW };
         let (mut with, mut without) = ([[f64::NAN; 12]; 12], [[f64::NAN; 12]; 12]);
         let force = pair.step(&x, Some(&law), Some(&mut with));
         assert!(none(force.friction) && force.barrier == pair.force(&x, Some(&mut without)) && with == without);
@@ -262,7 +263,7 @@ fn tangents_with_friction_are_derivatives() {
         let law = &LAWS[k / 2 % 3];
         let pair = start(kind, if random.bool() { 0.0 } else { 0.1 }, &x_n);
         // Friction alone: a difference of the tangents.
-        let friction_tangent = |step: &dyn Fn(Option<&Friction<'_>>, &mut Tangent)| {
+        let friction_tangent = |step: &dyn Fn(Option<&PairFriction<'_>>, &mut Tangent)| {
             let (mut with, mut without) = ([[f64::NAN; 12]; 12], [[f64::NAN; 12]; 12]);
             step(Some(law), &mut with);
             step(None, &mut without);
@@ -309,11 +310,14 @@ fn tangents_with_friction_are_derivatives() {
 }
 
 /// A spring of any stretch across the normal, and one of a stiffness at which about half of the pairs slide.
-fn spring(random: &mut Rng, kind: PairKind, x_n: &Points, law: Friction<'static>) -> Friction<'static> {
+fn spring(random: &mut Rng, kind: PairKind, x_n: &Points, law: PairFriction<'static>) -> PairFriction<'static> {
     let pair = closest(kind, x_n);
     let n = stoss_geometry::combine(&pair.weights, x_n).normalize();
     let e = vector(random) * 10f64.powf(-4.0 * random.f64());
-    Friction { stick: Stick::Spring { stiffness: 10f64.powf(3.0 * random.f64()), stretch: e - n * n.dot(&e) }, ..law }
+    PairFriction {
+        stick: Presliding::Spring { stiffness: 10f64.powf(3.0 * random.f64()), stretch: e - n * n.dot(&e) },
+        ..law
+    }
 }
 
 #[test]
@@ -324,7 +328,7 @@ fn a_spring_gives_back_what_it_has_and_takes_the_rest() {
         let kind = TOUCHING[k % 2];
         let (x_n, x) = pressed(&mut random, kind);
         let law = spring(&mut random, kind, &x_n, LAW);
-        let Stick::Spring { stiffness, stretch } = law.stick else { unreachable!() };
+        let Presliding::Spring { stiffness, stretch } = law.stick else { unreachable!() };
         let middle: Points = std::array::from_fn(|i| (x_n[i] + x[i]) * 0.5);
         for (force, about) in [
             (start(kind, 0.0, &x_n).step(&x, Some(&law), None), middle),
@@ -416,7 +420,7 @@ fn a_spring_does_not_ask_for_the_number_of_steps() {
         let (mut x, mut stretch, mut all) = (0.2, Vector3::zeros(), Vec::new());
         for way in ways {
             for _ in 0..parts {
-                let law = Friction { stick: Stick::Spring { stiffness: 100.0, stretch }, ..LAW };
+                let law = PairFriction { stick: Presliding::Spring { stiffness: 100.0, stretch }, ..LAW };
                 let next = x + way / f64::from(parts);
                 let force = term(PairKind::VertexTriangle).at_end(&LAYER, &at(x), &at(next), Some(&law), None);
                 (x, stretch) = (next, force.friction.stretch);
@@ -452,8 +456,8 @@ fn a_spring_turns_with_its_pair() {
             continue;
         }
         let law = spring(&mut random, kind, &x_n, LAW);
-        let Stick::Spring { stretch, .. } = law.stick else { unreachable!() };
-        let law = Friction { stick: Stick::Spring { stiffness: 1e-6, stretch }, ..LAW };
+        let Presliding::Spring { stretch, .. } = law.stick else { unreachable!() };
+        let law = PairFriction { stick: Presliding::Spring { stiffness: 1e-6, stretch }, ..LAW };
         let mut axis = vector(&mut random);
         axis *= 1e-3 / axis.norm();
         let turn = Rotation3::new(axis);

@@ -9,7 +9,7 @@ use crate::state::{Integrated, Need, StepState};
 use stoss_contact::{ContactError, in_order};
 use stoss_segmentation::GapRange;
 use stoss_term::{
-    At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, Share, SlotReport, Step, StepConfiguration, Term,
+    At, Auxiliary, Coverage, Fault, GradientRule, Hold, Local, Share, SlotReport, StepConfiguration, StepContext, Term,
     Unilateral, Work, multipliers_of,
 };
 
@@ -55,10 +55,10 @@ impl Term for MortarContact {
         nodes.for_each(|&node| visit(node, Hold::Surface));
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
         self.take(step);
         self.secants.iter_mut().for_each(Secant::begin);
-        let Step { q_n, v_n: velocity, reach, .. } = *step;
+        let StepContext { q_n, v_n: velocity, reach, .. } = *step;
         self.tree.update(&self.surfaces.master, q_n);
         let surfaces = &self.surfaces;
         let factors = self.factors();

@@ -8,7 +8,7 @@ use crate::slot::Slot;
 use crate::state::Surfaces;
 use stoss_contact::friction::{Friction, Stick, stick_compliance};
 use stoss_contact::{ContactError, in_order};
-use stoss_term::{GradientRule, Local, SlotFriction, Step, StepConfiguration, Work};
+use stoss_term::{GradientRule, Local, SlotFriction, StepConfiguration, StepContext, Work};
 
 /// Bytes of history of a slot: two components of the traction, path slid, covered area.
 const HISTORY: usize = 32;
@@ -40,7 +40,7 @@ impl MortarContact {
     }
 
     /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] everywhere, and not only where supports or other contacts may determine the motion
-    /// of a node ([`stoss_term::Support::may_hold`]) or the node has several rows; to be called after [`Self::with_friction`].
+    /// of a node ([`stoss_term::HeldNodes::may_hold`]) or the node has several rows; to be called after [`Self::with_friction`].
     #[must_use]
     pub fn with_compliant_stick(mut self) -> Self {
         if let Some(surface) = &mut self.friction {
@@ -49,14 +49,14 @@ impl MortarContact {
         self
     }
 
-    pub(crate) fn begin_friction_step(&mut self, step: &Step<'_>) {
+    pub(crate) fn begin_friction_step(&mut self, step: &StepContext<'_>) {
         let Some(surface) = &mut self.friction else { return };
         surface.step_size = step.dt;
         surface.friction.begin(step);
         let Surfaces { slave, rows, .. } = &self.surfaces;
         for (compliance, row) in surface.compliance.iter_mut().zip(rows) {
             // Where a node has several rows, what one says along its face another may say across its own.
-            let may_be_held = surface.is_compliant || row.shared || step.support.may_hold(slave.nodes()[row.local]);
+            let may_be_held = surface.is_compliant || row.shared || step.held.may_hold(slave.nodes()[row.local]);
             *compliance = stick_compliance(may_be_held);
         }
     }

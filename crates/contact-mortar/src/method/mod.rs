@@ -29,7 +29,7 @@ use std::collections::{BTreeMap, HashMap};
 use stoss_contact::{ContactError, ContactSurface, SurfaceTree, position};
 use stoss_reference_element::FacePiece;
 use stoss_segmentation::FacetSegmentation;
-use stoss_term::{GradientRule, ReferenceGap, Share, Step, Support};
+use stoss_term::{GradientRule, HeldNodes, ReferenceGap, Share, StepContext};
 
 /// Penetration at which points take no part any more, in lengths of slave facets, where a surface has sharp edges or both sides of its body: beyond that other sides
 /// are.
@@ -55,12 +55,12 @@ const FREE_ALONG_NORMAL: f64 = 0.1;
 ///
 /// A row of which less than a fiftieth is opposite the master at the start of a step carries no multiplier in it.
 ///
-/// What a step decides ([`Step`], anew at each `begin`):
+/// What a step decides ([`StepContext`], anew at each `begin`):
 /// * with rates a penetration that a node has at its start is kept, for to push it out would give energy; in statics gaps are closed;
 /// * under [`GradientRule::EndPoint`] the force of dynamics is the gradient of the weighted gap, which does no work on a closed row. Statics has the gradient at fixed weights: where facets are large against
 ///   the depth the other one has limit points, at which nodes slide out of the overlap instead of carrying;
 /// * whether near points at sharp edges count more than far ones ([`crate::Factors::nearness`]): in statics;
-/// * crosspoints: slave nodes whose motion along their normal is given by something else that acts at present ([`stoss_term::Support::given`]), on facets that have other nodes too, have no multiplier. Their functions go to
+/// * crosspoints: slave nodes whose motion along their normal is given by something else that acts at present ([`stoss_term::HeldNodes::given`]), on facets that have other nodes too, have no multiplier. Their functions go to
 ///   the other nodes of the facet: beside a finer master they would be harmless, beside a coarser one there would be more pressures than motions. A surface that is given as a whole (a rigid tool)
 ///   keeps its multipliers.
 #[derive(Clone, Debug)]
@@ -160,17 +160,17 @@ impl MortarContact {
     }
 
     /// What differs from step to step beside positions.
-    fn take(&mut self, step: &Step<'_>) {
+    fn take(&mut self, step: &StepContext<'_>) {
         (self.rule, self.step_size, self.has_rates) = (step.rule, step.dt, step.rates);
         if self.weighs_near_points {
             self.surfaces.integration.factors.nearness = if step.rates { 0.0 } else { NEARNESS / self.length() };
         }
-        self.surfaces.without = self.crosspoints(step.support);
+        self.surfaces.without = self.crosspoints(step.held);
         self.begin_friction_step(step);
     }
 
     /// Slave nodes without a multiplier beside what else acts.
-    fn crosspoints(&self, support: &Support) -> Vec<bool> {
+    fn crosspoints(&self, support: &HeldNodes) -> Vec<bool> {
         let slave = &self.surfaces.slave;
         let fixed: Vec<bool> =
             (slave.nodes().iter().enumerate()).map(|(a, &n)| self.is_held_along_normal(a, support.given(n))).collect();

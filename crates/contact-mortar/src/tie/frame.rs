@@ -11,9 +11,9 @@ use stoss_term::GradientRule;
 type Vector9 = SVector<f64, 9>;
 type Matrix9 = SMatrix<f64, 9, 9>;
 
-/// The nine numbers `z` at one configuration: `b_1`, `b_2` (no unit, about unit length in the reference), `g` [volume]. Not a stage of a run.
+/// The nine numbers `z` at one configuration: `b_1`, `b_2` (no unit, about unit length in the reference), `g` [volume].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stage {
+pub(super) struct FrameAndGap {
     pub b: [Vector3<f64>; 2],
     pub g: Vector3<f64>,
 }
@@ -80,24 +80,24 @@ impl NodeFrame {
     }
 
     /// The nine numbers at positions `q`.
-    pub fn stage(&self, q: &[f64]) -> Stage {
-        let mut stage = Stage { b: [Vector3::zeros(); 2], g: Vector3::zeros() };
+    pub fn at(&self, q: &[f64]) -> FrameAndGap {
+        let mut z = FrameAndGap { b: [Vector3::zeros(); 2], g: Vector3::zeros() };
         for (node, beta, gamma) in &self.entries {
             let x = position(q, *node);
-            stage.b[0] += x * beta[0];
-            stage.b[1] += x * beta[1];
-            stage.g += x.component_mul(&Vector3::from(*gamma));
+            z.b[0] += x * beta[0];
+            z.b[1] += x * beta[1];
+            z.g += x.component_mul(&Vector3::from(*gamma));
         }
-        stage
+        z
     }
 
     /// `Phi` [volume].
-    pub fn values(&self, z: &Stage) -> [f64; 3] {
+    pub fn values(&self, z: &FrameAndGap) -> [f64; 3] {
         values(z)
     }
 }
 
-fn values(z: &Stage) -> [f64; 3] {
+fn values(z: &FrameAndGap) -> [f64; 3] {
     [z.b[0].dot(&z.g), z.b[1].dot(&z.g), z.b[0].cross(&z.b[1]).dot(&z.g)]
 }
 
@@ -109,13 +109,13 @@ fn stack(b1: Vector3<f64>, b2: Vector3<f64>, g: Vector3<f64>) -> Vector9 {
     v
 }
 
-fn gradients(z: &Stage) -> [Vector9; 3] {
+fn gradients(z: &FrameAndGap) -> [Vector9; 3] {
     let (o, [b1, b2], g) = (Vector3::zeros(), z.b, z.g);
     [stack(g, o, b1), stack(o, g, b2), stack(b2.cross(&g), g.cross(&b1), b1.cross(&b2))]
 }
 
 /// Adds `factor sum_a lambda_a Hessian_a`, of the third constraint at `z` and only if `third`.
-fn add_hessians(z: &Stage, lambda: &[f64], factor: f64, third: bool, h: &mut Matrix9) {
+fn add_hessians(z: &FrameAndGap, lambda: &[f64], factor: f64, third: bool, h: &mut Matrix9) {
     for i in 0..3 {
         for a in 0..2 {
             h[(3 * a + i, 6 + i)] += factor * lambda[a];
@@ -138,14 +138,20 @@ fn add_hessians(z: &Stage, lambda: &[f64], factor: f64, third: bool, h: &mut Mat
     }
 }
 
-fn between(z0: &Stage, z1: &Stage, theta: f64) -> Stage {
+fn between(z0: &FrameAndGap, z1: &FrameAndGap, theta: f64) -> FrameAndGap {
     let mix = |a: Vector3<f64>, b: Vector3<f64>| a * (1.0 - theta) + b * theta;
-    Stage { b: [mix(z0.b[0], z1.b[0]), mix(z0.b[1], z1.b[1])], g: mix(z0.g, z1.g) }
+    FrameAndGap { b: [mix(z0.b[0], z1.b[0]), mix(z0.b[1], z1.b[1])], g: mix(z0.g, z1.g) }
 }
 
 /// Values and gradients for a step from `z0` to `z1`; `None` if the frame of the energy-momentum rule degenerates (a
 /// rotation by half a turn in the step).
-pub(super) fn response(z0: &Stage, z1: &Stage, lambda: &[f64], rule: GradientRule, tangent: bool) -> Option<Response> {
+pub(super) fn response(
+    z0: &FrameAndGap,
+    z1: &FrameAndGap,
+    lambda: &[f64],
+    rule: GradientRule,
+    tangent: bool,
+) -> Option<Response> {
     let end = gradients(z1);
     let mut out = Response { values: values(z1), end, rule: end, derivative: Matrix9::zeros() };
     let h = &mut out.derivative;
@@ -194,7 +200,7 @@ struct Director {
 }
 
 impl Director {
-    fn new(z0: &Stage, z1: &Stage, mid: &Stage) -> Option<Self> {
+    fn new(z0: &FrameAndGap, z1: &FrameAndGap, mid: &FrameAndGap) -> Option<Self> {
         let d = (z0.b[0].cross(&z0.b[1]) + z1.b[0].cross(&z1.b[1])) * 0.5;
         let mean = |i: usize, j: usize| 0.5 * (z0.b[i].dot(&z0.b[j]) + z1.b[i].dot(&z1.b[j]));
         let b = mid.b;
@@ -213,8 +219,8 @@ impl Director {
         stack(d * mu[0] + (b2 * m[2] - b1 * m[1]) * mu[2], d * mu[1] + (b1 * m[2] - b2 * m[0]) * mu[2], d)
     }
 
-    /// Derivative with respect to component `k` of the stage at the end.
-    fn derivative(&self, z1: &Stage, k: usize) -> Vector9 {
+    /// Derivative with respect to component `k` of the nine numbers at the end.
+    fn derivative(&self, z1: &FrameAndGap, k: usize) -> Vector9 {
         let unit = Vector3::ith(k % 3, 1.0);
         let zero = Vector3::zeros();
         let db = [if k / 3 == 0 { unit } else { zero }, if k / 3 == 1 { unit } else { zero }];

@@ -1,10 +1,12 @@
 //! The tie as a contact discretisation whose slots do not open by themselves.
 
-use super::frame::{Stage, response};
+use super::frame::{FrameAndGap, response};
 use super::{MeshTie, Slot, TiedNode};
 use nalgebra::Vector3;
 use stoss_contact::ContactError;
-use stoss_term::{At, Bilateral, Fault, GradientRule, Hold, Local, Rule, SlotReport, Step, StepConfiguration, Term};
+use stoss_term::{
+    At, Bilateral, Fault, GradientRule, Hold, Local, Rule, SlotReport, StepConfiguration, StepContext, Term,
+};
 
 impl TiedNode {
     pub(super) fn traction(&self, q: &[f64], multipliers: &[f64]) -> [f64; 3] {
@@ -12,7 +14,7 @@ impl TiedNode {
         match &self.frame {
             None => lambda,
             Some(frame) => {
-                let Stage { b: [b1, b2], .. } = frame.stage(q);
+                let FrameAndGap { b: [b1, b2], .. } = frame.at(q);
                 (b1 * lambda[0] + b2 * lambda[1] + b1.cross(&b2) * lambda[2]).into()
             }
         }
@@ -118,8 +120,8 @@ impl Term for MeshTie {
     }
 
     /// Where the rows are others, slots that have none do not act: stencils leave them out.
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
-        self.follow_support(step.support);
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
+        self.follow_support(step.held);
         Ok(())
     }
 
@@ -142,7 +144,7 @@ impl Term for MeshTie {
                 continue;
             };
             let lambda = node.multipliers(pressures);
-            let (z0, z1) = (frame.stage(step.q_n), frame.stage(step.q_np1));
+            let (z0, z1) = (frame.at(step.q_n), frame.at(step.q_np1));
             let Some(r) = response(&z0, &z1, &lambda, step.rule, want_tangent) else {
                 return Err(ContactError::Frame { node: node.row.node }.into());
             };

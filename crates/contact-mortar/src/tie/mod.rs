@@ -154,7 +154,7 @@ impl MeshTie {
 
     /// A tie as of [`Self::new`] where a component may be prescribed in some stages of a run and free in others: `is_fixed` tells whether it is given at the
     /// start, and `is_always_fixed` whether it is by something that is no prescription, or by one that never ends. Every step says what is prescribed in it
-    /// ([`stoss_term::Step::support`]), and slots of components that are prescribed do not act.
+    /// ([`stoss_term::StepContext::held`]), and slots of components that are prescribed do not act.
     ///
     /// # Errors
     /// The errors of [`Self::new`].
@@ -256,7 +256,7 @@ impl MeshTie {
             let frame = wanted.then(|| NodeFrame::new(slave, row.local_node, &row, q));
             let target = match &frame {
                 _ if self.closed => [0.0; 3],
-                Some(frame) => frame.values(&frame.stage(q)),
+                Some(frame) => frame.values(&frame.at(q)),
                 None => row.gap(q),
             };
             let place = |c: usize| self.slots.binary_search_by_key(&(row.node, c as u8), |s| (s.node, s.component));

@@ -4,7 +4,7 @@ use super::MeshTie;
 use super::rows::constraint_rows;
 use crate::MortarMatrices;
 use stoss_contact::ContactSurface;
-use stoss_term::Support;
+use stoss_term::HeldNodes;
 
 /// What rows are made from, and what they were made for last.
 #[derive(Clone, Debug)]
@@ -37,7 +37,7 @@ impl Stages {
 
 impl MeshTie {
     /// Takes the multipliers of components that are prescribed at present away, and gives the others theirs.
-    pub(super) fn follow_support(&mut self, support: &Support) {
+    pub(super) fn follow_support(&mut self, support: &HeldNodes) {
         let Some(mut stages) = self.stages.take() else { return };
         let Stages { slave, master, matrices, q, always, now } = &mut *stages;
         let given = slave.nodes().iter().flat_map(|&node| support.prescribed(node));

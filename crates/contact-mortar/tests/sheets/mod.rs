@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use stoss_contact_mortar::segmentation::Provenance;
 use stoss_contact_mortar::{Factors, MortarContact, MortarOptions, MultiplierSpace};
 use stoss_reference_element::{FaceKind, FaceNodes, FacePiece};
-use stoss_term::{At, GradientRule, Local, Step, StepConfiguration, Term};
+use stoss_term::{At, GradientRule, Local, StepConfiguration, StepContext, Term};
 use stoss_testkit::meshes::Mesh;
 
 pub const SLAVE: usize = 9;
@@ -42,7 +42,7 @@ pub fn moved(d: &[f64]) -> Vec<f64> {
 
 /// What a sheet is made of. Of a quadratic one two by two facets are faces, the others are quadrilaterals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Surface {
+pub enum SheetKind {
     Quads,
     Triangles,
     Mixed,
@@ -51,7 +51,7 @@ pub enum Surface {
     Quad9,
 }
 
-impl Surface {
+impl SheetKind {
     pub const ALL: [Self; 6] = [Self::Quads, Self::Triangles, Self::Mixed, Self::Tri6, Self::Quad8, Self::Quad9];
 
     /// All pairs of surfaces.
@@ -86,11 +86,11 @@ impl Surface {
 const GRID: [[usize; 2]; 9] = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
 
 /// Surfaces of both sides.
-pub fn surfaces() -> impl Strategy<Value = [Surface; 2]> {
-    prop::sample::select(Surface::pairs().collect::<Vec<_>>())
+pub fn surfaces() -> impl Strategy<Value = [SheetKind; 2]> {
+    prop::sample::select(SheetKind::pairs().collect::<Vec<_>>())
 }
 
-pub fn method([slave, master]: [Surface; 2], options: MortarOptions) -> MortarContact {
+pub fn method([slave, master]: [SheetKind; 2], options: MortarOptions) -> MortarContact {
     MortarContact::new("test", &slave.pieces(0), &master.pieces(1), &base(), options).unwrap()
 }
 
@@ -179,7 +179,7 @@ pub fn tangent_errors(
     let h = 1e-6;
     let active: Vec<bool> = p.iter().map(|p| *p != 0.0).collect();
     let rates = rule != GradientRule::EndPoint;
-    method.begin(&Step { reach: 0.1, rates, ..Step::new(q_n, rule, 0.1) }).unwrap();
+    method.begin(&StepContext { reach: 0.1, rates, ..StepContext::new(q_n, rule, 0.1) }).unwrap();
     method.renew(&At::end(q, &[], &active), true).unwrap();
     let (exact, kind) = (assemble(method, StepConfiguration { q_n, q_np1: q, rule }, p, &active), kinds(method));
     let mut at = |x: &[f64], p: &[f64]| {

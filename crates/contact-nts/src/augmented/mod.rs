@@ -29,8 +29,8 @@ use constraints::Constraints;
 use element::{Dense, Equations, Traction, solve_2};
 use stoss_contact::{ContactError, in_order, position};
 use stoss_term::{
-    At, Auxiliary, Fault, GradientRule, Hold, Local, ReferenceGap, Share, SlotReport, Step, StepConfiguration, Term,
-    Unilateral, Work,
+    At, Auxiliary, Fault, GradientRule, Hold, Local, ReferenceGap, Share, SlotReport, StepConfiguration, StepContext,
+    Term, Unilateral, Work,
 };
 
 /// Coordinates at `n` on the extension of the facet of `n+1` are cut off here: any value conserves momenta, but far out the extension is
@@ -227,9 +227,9 @@ impl Term for CoordinateAugmented {
         self.inner.holds(visit);
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
         let rule = if step.rule == GradientRule::DiscreteGradient { GradientRule::Midpoint } else { step.rule };
-        self.inner.begin(&Step { rule, ..*step })
+        self.inner.begin(&StepContext { rule, ..*step })
     }
 
     fn renew(&mut self, at: &At<'_>, want_tangent: bool) -> Result<bool, Fault> {

@@ -7,7 +7,7 @@ use crate::options::ConstraintForm;
 use crate::slot::{ElementNodes, PairedSlot, Pairing, Slot};
 use stoss_contact::{Enforcement, in_order, position};
 use stoss_term::{
-    At, Auxiliary, Fault, GradientRule, Hold, Local, Rule, Share, SlotReport, Step, StepConfiguration, Term,
+    At, Auxiliary, Fault, GradientRule, Hold, Local, Rule, Share, SlotReport, StepConfiguration, StepContext, Term,
     Unilateral, Work, multipliers_of,
 };
 
@@ -87,8 +87,8 @@ impl Term for NodeToSurface {
         nodes.for_each(|&node| visit(node, Hold::Surface));
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
-        let Step { q_n, reach, rule, .. } = *step;
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
+        let StepContext { q_n, reach, rule, .. } = *step;
         self.holds = self.hold.is_some() && step.impacts;
         self.leaves = step.rates;
         self.search.take_sides(!step.rates);

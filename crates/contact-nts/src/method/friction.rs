@@ -40,7 +40,7 @@ impl NodeToSurface {
     }
 
     /// Lets the multipliers of the friction yield by [`stoss_contact::friction::STICK_COMPLIANCE`] everywhere, and not only where supports or other contacts may
-    /// determine the motion of a node ([`stoss_term::Support::may_hold`]); to be called after [`Self::with_friction`].
+    /// determine the motion of a node ([`stoss_term::HeldNodes::may_hold`]); to be called after [`Self::with_friction`].
     #[must_use]
     pub fn with_compliant_stick(mut self) -> Self {
         if let Some(surface) = &mut self.friction {

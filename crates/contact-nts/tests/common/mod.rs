@@ -4,7 +4,7 @@
 
 use stoss_contact::{Enforcement, FacetNodes, SearchOptions};
 use stoss_contact_nts::{ConstraintForm, NodeToSurface, NodeToSurfaceOptions};
-use stoss_term::{At, Auxiliary, GradientRule, Step, StepConfiguration, Term, Unilateral};
+use stoss_term::{At, Auxiliary, GradientRule, StepConfiguration, StepContext, Term, Unilateral};
 
 pub const ACTIVE: [bool; 4] = [true, false, false, false];
 pub const OPEN: [bool; 4] = [false; 4];
@@ -73,10 +73,10 @@ pub fn standard_on(divide: Divide<'_>, facets: u32) -> NodeToSurface {
 
 /// Puts the first node in contact at `on` and begins the next step there.
 pub fn in_contact(m: &mut NodeToSurface, on: &[f64]) {
-    m.begin(&Step { reach: 20.0, ..Step::new(on, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 20.0, ..StepContext::new(on, GradientRule::EndPoint, 0.0) }).unwrap();
     m.repair(on, &ACTIVE).unwrap();
     m.commit(&At::end(on, &[1.0, 0.0, 0.0, 0.0], &ACTIVE));
-    m.begin(&Step { reach: 20.0, ..Step::new(on, GradientRule::EndPoint, 0.0) }).unwrap();
+    m.begin(&StepContext { reach: 20.0, ..StepContext::new(on, GradientRule::EndPoint, 0.0) }).unwrap();
 }
 
 pub fn gap(m: &NodeToSurface, q: &[f64], active: &[bool]) -> f64 {
@@ -131,10 +131,10 @@ pub fn path(facets: u32, noise: [&[f64]; 3], at: [f64; 3], first: [f64; 2], seco
 
 /// Does the first step of a [`path`], with a pressure at its end, and pairs the second one.
 pub fn second_step<M: Term + Unilateral>(mut m: M, q: &[Vec<f64>; 3], rule: GradientRule, dt: f64, pressure: f64) -> M {
-    m.begin(&Step { reach: 20.0, ..Step::new(&q[0], rule, dt) }).unwrap();
+    m.begin(&StepContext { reach: 20.0, ..StepContext::new(&q[0], rule, dt) }).unwrap();
     m.repair(&q[1], &ACTIVE).unwrap();
     m.commit(&At::end(&q[1], &[pressure, 0.0, 0.0, 0.0], &ACTIVE));
-    m.begin(&Step { reach: 20.0, ..Step::new(&q[1], rule, dt) }).unwrap();
+    m.begin(&StepContext { reach: 20.0, ..StepContext::new(&q[1], rule, dt) }).unwrap();
     m.repair(&q[2], &ACTIVE).unwrap();
     m
 }

@@ -42,7 +42,7 @@ mod tests {
     use super::*;
     use crate::friction::{Coulomb, Friction, FrictionPoint, Stick};
     use std::sync::Arc;
-    use stoss_term::{GradientRule, Step};
+    use stoss_term::{GradientRule, StepContext};
 
     fn friction(mu: f64) -> Friction {
         Friction::new(Arc::new(Coulomb::new(mu).unwrap()), 10.0, Stick::Multiplier).unwrap()
@@ -82,18 +82,18 @@ mod tests {
     #[test]
     fn multipliers_are_weighed_with_the_inertia_of_the_step() {
         let mut exact = friction(0.5).with_inertia(3.0);
-        exact.begin(&Step::new(&[], GradientRule::Midpoint, 0.1));
+        exact.begin(&StepContext::new(&[], GradientRule::Midpoint, 0.1));
         assert!((exact.stiffness() - 310.0).abs() < 1e-9 && exact.share(0.0) == 1.0);
         assert!((exact.share(1e-3) - (1.0 - 31e-3)).abs() < 1e-12);
         assert!((exact.stored_by(1e-3, [3.0, 4.0]) - 0.5e-3 * 25.0 / 10.0).abs() < 1e-15);
         let mut careful = exact.clone().with_careful_weight(0.1);
         for (is_careful, weight) in [(true, 0.1), (false, 10.0)] {
-            careful.begin(&Step { careful: is_careful, ..Step::quasi_static(&[], 0.1) });
+            careful.begin(&StepContext { careful: is_careful, ..StepContext::quasi_static(&[], 0.1) });
             assert!(careful.stiffness() == weight && careful.spring_compliance() == 1.0);
         }
         let law = Arc::new(Coulomb::new(0.5).unwrap());
         let mut spring = Friction::new(law, 10.0, Stick::Penalty).unwrap().with_inertia(3.0);
-        spring.begin(&Step::new(&[], GradientRule::Midpoint, 0.1));
+        spring.begin(&StepContext::new(&[], GradientRule::Midpoint, 0.1));
         assert!(spring.stiffness() == 10.0 && spring.stored_by(1e-3, [3.0, 4.0]) == 0.0);
     }
 }

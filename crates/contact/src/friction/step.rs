@@ -6,7 +6,7 @@ use super::law::{Bound, FrictionLaw, Plane, Sliding, Traction, along_slip, retur
 use super::smooth::smoothed_return;
 use crate::ContactError;
 use std::sync::Arc;
-use stoss_term::{SlotFriction, Step};
+use stoss_term::{SlotFriction, StepContext};
 
 /// Enforcement of stick at a point of a slave: by a spring or multipliers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -148,7 +148,7 @@ impl Friction {
         self
     }
 
-    /// Friction with another stiffness, traction per length, that multipliers are weighed with in a careful step ([`Step::careful`]). No result depends on it,
+    /// Friction with another stiffness, traction per length, that multipliers are weighed with in a careful step ([`StepContext::careful`]). No result depends on it,
     /// but Newton's method does: where it is stiffer than the bodies the slip of an iterate outweighs what the multiplier knew of the direction, and a point
     /// goes to and fro between stick and two directions of slip; where it is softer, more iterates are needed.
     #[must_use]
@@ -170,7 +170,7 @@ impl Friction {
     }
 
     /// Begins a step; without rates inertia resists nothing.
-    pub fn begin(&mut self, step: &Step<'_>) {
+    pub fn begin(&mut self, step: &StepContext<'_>) {
         self.way = self.belt.as_ref().map_or([0.0; 3], |belt| belt.way(step.time, step.end));
         let inertia = if step.rates { self.inertia / (step.dt * step.dt) } else { 0.0 };
         let weighs = self.stick() == Stick::Multiplier && inertia.is_finite();

@@ -12,7 +12,7 @@
 use super::bsr::{Block, Bsr, product};
 use super::inverse::invert;
 use super::modes::MODES;
-use super::saddle::{Border, Coupling, with_products};
+use super::saddle::{Border, CouplingBlock, with_products};
 
 /// A row whose own entry of `D` is larger than this part of `C E^-1 B` is eliminated; in others `D` is left out. (What is eliminated is a spring of `C E^-1 B / D` times the stiffness of the node. A
 /// sandwich with dual multipliers and friction: 204 iterations in 14 solutions with 0.001, 139 with 0.3.)
@@ -155,7 +155,7 @@ pub(crate) struct Condensation {
 }
 
 /// The rows of a slot at nodes.
-fn gather(rows: std::ops::Range<usize>, coupling: &Coupling, place: &mut [u32]) -> Vec<At> {
+fn gather(rows: std::ops::Range<usize>, coupling: &CouplingBlock, place: &mut [u32]) -> Vec<At> {
     let mut out: Vec<At> = Vec::new();
     for (k, row) in rows.enumerate() {
         for (node, value) in coupling.row(row) {

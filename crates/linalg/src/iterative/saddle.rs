@@ -21,13 +21,13 @@ const LEAST_COSINE: f64 = 0.1;
 
 /// Coupling of multipliers and nodes by rows of three-vectors: those of a multiplier at nodes, or those of a node at multipliers.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Coupling {
+pub(crate) struct CouplingBlock {
     pub starts: Vec<usize>,
     pub indices: Vec<u32>,
     pub values: Vec<[f64; 3]>,
 }
 
-impl Coupling {
+impl CouplingBlock {
     fn clear(&mut self) {
         self.starts.clear();
         self.starts.push(0);
@@ -126,11 +126,11 @@ impl Sparse {
 pub(crate) struct Border {
     nodes: usize,
     /// `B^T`: a row for each other equation.
-    pub b: Coupling,
-    b_by_node: Coupling,
-    pub c: Coupling,
+    pub b: CouplingBlock,
+    b_by_node: CouplingBlock,
+    pub c: CouplingBlock,
     /// `C^T`: a row for each node.
-    pub c_by_node: Coupling,
+    pub c_by_node: CouplingBlock,
     /// `D^T`.
     pub d_by_column: Sparse,
 }
@@ -188,7 +188,7 @@ impl Border {
 
     /// Heap memory in bytes.
     pub fn memory_bytes(&self) -> usize {
-        [&self.b, &self.b_by_node, &self.c, &self.c_by_node].into_iter().map(Coupling::memory_bytes).sum::<usize>()
+        [&self.b, &self.b_by_node, &self.c, &self.c_by_node].into_iter().map(CouplingBlock::memory_bytes).sum::<usize>()
             + size_of::<usize>() * self.d_by_column.starts.capacity()
             + 12 * self.d_by_column.indices.capacity()
     }

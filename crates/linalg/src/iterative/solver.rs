@@ -13,7 +13,7 @@ use super::saddle::{Border, Saddle};
 use super::sums::norm;
 use crate::refinement::{check_finite, check_length};
 use crate::vector::pseudo_random;
-use crate::{EquationPlace, LinalgError, MatrixKind, Place, SolverStatistics, SparsityPattern};
+use crate::{EquationPlace, LinalgError, MatrixKind, SolverStatistics, SparsityPattern, SystemArray};
 use std::sync::Arc;
 
 /// Largest relative residual that an inexact Newton method asks for.
@@ -193,13 +193,13 @@ impl IterativeSolver {
         check_length("values", pattern.nnz(), values)?;
         check_length("right-hand side", pattern.n(), rhs)?;
         check_length("solution", pattern.n(), solution)?;
-        check_finite(Place::Matrix, values)?;
-        check_finite(Place::RightHandSide, rhs)?;
+        check_finite(SystemArray::Matrix, values)?;
+        check_finite(SystemArray::RightHandSide, rhs)?;
         self.entries.set(&self.layout, &pattern, values, &mut self.k, &mut self.border);
         match self.run(rhs, tolerance, curvature) {
             Ok(Some(iterations)) => {
                 self.layout.scatter(&self.x, solution);
-                check_finite(Place::Solution, solution)?;
+                check_finite(SystemArray::Solution, solution)?;
                 Ok(Some(iterations))
             }
             Ok(None) => Ok(None),

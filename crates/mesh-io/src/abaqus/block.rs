@@ -1,12 +1,12 @@
 //! A keyword with its data lines, as it stands in the file.
 
 use super::keyword::Keyword;
-use crate::place::Place;
+use crate::place::FileLocation;
 
 /// A keyword that is not one of the mesh, with its data lines.
 pub(crate) struct Block {
     pub keyword: Keyword,
-    pub rows: Vec<(String, Place)>,
+    pub rows: Vec<(String, FileLocation)>,
 }
 
 impl Block {

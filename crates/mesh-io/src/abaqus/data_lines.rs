@@ -3,9 +3,9 @@
 use stoss_mesh::Rotation;
 
 use super::fields::{fields, number, range, reals, unquote};
-use super::model::{Kind, Piece, Solid};
+use super::model::{Kind, Solid, SurfaceEntry};
 use super::reader::Reader;
-use super::section::Section;
+use super::section::KeywordBlock;
 use super::sets::Labels;
 use crate::MeshIoError;
 use crate::lines::Lines;
@@ -13,11 +13,11 @@ use crate::lines::Lines;
 impl Reader<'_> {
     pub fn data(&mut self, lines: &Lines, data: &str) -> Result<(), MeshIoError> {
         // The section is put back, changed, unless there is an error.
-        let mut section = std::mem::replace(&mut self.section, Section::Skip);
+        let mut section = std::mem::replace(&mut self.section, KeywordBlock::Skip);
         match &mut section {
-            Section::Skip => {}
-            Section::Node { set } => self.node(lines, data, set.as_deref())?,
-            Section::Element { kind, set, pending, place } => {
+            KeywordBlock::Skip => {}
+            KeywordBlock::Node { set } => self.node(lines, data, set.as_deref())?,
+            KeywordBlock::Element { kind, set, pending, place } => {
                 for field in fields(data.strip_suffix(',').unwrap_or(data)) {
                     if pending.is_empty() {
                         *place = lines.place();
@@ -38,18 +38,18 @@ impl Reader<'_> {
                     pending.clear();
                 }
             }
-            Section::OtherElement { kind, set, continued } => {
+            KeywordBlock::OtherElement { kind, set, continued } => {
                 if !*continued {
                     self.other_element(lines, data, *kind, set.as_deref());
                 }
                 *continued = data.ends_with(',');
             }
-            Section::Set { kind, name, generate, instance } => {
+            KeywordBlock::Set { kind, name, generate, instance } => {
                 let labels = self.set_labels(lines, data, *kind, *generate, *instance)?;
                 self.names().sets_mut(*kind).open(name, lines.place(), false).labels.extend(&labels);
             }
-            Section::Surface { name, nodes } => self.surface(lines, data, name, *nodes)?,
-            Section::Instance { lines: count } => {
+            KeywordBlock::Surface { name, nodes } => self.surface(lines, data, name, *nodes)?,
+            KeywordBlock::Instance { lines: count } => {
                 *count += 1;
                 self.placement(lines, data, *count)?;
             }
@@ -155,7 +155,7 @@ impl Reader<'_> {
             self.names().nodes.open(name, place, false).labels.extend(&labels);
         } else if let Some((_, pieces)) = self.names().surfaces.get_mut(&name.to_uppercase()) {
             let face = fields.next().unwrap_or_default().to_uppercase();
-            pieces.push(Piece { labels, face, place });
+            pieces.push(SurfaceEntry { labels, face, place });
         }
         Ok(())
     }

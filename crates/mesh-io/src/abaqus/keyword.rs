@@ -3,7 +3,7 @@
 use super::fields::{fields, unquote};
 use crate::MeshIoError;
 use crate::lines::Lines;
-use crate::place::Place;
+use crate::place::FileLocation;
 
 /// A keyword line: `*NAME, PARAMETER=VALUE, FLAG`.
 #[derive(Clone)]
@@ -13,7 +13,7 @@ pub(crate) struct Keyword {
     /// Names in upper case without spaces; values without quotes.
     parameters: Vec<(String, Option<String>)>,
     /// Place of the line.
-    pub place: Place,
+    pub place: FileLocation,
 }
 
 impl Keyword {
@@ -45,7 +45,7 @@ impl Keyword {
         self.parameters.iter().map(|(name, _)| name.as_str())
     }
 
-    fn parse(text: &str, place: Place) -> Keyword {
+    fn parse(text: &str, place: FileLocation) -> Keyword {
         let mut fields = fields(text);
         let name = fields.next().unwrap_or_default().trim_start_matches('*');
         let name = name.split_whitespace().collect::<Vec<_>>().join(" ").to_uppercase();

@@ -6,7 +6,7 @@ use stoss_mesh::Rotation;
 
 use super::sets::{Labels, Sets};
 use super::types::SolidType;
-use crate::place::Place;
+use crate::place::FileLocation;
 
 /// What a set holds.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -17,10 +17,10 @@ pub(super) enum Kind {
 
 /// A piece of a surface: elements and a face, "S1" to "S6" as far as the element has one, or "" for all free faces.
 #[derive(Clone)]
-pub(super) struct Piece {
+pub(super) struct SurfaceEntry {
     pub labels: Labels,
     pub face: String,
-    pub place: Place,
+    pub place: FileLocation,
 }
 
 /// Sets and surfaces of a part, of an instance or of the assembly.
@@ -29,7 +29,7 @@ pub(super) struct Names {
     pub nodes: Sets,
     pub elements: Sets,
     /// Surfaces by name in upper case: name as written, pieces.
-    pub surfaces: BTreeMap<String, (String, Vec<Piece>)>,
+    pub surfaces: BTreeMap<String, (String, Vec<SurfaceEntry>)>,
     /// Node sets that get the nodes of elements.
     pub nodes_of_elements: Vec<(String, Labels)>,
 }
@@ -57,21 +57,21 @@ pub(super) struct Solid {
     pub kind: SolidType,
     /// Nodes in our order.
     pub nodes: Box<[u64]>,
-    pub place: Place,
+    pub place: FileLocation,
 }
 
 /// A part of Abaqus (`*PART`), or what is outside of parts in a file; not a part of a scene.
 #[derive(Clone, Default)]
-pub(super) struct Part {
+pub(super) struct DeckPart {
     pub name: String,
-    pub nodes: Vec<(u64, [f64; 3], Place)>,
+    pub nodes: Vec<(u64, [f64; 3], FileLocation)>,
     pub elements: Vec<Solid>,
     /// Elements of other types by number: index of the type.
     pub others: BTreeMap<u64, usize>,
     pub names: Names,
 }
 
-impl Part {
+impl DeckPart {
     /// A measure of the memory of a copy: nodes, elements and numbers in sets.
     pub fn size(&self) -> usize {
         let sets = self.names.nodes.all.values().chain(self.names.elements.all.values());
@@ -86,7 +86,7 @@ impl Part {
 pub(super) struct Instance {
     pub name: String,
     /// A copy of the part, with what the instance itself adds.
-    pub part: Part,
+    pub part: DeckPart,
     pub translation: [f64; 3],
     pub rotation: Option<Rotation>,
 }

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use super::block::Block;
 use super::keyword::{Item, Keyword, next};
-use super::model::{Instance, Kind, Names, Part};
-use super::section::Section;
+use super::model::{DeckPart, Instance, Kind, Names};
+use super::section::KeywordBlock;
 use super::sets::Labels;
 use super::types::SolidType;
 use crate::include::Include;
 use crate::lines::{Lines, unsupported};
-use crate::place::Place;
+use crate::place::FileLocation;
 use crate::{Contents, FilePosition, MeshIoError};
 
 /// Keywords that would change the mesh.
@@ -38,7 +38,7 @@ pub(super) enum Scope {
 pub(super) struct OtherType {
     pub name: String,
     pub count: usize,
-    pub first: Place,
+    pub first: FileLocation,
 }
 
 pub(super) struct Reader<'a> {
@@ -47,14 +47,14 @@ pub(super) struct Reader<'a> {
     open: Vec<PathBuf>,
     pub contents: Contents,
     /// The first is what stands outside of parts.
-    pub parts: Vec<Part>,
+    pub parts: Vec<DeckPart>,
     pub instances: Vec<Instance>,
     pub assembly: Names,
     pub others: Vec<OtherType>,
     /// Types of elements that are read: how many, and the first.
-    pub taken: BTreeMap<SolidType, (usize, Place)>,
+    pub taken: BTreeMap<SolidType, (usize, FileLocation)>,
     scope: Scope,
-    pub section: Section,
+    pub section: KeywordBlock,
     copies: usize,
     /// Keywords that are not those of the mesh, if they are wanted.
     blocks: Option<Vec<Block>>,
@@ -70,13 +70,13 @@ impl<'a> Reader<'a> {
             include,
             open: Vec::new(),
             contents,
-            parts: vec![Part::default()],
+            parts: vec![DeckPart::default()],
             instances: Vec::new(),
             assembly: Names::default(),
             others: Vec::new(),
             taken: BTreeMap::new(),
             scope: Scope::Part(0),
-            section: Section::Skip,
+            section: KeywordBlock::Skip,
             copies: 0,
             blocks: None,
             is_kept: false,
@@ -116,12 +116,12 @@ impl<'a> Reader<'a> {
                 Item::Keyword(keyword) => {
                     self.section.close(&self.contents)?;
                     self.section = self.keyword(&lines, &keyword)?;
-                    let skips = matches!(self.section, Section::Skip);
+                    let skips = matches!(self.section, KeywordBlock::Skip);
                     let mut reads_input = !skips;
                     // Numbers at the assembly are its own nodes, reference points.
                     let is_of_points =
-                        self.at_assembly() && matches!(&self.section, Section::Set { kind: Kind::Node, .. });
-                    let is_other = is_of_points || matches!(self.section, Section::OtherElement { .. });
+                        self.at_assembly() && matches!(&self.section, KeywordBlock::Set { kind: Kind::Node, .. });
+                    let is_other = is_of_points || matches!(self.section, KeywordBlock::OtherElement { .. });
                     self.is_kept = skips || is_other;
                     if let Some(blocks) = self.blocks.as_mut().filter(|_| skips || is_other) {
                         let block = Block { keyword: keyword.clone(), rows: Vec::new() };
@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The part that nodes and elements go into; none at the assembly, whose nodes are reference points.
-    pub fn part(&mut self) -> Option<&mut Part> {
+    pub fn part(&mut self) -> Option<&mut DeckPart> {
         match self.scope {
             Scope::Part(p) => Some(&mut self.parts[p]),
             Scope::Instance(i) => Some(&mut self.instances[i].part),
@@ -224,7 +224,7 @@ impl<'a> Reader<'a> {
         dotted.or_else(|| if self.instances.len() == 1 { of(0, name) } else { None })
     }
 
-    fn keyword(&mut self, lines: &Lines, keyword: &Keyword) -> Result<Section, MeshIoError> {
+    fn keyword(&mut self, lines: &Lines, keyword: &Keyword) -> Result<KeywordBlock, MeshIoError> {
         match keyword.name.as_str() {
             "PART" => {
                 let name = keyword.require(lines, "NAME")?;
@@ -235,7 +235,7 @@ impl<'a> Reader<'a> {
                         "there is a part of this name: rename one of them",
                     ));
                 }
-                self.parts.push(Part { name: name.to_owned(), ..Part::default() });
+                self.parts.push(DeckPart { name: name.to_owned(), ..DeckPart::default() });
                 self.scope = Scope::Part(self.parts.len() - 1);
             }
             "END PART" => self.scope = Scope::Part(0),
@@ -243,7 +243,7 @@ impl<'a> Reader<'a> {
             "ASSEMBLY" => self.scope = Scope::Assembly,
             "INSTANCE" => {
                 self.open_instance(lines, keyword)?;
-                return Ok(Section::Instance { lines: 0 });
+                return Ok(KeywordBlock::Instance { lines: 0 });
             }
             "END INSTANCE" => self.scope = Scope::Assembly,
             "NODE" => return self.node_keyword(keyword),
@@ -256,7 +256,7 @@ impl<'a> Reader<'a> {
             }
             _ => {}
         }
-        Ok(Section::Skip)
+        Ok(KeywordBlock::Skip)
     }
 
     fn open_instance(&mut self, lines: &Lines, keyword: &Keyword) -> Result<(), MeshIoError> {
@@ -270,7 +270,7 @@ impl<'a> Reader<'a> {
         }
         let part = match keyword.value("PART") {
             // An instance may bring its own mesh.
-            None => Part::default(),
+            None => DeckPart::default(),
             Some(part) => match self.parts[1..].iter().find(|p| p.name.eq_ignore_ascii_case(part)) {
                 None => return Err(self.contents.unknown("part", part, keyword.place)),
                 Some(found) => {
@@ -288,9 +288,9 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn node_keyword(&mut self, keyword: &Keyword) -> Result<Section, MeshIoError> {
+    fn node_keyword(&mut self, keyword: &Keyword) -> Result<KeywordBlock, MeshIoError> {
         if self.at_assembly() {
-            return Ok(Section::Skip); // reference points: no element can use them
+            return Ok(KeywordBlock::Skip); // reference points: no element can use them
         }
         if let Some(system) = keyword.value("SYSTEM").filter(|s| !s.eq_ignore_ascii_case("R")) {
             let what = format!("*NODE, SYSTEM={}", system.to_uppercase());
@@ -301,10 +301,10 @@ impl<'a> Reader<'a> {
         if let Some(name) = &set {
             self.names().nodes.open(name, keyword.place, false);
         }
-        Ok(Section::Node { set })
+        Ok(KeywordBlock::Node { set })
     }
 
-    fn element_keyword(&mut self, lines: &Lines, keyword: &Keyword) -> Result<Section, MeshIoError> {
+    fn element_keyword(&mut self, lines: &Lines, keyword: &Keyword) -> Result<KeywordBlock, MeshIoError> {
         let kind = keyword.require(lines, "TYPE")?.to_uppercase();
         let set = keyword.value("ELSET").map(str::to_owned);
         if let Some(name) = &set {
@@ -312,14 +312,14 @@ impl<'a> Reader<'a> {
         }
         if let (false, Some(kind)) = (self.at_assembly(), SolidType::find(&kind)) {
             let pending = Vec::with_capacity(1 + kind.node_count());
-            return Ok(Section::Element { kind, set, pending, place: keyword.place });
+            return Ok(KeywordBlock::Element { kind, set, pending, place: keyword.place });
         }
         // To the end of the file, so that all of them are counted: what refers to their sets finds them.
         let kind = self.others.iter().position(|o| o.name == kind).unwrap_or_else(|| {
             self.others.push(OtherType { name: kind, count: 0, first: keyword.place });
             self.others.len() - 1
         });
-        Ok(Section::OtherElement { kind, set, continued: false })
+        Ok(KeywordBlock::OtherElement { kind, set, continued: false })
     }
 
     fn set_keyword(
@@ -328,7 +328,7 @@ impl<'a> Reader<'a> {
         keyword: &Keyword,
         kind: Kind,
         parameter: &str,
-    ) -> Result<Section, MeshIoError> {
+    ) -> Result<KeywordBlock, MeshIoError> {
         let name = keyword.require(lines, parameter)?.to_owned();
         let internal = keyword.flag("INTERNAL");
         self.names().sets_mut(kind).open(&name, keyword.place, internal);
@@ -345,10 +345,10 @@ impl<'a> Reader<'a> {
             let labels = self.find(lines, elements, Kind::Element)?;
             self.names().nodes_of_elements.push((name.clone(), labels));
         }
-        Ok(Section::Set { kind, name, generate: keyword.flag("GENERATE"), instance })
+        Ok(KeywordBlock::Set { kind, name, generate: keyword.flag("GENERATE"), instance })
     }
 
-    fn surface_keyword(&mut self, lines: &Lines, keyword: &Keyword) -> Result<Section, MeshIoError> {
+    fn surface_keyword(&mut self, lines: &Lines, keyword: &Keyword) -> Result<KeywordBlock, MeshIoError> {
         let name = keyword.require(lines, "NAME")?.to_owned();
         let left_out = |what: &str| {
             format!(
@@ -359,14 +359,14 @@ impl<'a> Reader<'a> {
         };
         if keyword.flag("COMBINE") || keyword.flag("CROP") {
             self.contents.notes.push(left_out("it is a combination of others"));
-            return Ok(Section::Skip);
+            return Ok(KeywordBlock::Skip);
         }
         let nodes = match keyword.value("TYPE").unwrap_or("ELEMENT").to_uppercase().as_str() {
             "ELEMENT" => false,
             "NODE" => true,
             other => {
                 self.contents.notes.push(left_out(&format!("its type is {other}")));
-                return Ok(Section::Skip);
+                return Ok(KeywordBlock::Skip);
             }
         };
         if nodes {
@@ -374,6 +374,6 @@ impl<'a> Reader<'a> {
         } else {
             self.names().surfaces.entry(name.to_uppercase()).or_insert_with(|| (name.clone(), Vec::new()));
         }
-        Ok(Section::Surface { name, nodes })
+        Ok(KeywordBlock::Surface { name, nodes })
     }
 }

@@ -2,11 +2,11 @@
 
 use super::model::Kind;
 use super::types::SolidType;
-use crate::place::Place;
+use crate::place::FileLocation;
 use crate::{Contents, MeshIoError};
 
 /// Section of a file: what the data lines that come next belong to. Not a cross-section.
-pub(super) enum Section {
+pub(super) enum KeywordBlock {
     Skip,
     Node {
         set: Option<String>,
@@ -15,7 +15,7 @@ pub(super) enum Section {
         kind: SolidType,
         set: Option<String>,
         pending: Vec<u64>,
-        place: Place,
+        place: FileLocation,
     },
     /// Elements of another type are counted; true within a continued line.
     OtherElement {
@@ -39,11 +39,11 @@ pub(super) enum Section {
     },
 }
 
-impl Section {
+impl KeywordBlock {
     /// At its end nothing may be missing.
     pub fn close(&self, contents: &Contents) -> Result<(), MeshIoError> {
         match self {
-            Section::Element { kind, pending, place, .. } if !pending.is_empty() => Err(contents.error(
+            KeywordBlock::Element { kind, pending, place, .. } if !pending.is_empty() => Err(contents.error(
                 *place,
                 format_args!("element {}", pending[0]),
                 format_args!("has {} nodes, but {} needs {}", pending.len() - 1, kind.name, kind.node_count()),

@@ -2,15 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use crate::place::Place;
+use crate::place::FileLocation;
 
 /// Numbers and ranges with the place of their first occurrence; the first of each key is the instance, 0 within a part. Both are kept
 /// unique, so that sets of sets cannot grow beyond what the file says.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Labels {
-    pub numbers: BTreeMap<(usize, u64), Place>,
+    pub numbers: BTreeMap<(usize, u64), FileLocation>,
     /// First, last, increment.
-    pub ranges: BTreeMap<(usize, [u64; 3]), Place>,
+    pub ranges: BTreeMap<(usize, [u64; 3]), FileLocation>,
 }
 
 impl Labels {
@@ -43,7 +43,7 @@ pub(super) struct Set {
     /// Name as it was first written.
     pub name: String,
     /// First place.
-    pub place: Place,
+    pub place: FileLocation,
     /// Made by a program, not by the user.
     pub internal: bool,
     pub labels: Labels,
@@ -57,7 +57,7 @@ pub(super) struct Sets {
 
 impl Sets {
     /// The set of this name, new if need be.
-    pub fn open(&mut self, name: &str, place: Place, internal: bool) -> &mut Set {
+    pub fn open(&mut self, name: &str, place: FileLocation, internal: bool) -> &mut Set {
         self.all.entry(name.to_uppercase()).or_insert_with(|| Set {
             name: name.to_owned(),
             place,

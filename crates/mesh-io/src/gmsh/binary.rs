@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::MeshIoError;
-use crate::place::Place;
+use crate::place::FileLocation;
 
 /// Whether this is the beginning of a binary file: its second line says `version 1 size`.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
@@ -27,11 +27,11 @@ impl<'a> Bytes<'a> {
         Bytes { path, bytes, position: 0, big_endian: false, size: 8 }
     }
 
-    pub fn place(&self) -> Place {
-        Place { file: 0, at: self.position as u64 }
+    pub fn place(&self) -> FileLocation {
+        FileLocation { file: 0, at: self.position as u64 }
     }
 
-    pub fn error(&self, place: Place, value: impl ToString, remedy: impl ToString) -> MeshIoError {
+    pub fn error(&self, place: FileLocation, value: impl ToString, remedy: impl ToString) -> MeshIoError {
         MeshIoError::Binary {
             path: self.path.to_owned(),
             offset: place.at,
@@ -128,7 +128,7 @@ impl<'a> Bytes<'a> {
     }
 
     /// Checks that `count` items of `bytes` bytes can follow, so that a wrong count is reported before a long loop.
-    pub fn room(&self, place: Place, count: u64, bytes: usize, what: &str) -> Result<(), MeshIoError> {
+    pub fn room(&self, place: FileLocation, count: u64, bytes: usize, what: &str) -> Result<(), MeshIoError> {
         let left = (self.bytes.len() - self.position) as u64;
         if count.checked_mul(bytes as u64).is_some_and(|needed| needed <= left) {
             return Ok(());

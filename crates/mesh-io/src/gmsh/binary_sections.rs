@@ -147,7 +147,7 @@ fn elements_2(file: &mut Bytes, state: &mut State) -> Result<(), MeshIoError> {
     Ok(())
 }
 
-fn known_count(file: &Bytes, place: crate::place::Place, kind: u32) -> Result<usize, MeshIoError> {
+fn known_count(file: &Bytes, place: crate::place::FileLocation, kind: u32) -> Result<usize, MeshIoError> {
     cells::node_count(kind).ok_or_else(|| {
         file.error(place, format!("element type {kind}"), "not known: in Gmsh set Mesh.ElementOrder = 1 or 2")
     })

@@ -28,7 +28,7 @@ use stoss_reference_element::FaceKind;
 use crate::build::Builder;
 use crate::include::Include;
 use crate::lines::{Lines, unsupported};
-use crate::place::Place;
+use crate::place::FileLocation;
 use crate::{Contents, MeshIoError};
 
 /// Whether a text begins like an MSH file.
@@ -48,7 +48,7 @@ struct State {
     /// Physical groups of the entities (4.1) by dimension and number.
     groups: HashMap<(usize, i64), Vec<i64>>,
     /// Surfaces (by their corners) and node groups wait until all nodes are known: (dimension, group, nodes, place).
-    lower: Vec<(usize, i64, Vec<u64>, Place)>,
+    lower: Vec<(usize, i64, Vec<u64>, FileLocation)>,
     /// Surface elements, with their groups: the mesh of a file without solid ones.
     surfaces: Vec<Surface>,
 }
@@ -59,7 +59,7 @@ struct Surface {
     kind: FaceKind,
     nodes: Vec<u64>,
     groups: Vec<i64>,
-    place: Place,
+    place: FileLocation,
 }
 
 impl State {
@@ -87,7 +87,7 @@ impl State {
         kind: u32,
         groups: &[i64],
         nodes: &[u64],
-        place: Place,
+        place: FileLocation,
     ) -> Result<(), MeshIoError> {
         let mut keep = |dimension, nodes: &[u64]| {
             self.lower.extend(groups.iter().map(|&group| (dimension, group, nodes.to_vec(), place)));

@@ -4,7 +4,7 @@ use stoss_reference_element::{CellKind, FaceKind, FacetNodes};
 
 use super::Names;
 use crate::contents::{Source, entry};
-use crate::place::Place;
+use crate::place::FileLocation;
 use crate::{Contents, MeshIoError};
 
 const VOXEL: u8 = 11;
@@ -76,7 +76,7 @@ pub(super) fn add(
     cell: usize,
     nodes: &[u32],
     names: &Names,
-    place: Place,
+    place: FileLocation,
 ) -> Result<(), MeshIoError> {
     let solid = match kind {
         VOXEL => Some(CellKind::Hex8),

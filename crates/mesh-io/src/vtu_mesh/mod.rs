@@ -19,7 +19,7 @@ use std::path::Path;
 
 use crate::contents::{Source, entry};
 use crate::include::Include;
-use crate::place::Place;
+use crate::place::FileLocation;
 use crate::{Contents, MeshIoError, xml};
 use arrays::Arrays;
 
@@ -176,7 +176,7 @@ fn array(arrays: &Arrays, tag: &xml::Tag, section: &str, piece: &mut Piece) -> R
 
 /// Puts a piece beside those that are there.
 fn add(arrays: &Arrays, piece: Piece, start: usize, contents: &mut Contents) -> Result<(), MeshIoError> {
-    let place = Place { file: 0, at: arrays.line(start) as u64 };
+    let place = FileLocation { file: 0, at: arrays.line(start) as u64 };
     let (points, cells) = (piece.points, piece.cells);
     let fits = piece.coordinates.len() == points.saturating_mul(3)
         && piece.offsets.len() == cells

@@ -34,7 +34,7 @@ pub use ball::HollowBall;
 pub use block::{Block, Hexahedron, Indenter};
 pub use l_block::LBlock;
 pub use plane::{Disc, Rectangle};
-pub use round::{Ball, Cylinder, Part, Refinement};
+pub use round::{Ball, Cylinder, Portion, Refinement};
 pub use torus::HollowTorus;
 
 use crate::{Mesh, MeshError};

@@ -1,6 +1,6 @@
 //! Plane meshes for sections, as layers from z = -1 to z = 1 that [`Mesh::slice`](crate::Mesh::slice) makes slices of.
 
-use super::{Block, Cylinder, Part, Refinement};
+use super::{Block, Cylinder, Portion, Refinement};
 use crate::{Mesh, MeshError};
 
 /// An axis-parallel rectangle.
@@ -37,7 +37,7 @@ pub struct Disc {
     /// Radius (length).
     pub radius: f64,
     /// Full, half (y <= 0) or quarter (also x >= 0).
-    pub part: Part,
+    pub part: Portion,
     /// Numbers of elements of a quarter: along x, along y, from the square in the middle to the rim.
     pub divisions: [usize; 3],
     /// Finer at the lowest point.

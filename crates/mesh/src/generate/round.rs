@@ -17,7 +17,7 @@ const RING: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
 
 /// Portion of a ball or cylinder that is meshed; not a part of a scene. The cut surfaces are planes of symmetry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum Portion {
     /// Everything.
     Full,
     /// `z <= 0`.
@@ -44,7 +44,7 @@ pub struct Ball {
     /// Radius (length).
     pub radius: f64,
     /// Portion that is meshed.
-    pub part: Part,
+    pub part: Portion,
     /// Numbers of elements of an eighth: across (along x and along y, from the axis to the edge of the cube), upwards (along z, the same), and from
     /// the cube to the surface.
     pub divisions: [usize; 3],
@@ -70,10 +70,10 @@ impl Ball {
             lines.outwards(g, g.map(|c| scale * c), radius, layer)
         });
         let axes: &[usize] = match self.part {
-            Part::Full => &[2, 0, 1],
-            Part::Half => &[0, 1],
-            Part::Quarter => &[1],
-            Part::Eighth => &[],
+            Portion::Full => &[2, 0, 1],
+            Portion::Half => &[0, 1],
+            Portion::Quarter => &[1],
+            Portion::Eighth => &[],
         };
         cut(mesh, axes, |x, facet| {
             if on(facet, |n| x[n][2] == 0.0) {
@@ -98,7 +98,7 @@ pub struct Cylinder {
     /// Length along y (length).
     pub length: f64,
     /// Portion that is meshed.
-    pub part: Part,
+    pub part: Portion,
     /// Numbers of elements of a quarter: across (along x, from the axis to the edge of the square), upwards (along z, the same), from the square to the
     /// surface, and along y.
     pub divisions: [usize; 4],
@@ -118,10 +118,10 @@ impl Cylinder {
         validate::divisions(&self.divisions, &[1; 4], 1)?;
         validate::divisions(&[n.max(m), n.max(m), r.saturating_add(1), l], &[1; 4], 12)?;
         let axes: &[usize] = match self.part {
-            Part::Full => &[2, 0],
-            Part::Half => &[0],
-            Part::Quarter => &[],
-            Part::Eighth => return Err(parameter("part", self.part, "must be a full, half or quarter cylinder")),
+            Portion::Full => &[2, 0],
+            Portion::Half => &[0],
+            Portion::Quarter => &[],
+            Portion::Eighth => return Err(parameter("part", self.part, "must be a full, half or quarter cylinder")),
         };
         let lines = Lines::new(self.radius, [n, m, r], self.refinement)?;
         let (radius, length) = (self.radius, self.length);

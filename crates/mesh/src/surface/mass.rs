@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use stoss_reference_element::{CellKind, Family, Rule, quadrature};
+use stoss_reference_element::{CellKind, Family, QuadratureRule, quadrature};
 
 use super::SurfaceMesh;
 use super::revolution::tip_radius;
@@ -16,7 +16,7 @@ use crate::{Mesh, MeshError};
 const INERTIA_TOLERANCE: f64 = 1e-6;
 
 /// Points of degree 5 in all cells.
-fn rule(kind: CellKind) -> Rule {
+fn rule(kind: CellKind) -> QuadratureRule {
     match kind.table().family {
         Family::Hexahedron => &quadrature::GAUSS_HEX_3,
         Family::Tetrahedron => &quadrature::TET_14,

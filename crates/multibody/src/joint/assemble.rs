@@ -9,8 +9,8 @@ use super::{CoordinateKind, Joint, StepState};
 use crate::constraint::{Rows, gradient_fraction};
 use crate::quadratic::Evaluation;
 use stoss_term::{
-    At, Bilateral, Fault, GradientRule, JointCoordinate, JointReport, Local, Rule, SlotKind, Step, StepConfiguration,
-    Term, Undefined, Work,
+    At, Bilateral, Fault, GradientRule, JointCoordinate, JointReport, Local, Rule, SlotKind, StepConfiguration,
+    StepContext, Term, Undefined, Work,
 };
 
 /// Functions at the three configurations of a step.
@@ -212,8 +212,8 @@ impl Term for Joint {
         rule == Rule::Constraint(GradientRule::EndPoint) && !self.coordinates.iter().any(one_sided)
     }
 
-    fn begin(&mut self, step: &Step<'_>) -> Result<(), Fault> {
-        let Step { q_n, time, end, dt, rates, .. } = *step;
+    fn begin(&mut self, step: &StepContext<'_>) -> Result<(), Fault> {
+        let StepContext { q_n, time, end, dt, rates, .. } = *step;
         // Where time stands still nothing is viscous.
         self.step = StepState { dt, time_n: time, time_np1: end, has_rates: rates && end > time };
         self.begin_at(q_n);

@@ -1,7 +1,7 @@
 //! The kinds of joints as rows of a table: their equations, functions that are at most quadratic in the vectors, lengths all of them; what they leave free; what a scene gives for them.
 
 use super::coordinate::CoordinateKind;
-use crate::{Embedded, Frame};
+use crate::{Embedded, JointFrame};
 
 /// What a joint leaves free. Side b moves relative to side a; axes are those of the frames, `a_1` the first of side a. [`JointKind::entry`] is its row in [`JOINTS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -305,7 +305,7 @@ impl JointKind {
 }
 
 /// The forms in the order of [`ARM`], [`A`], [`B`], [`E`].
-pub(crate) fn forms(a: &Frame, b: &Frame) -> [Embedded; 10] {
+pub(crate) fn forms(a: &JointFrame, b: &JointFrame) -> [Embedded; 10] {
     let e = |k: usize| Embedded::ground(std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 }));
     let [a1, a2, a3] = a.axes.clone();
     let [b1, b2, b3] = b.axes.clone();

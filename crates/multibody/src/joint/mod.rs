@@ -15,7 +15,7 @@ pub use options::{
     CoordinateFriction, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, PiecewiseLinear, Pretension,
 };
 
-use crate::Frame;
+use crate::JointFrame;
 use crate::compliance::{Compliance, Weights};
 use crate::constraint::gradient_fraction;
 use crate::quadratic::{Evaluation, Quadratics, QuadraticsBuilder};
@@ -120,8 +120,8 @@ impl Joint {
     pub fn new(
         name: &str,
         kind: JointKind,
-        a: &Frame,
-        b: &Frame,
+        a: &JointFrame,
+        b: &JointFrame,
         length: f64,
         reference: &[f64],
     ) -> Result<Self, JointError> {

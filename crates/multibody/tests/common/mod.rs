@@ -5,7 +5,7 @@ use stoss_integrators::{EnergyMomentum, Scheme};
 use stoss_linalg::AutoSolver;
 use stoss_multibody::{RigidBody, RigidMass};
 use stoss_newton::{LineSearch, NewtonOptions};
-use stoss_solver::{Coupling, InsideOutRule, Load, LoadKind, Model, Settings, Simulation, StepControl, Table};
+use stoss_solver::{CouplingTerm, InsideOutTreatment, Load, LoadKind, Model, Settings, Simulation, StepControl, Table};
 use stoss_term::Term;
 
 pub const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -23,7 +23,7 @@ pub fn add_body(model: &mut Model, name: &str, mass: RigidMass, velocity: [f64; 
 }
 
 pub fn add_constraint(model: &mut Model, name: &str, constraint: impl Term + 'static) -> usize {
-    model.contacts.push(Coupling {
+    model.contacts.push(CouplingTerm {
         name: name.to_owned(),
         acts: true,
         term: Box::new(constraint),
@@ -52,7 +52,7 @@ pub fn run_with(model: Model, step: f64, end: f64, scheme: Option<Box<dyn Scheme
         control: StepControl { step, end, max_cuts: 0, grow_after: 4, automatic: None },
         scheme,
         newton: NewtonOptions { relative_tolerance: 1e-9, line_search: LineSearch::Off, ..NewtonOptions::default() },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };

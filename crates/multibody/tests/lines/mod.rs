@@ -6,7 +6,8 @@ use stoss_linalg::AutoSolver;
 use stoss_multibody::{Beam, ConstraintSet, Embedded, Equation, QuadraticsBuilder};
 use stoss_newton::NewtonOptions;
 use stoss_solver::{
-    Coupling, InsideOutRule, Load, LoadKind, Model, Prescription, Settings, Simulation, StepControl, StepRecord, Table,
+    CouplingTerm, InsideOutTreatment, Load, LoadKind, Model, Prescription, Settings, Simulation, StepControl,
+    StepRecord, Table,
 };
 
 pub fn simulation(model: Model, dynamic: bool, step: f64, end: f64) -> Simulation {
@@ -14,7 +15,7 @@ pub fn simulation(model: Model, dynamic: bool, step: f64, end: f64) -> Simulatio
         control: StepControl { step, end, max_cuts: 0, grow_after: 4, automatic: None },
         scheme: dynamic.then(|| Box::new(EnergyMomentum) as Box<dyn Scheme>),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };
@@ -22,7 +23,7 @@ pub fn simulation(model: Model, dynamic: bool, step: f64, end: f64) -> Simulatio
 }
 
 pub fn constrain(model: &mut Model, name: &str, set: ConstraintSet) {
-    model.contacts.push(Coupling {
+    model.contacts.push(CouplingTerm {
         name: name.to_owned(),
         acts: true,
         term: Box::new(set),

@@ -8,7 +8,7 @@ pub(crate) use hex::{HEX8, HEX20, HEX27};
 pub(crate) use tet::{TET4, TET10};
 pub(crate) use wedge::{WEDGE6, WEDGE15};
 
-use crate::table::{MAX_CELL_NODES, Shape, ShapeGradient};
+use crate::table::{MAX_CELL_NODES, ShapeFunctions, ShapeGradient};
 
 /// Values at the nodes of a cell with `N` nodes, with zeros behind them.
 fn padded<const N: usize, T: Copy>(values: [T; N], zero: T) -> [T; MAX_CELL_NODES] {
@@ -17,7 +17,7 @@ fn padded<const N: usize, T: Copy>(values: [T; N], zero: T) -> [T; MAX_CELL_NODE
     out
 }
 
-fn shape<const N: usize>(values: [f64; N]) -> Shape {
+fn shape<const N: usize>(values: [f64; N]) -> ShapeFunctions {
     padded(values, 0.0)
 }
 

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use stoss_geometry::{Aabb, BoundingVolumeTree, Patch};
 
-use super::shape::Shape;
+use super::shape::Connectivity;
 use crate::vtu::{Array, Grid};
 
 /// Name of the array.
@@ -16,7 +16,7 @@ const REACH: f64 = 2.0;
 /// Distance of the surface nodes of each body to the nearest facet of another one in the reference configuration (a length), negative inside of it; not a number farther away than
 /// [`REACH`] times the longest side of a facet. Nothing where no node is that near.
 pub fn distances(grid: &Grid) -> Option<Array> {
-    let shape = Shape::new(grid, &[], false);
+    let shape = Connectivity::new(grid, &[], false);
     let place = |node: u32| Vector3::from(grid.points[shape.nodes[node as usize]]);
     let mut owner = Vec::new();
     let mut patches = Vec::new();

@@ -14,7 +14,7 @@ use serde_json::Value;
 use super::coding::{Scale, encode};
 use super::distance;
 use super::fields::{self, Field};
-use super::shape::{Body, Shape};
+use super::shape::{Body, Connectivity};
 use super::tables::{self, Columns};
 use crate::Outcome;
 use crate::folder::Folder;
@@ -31,7 +31,7 @@ const DISPLACEMENT: &str = "displacement";
 
 /// Bytes of the payload at which an array is: start and length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Place {
+pub struct ByteRange {
     start: usize,
     bytes: usize,
 }
@@ -52,17 +52,17 @@ struct Animation {
     /// Largest size of each component of the displacement: `displacement = largest code / 32767` with signed codes.
     largest: [f64; 3],
     /// Facets (four `u32`), segments (two), points (one), elements (eight), and the points of the frames that the nodes are (one).
-    facets: Place,
+    facets: ByteRange,
     /// Sides of each facet that are edges of elements, as bits.
-    sides: Place,
-    segments: Place,
-    points: Place,
-    elements: Place,
-    numbers: Place,
+    sides: ByteRange,
+    segments: ByteRange,
+    points: ByteRange,
+    elements: ByteRange,
+    numbers: ByteRange,
     /// Positions in the reference configuration: `x` of all nodes, `y`, `z`.
-    reference: Place,
+    reference: ByteRange,
     /// Displacements of the frames, streams in the same order.
-    displacement: Place,
+    displacement: ByteRange,
     arrays: Vec<PackedArray>,
     fields: Vec<PackedField>,
 }
@@ -82,7 +82,7 @@ struct PackedArray {
 struct Component {
     /// Largest magnitude, see [`Scale::Root`]; nothing for [`Scale::Integer`].
     largest: Option<f64>,
-    stream: Place,
+    stream: ByteRange,
 }
 
 /// A field that the page makes of an array. Those of the displacement are not among them: the page makes them of what moves the nodes.
@@ -133,7 +133,7 @@ struct Stamp {
 /// Frames that were read: packing a run again while it grows reads the new ones only.
 #[derive(Debug, Default)]
 pub struct Cache {
-    shape: Shape,
+    shape: Connectivity,
     fields: Vec<Field>,
     /// Names and numbers of components of the arrays.
     arrays: Vec<(String, usize)>,
@@ -243,18 +243,18 @@ impl Cache {
             .map(|(name, array)| (name.clone(), array.components))
             .collect();
         let streams = vec![Vec::new(); arrays.iter().map(|(_, components)| components).sum()];
-        let of_shape = |shape: Shape| {
+        let of_shape = |shape: Connectivity| {
             let reference = shape.nodes.iter().map(|&point| first.points[point]).collect();
             let streams = Streams { reference, components: streams.clone(), ..Streams::default() };
             let (fields, arrays) = (Field::of(first), arrays.clone());
             Self { shape, fields, arrays, stamps: Vec::new(), streams, is_undeformed: first.is_undeformed() }
         };
-        let whole = of_shape(Shape::new(first, &folder.bodies, true));
+        let whole = of_shape(Connectivity::new(first, &folder.bodies, true));
         if whole.numbers() * folder.frames.len() <= NUMBERS / runs.max(1) {
             return whole;
         }
         notes.push(format!("{}: the inside of the bodies is left out, because it is much", folder.path().display()));
-        of_shape(Shape::new(first, &folder.bodies, false))
+        of_shape(Connectivity::new(first, &folder.bodies, false))
     }
 
     /// Count of the numbers of a frame.
@@ -310,7 +310,7 @@ impl Cache {
         let mut put = |bytes: &mut dyn FnMut(&mut Vec<u8>)| {
             let start = arrays.len();
             bytes(arrays);
-            Place { start, bytes: arrays.len() - start }
+            ByteRange { start, bytes: arrays.len() - start }
         };
         let mut whole = |numbers: &[u32]| put(&mut |out| out.extend(numbers.iter().flat_map(|n| n.to_le_bytes())));
         let facets = whole(shape.facets.as_flattened());
@@ -376,7 +376,11 @@ fn by_axis(vectors: &[[f64; 3]], nodes: usize, code: impl Fn(&[f64; 3], usize) -
     vectors.chunks(nodes).flat_map(|row| (0..3).flat_map(move |k| row.iter().map(move |v| code(v, k)))).collect()
 }
 
-fn component(values: &[f32], nodes: usize, put: &mut impl FnMut(&mut dyn FnMut(&mut Vec<u8>)) -> Place) -> Component {
+fn component(
+    values: &[f32],
+    nodes: usize,
+    put: &mut impl FnMut(&mut dyn FnMut(&mut Vec<u8>)) -> ByteRange,
+) -> Component {
     let scale = Scale::of(values);
     let codes: Vec<u16> = values.iter().map(|value| scale.code(*value)).collect();
     let largest = match scale {

@@ -27,7 +27,7 @@ pub struct Body {
 
 /// Cells of all bodies, body after body. Nodes are numbered again.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shape {
+pub struct Connectivity {
     /// Bodies.
     pub bodies: Vec<Body>,
     /// Point of the frames that each node is.
@@ -82,7 +82,7 @@ fn cells(grid: &Grid) -> [usize; 4] {
     [grid.elements.len(), grid.facets.len(), grid.lines.len(), grid.vertices.len()]
 }
 
-impl Shape {
+impl Connectivity {
     /// The shape of a frame, perhaps with what is inside of bodies; bodies beyond the names are called by their numbers.
     pub fn new(grid: &Grid, names: &[String], has_inside: bool) -> Self {
         let cells = cells(grid);
@@ -156,7 +156,7 @@ mod tests {
         grid.lines = vec![vec![12, 13, 14]];
         grid.vertices = vec![14];
         grid.cell_data.insert("body".into(), Array { components: 1, values: vec![0.0, 1.0, 2.0, 3.0] });
-        let shape = Shape::new(&grid, &["cube".into(), "plate".into(), "rope".into()], true);
+        let shape = Connectivity::new(&grid, &["cube".into(), "plate".into(), "rope".into()], true);
         let names: Vec<&str> = shape.bodies.iter().map(|body| body.name.as_str()).collect();
         assert_eq!(names, ["cube", "plate", "rope", "body 3"]);
         assert_eq!(shape.bodies.iter().map(|body| body.facets).collect::<Vec<_>>(), [[0, 6], [6, 1], [7, 0], [7, 0]]);
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(shape.bodies.iter().map(|body| body.first).collect::<Vec<_>>(), [0, 11, 12, 14]);
         assert_eq!(shape.bodies.iter().map(|body| body.elements).collect::<Vec<_>>(), [[0, 1], [1, 0], [1, 0], [1, 0]]);
         assert_eq!(shape.elements[0].map(|node| shape.nodes[node as usize]), [0, 1, 2, 3, 4, 5, 6, 7]);
-        assert!(Shape::new(&grid, &[], false).elements.is_empty());
+        assert!(Connectivity::new(&grid, &[], false).elements.is_empty());
         assert_eq!(shape.sides, [15; 7]);
         assert_eq!(shape.nodes.len(), 8 + 4);
         let at = |node: u32| shape.nodes[node as usize];

@@ -17,5 +17,5 @@ pub use colour::colour;
 pub use picture::{Layout, Shot, Style, columns, draw, draw_raster, draw_svg, value_range, window};
 pub use raster::Raster;
 pub(crate) use surface::deformed;
-pub use surface::{Line, Surface, boundary};
+pub use surface::{Line, Primitives, boundary};
 pub use visible::Finish;

@@ -5,7 +5,7 @@ use super::camera::Camera;
 use super::canvas::{Anchor, Canvas};
 use super::letters;
 use super::raster::Raster;
-use super::surface::Surface;
+use super::surface::Primitives;
 use super::svg::Svg;
 use super::visible::{Finish, Visible, bounds, range};
 
@@ -15,7 +15,7 @@ pub struct Shot {
     /// Text below the snapshot.
     pub caption: String,
     /// Faces, lines and points of the snapshot.
-    pub surface: Surface,
+    pub surface: Primitives,
 }
 
 /// What stands around the snapshots.
@@ -62,16 +62,16 @@ impl Layout {
 }
 
 /// Smallest and largest coordinates in the picture plane, to the right and upwards, of what a camera sees of surfaces.
-pub fn window<'a>(surfaces: impl Iterator<Item = &'a Surface>, camera: Camera) -> [[f64; 2]; 2] {
+pub fn window<'a>(surfaces: impl Iterator<Item = &'a Primitives>, camera: Camera) -> [[f64; 2]; 2] {
     let view = camera.view();
-    let corners = surfaces.flat_map(Surface::places).map(|corner| view.project(corner));
+    let corners = surfaces.flat_map(Primitives::places).map(|corner| view.project(corner));
     let (low, high) = bounds(corners.map(|[x, y, _]| [x, y]));
     [low, high]
 }
 
 /// Smallest and largest finite value of surfaces, as the ends of a colour bar.
-pub fn value_range<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> (f64, f64) {
-    range(surfaces.flat_map(Surface::values))
+pub fn value_range<'a>(surfaces: impl Iterator<Item = &'a Primitives>) -> (f64, f64) {
+    range(surfaces.flat_map(Primitives::values))
 }
 
 /// Draws the snapshots to one scale and with one colour range, as the text of an SVG file.
@@ -169,9 +169,9 @@ mod tests {
     const CAMERA: Camera = Camera { azimuth: 30.0, elevation: 30.0 };
     const STYLE: Style = Style { title: "t", label: "l", width: 200.0, range: None };
 
-    fn cube() -> Surface {
+    fn cube() -> Primitives {
         let grid = crate::vtu::tests::cube(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        Surface::new(&grid, "speed").unwrap()
+        Primitives::new(&grid, "speed").unwrap()
     }
 
     #[test]
@@ -199,7 +199,7 @@ mod tests {
         let svg = draw(
             &[Shot {
                 caption: String::new(),
-                surface: Surface::new(&crate::vtu::tests::cube(&[-38.5; 8]), "speed").unwrap(),
+                surface: Primitives::new(&crate::vtu::tests::cube(&[-38.5; 8]), "speed").unwrap(),
             }],
             CAMERA,
             &STYLE,

@@ -33,7 +33,7 @@ pub struct Line {
 
 /// Faces, lines and points that are drawn of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Surface {
+pub struct Primitives {
     /// Faces that belong to one element only, in the order of the elements and quadratic ones in pieces, and facets.
     pub quads: Vec<Quad>,
     /// Lines.
@@ -42,7 +42,7 @@ pub struct Surface {
     pub points: Vec<([f64; 3], f64)>,
 }
 
-impl Surface {
+impl Primitives {
     /// Takes the surface of a frame; the value is the array's entry, or its length if it is a vector.
     ///
     /// # Errors
@@ -54,7 +54,7 @@ impl Surface {
         })?;
         let place = |point: usize| deformed(grid, point);
         let value = |point: usize| array.magnitude(point);
-        let quad = |Piece { points, edges }: Piece| Quad {
+        let quad = |LinearFace { points, edges }: LinearFace| Quad {
             corners: points.map(place),
             values: points.map(value),
             edges,
@@ -67,7 +67,7 @@ impl Surface {
             let corner = |k: usize| facet[k.min(facet.len() - 1)];
             let has_back = open.contains(&body_of_facet(grid, k));
             let points = [0, 1, 2, 3].map(corner);
-            Quad { is_rigid: true, has_back, ..quad(Piece { points, edges: [true; 4] }) }
+            Quad { is_rigid: true, has_back, ..quad(LinearFace { points, edges: [true; 4] }) }
         });
         let line = |line: &Vec<usize>| Line {
             points: line.iter().map(|&point| place(point)).collect(),
@@ -122,7 +122,7 @@ pub(crate) fn deformed(grid: &Grid, point: usize) -> [f64; 3] {
 
 /// A linear piece of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Piece {
+pub struct LinearFace {
     /// Corners of the piece; the last two of a triangle are the same.
     pub points: [usize; 4],
     /// Which of its sides, from each corner to the next, lie on edges of the face.
@@ -130,14 +130,14 @@ pub struct Piece {
 }
 
 /// Pieces of the faces that only one element has.
-pub fn boundary(elements: &Elements) -> Vec<Piece> {
+pub fn boundary(elements: &Elements) -> Vec<LinearFace> {
     let mut all = Vec::new();
     for face in FacetIndex::new(elements).boundary() {
         let kind = face.nodes.kind();
         for piece in kind.pieces() {
             let corners = [0, 1, 2, 3].map(|k: usize| piece[k.min(piece.len() - 1)]);
             let edges = [0, 1, 2, 3].map(|k: usize| is_on_edge(kind, corners[k], corners[(k + 1) % 4]));
-            all.push(Piece { points: corners.map(|k| face.nodes[usize::from(k)] as usize), edges });
+            all.push(LinearFace { points: corners.map(|k| face.nodes[usize::from(k)] as usize), edges });
         }
     }
     all
@@ -166,7 +166,7 @@ mod tests {
     }
 
     /// Divergence theorem: a closed surface with outward normals encloses a positive volume.
-    fn volume(surface: &Surface) -> f64 {
+    fn volume(surface: &Primitives) -> f64 {
         let triangle = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| dot(a, cross(b, c)) / 6.0;
         let quads = surface.quads.iter().map(|quad| quad.corners);
         quads.map(|[a, b, c, d]| triangle(a, b, c) + triangle(a, c, d)).sum()
@@ -174,10 +174,10 @@ mod tests {
 
     #[test]
     fn the_surface_of_a_cube_points_outwards() {
-        let surface = Surface::new(&cube(), "speed").unwrap();
+        let surface = Primitives::new(&cube(), "speed").unwrap();
         assert_eq!(surface.quads.len(), 6);
         assert!((volume(&surface) - 1.0).abs() < 1e-14);
-        assert!(Surface::new(&cube(), "colour").unwrap_err().contains("speed"));
+        assert!(Primitives::new(&cube(), "colour").unwrap_err().contains("speed"));
     }
 
     #[test]
@@ -219,7 +219,7 @@ mod tests {
         let mut grid = cube();
         let stretch = CUBE.iter().flat_map(|point| [point[0], 0.0, 0.0]).collect();
         grid.point_data.insert("displacement".into(), Array { components: 3, values: stretch });
-        assert!((volume(&Surface::new(&grid, "speed").unwrap()) - 2.0).abs() < 1e-14);
+        assert!((volume(&Primitives::new(&grid, "speed").unwrap()) - 2.0).abs() < 1e-14);
     }
 
     /// The sides of the cube as facets, one of them as two triangles, and then without that side.
@@ -230,16 +230,17 @@ mod tests {
         grid.facets = faces[..5].iter().map(|face| face.points.to_vec()).collect();
         let [a, b, c, d] = faces[5].points;
         grid.facets.extend([vec![a, b, c], vec![a, c, d]]);
-        let closed = Surface::new(&grid, "speed").unwrap();
+        let closed = Primitives::new(&grid, "speed").unwrap();
         assert!((volume(&closed) - 1.0).abs() < 1e-14);
         assert!(closed.quads.len() == 7 && closed.quads.iter().all(|quad| quad.is_rigid && !quad.has_back));
         grid.facets.truncate(5);
-        assert!(Surface::new(&grid, "speed").unwrap().quads.iter().all(|quad| quad.has_back));
+        assert!(Primitives::new(&grid, "speed").unwrap().quads.iter().all(|quad| quad.has_back));
         // Two bodies, the first of them open.
         grid.facets.extend(faces.iter().map(|face| face.points.to_vec()));
         let values = (0..11).map(|k| if k < 5 { 0.0 } else { 1.0 }).collect();
         grid.cell_data.insert("body".into(), Array { components: 1, values });
-        let backs: Vec<bool> = Surface::new(&grid, "speed").unwrap().quads.iter().map(|quad| quad.has_back).collect();
+        let backs: Vec<bool> =
+            Primitives::new(&grid, "speed").unwrap().quads.iter().map(|quad| quad.has_back).collect();
         assert_eq!(backs, [[true; 5].as_slice(), &[false; 6]].concat());
     }
 }

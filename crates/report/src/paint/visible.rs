@@ -3,7 +3,7 @@
 use super::camera::{View, cross, dot};
 use super::canvas::{Canvas, Colour, DOT, LINE};
 use super::colour::colour;
-use super::surface::{Quad, Surface};
+use super::surface::{Primitives, Quad};
 
 /// Fineness of colours.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ type Piece = (Colour, [[f64; 2]; 4]);
 
 impl Visible {
     /// The visible parts of a surface; `screen` takes coordinates of the picture plane to pixels, of which a unit of length has `scale`.
-    pub(super) fn new(surface: &Surface, view: &View, screen: impl Fn(f64, f64) -> [f64; 2], scale: f64) -> Self {
+    pub(super) fn new(surface: &Primitives, view: &View, screen: impl Fn(f64, f64) -> [f64; 2], scale: f64) -> Self {
         Self { faces: uncovered(faces(surface, view, &screen)), strokes: strokes(surface, view, &screen, scale) }
     }
 
@@ -86,7 +86,7 @@ impl Visible {
 }
 
 /// Faces turned towards the eye, of open surfaces all, from back to front.
-fn faces(surface: &Surface, view: &View, screen: impl Fn(f64, f64) -> [f64; 2]) -> Vec<Face> {
+fn faces(surface: &Primitives, view: &View, screen: impl Fn(f64, f64) -> [f64; 2]) -> Vec<Face> {
     let mut faces = Vec::new();
     for quad in &surface.quads {
         let [a, b, c, d] = quad.corners;
@@ -145,7 +145,7 @@ fn divided(quad: &Quad, view: &View, screen: &impl Fn(f64, f64) -> [f64; 2]) -> 
 }
 
 /// Lines in parts, and points, from back to front; all a little nearer than they are, so that faces on which they lie do not cover them.
-fn strokes(surface: &Surface, view: &View, screen: impl Fn(f64, f64) -> [f64; 2], scale: f64) -> Vec<Stroke> {
+fn strokes(surface: &Primitives, view: &View, screen: impl Fn(f64, f64) -> [f64; 2], scale: f64) -> Vec<Stroke> {
     let mut strokes = Vec::new();
     let mut add = |ends: [[f64; 3]; 2], value: f64, width: f64| {
         let near = ends.map(|end| view.project(end)[2]);
@@ -294,7 +294,7 @@ mod tests {
     #[test]
     fn three_faces_of_a_cube_are_visible_from_back_to_front() {
         let grid = crate::vtu::tests::cube(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        let surface = Surface::new(&grid, "speed").unwrap();
+        let surface = Primitives::new(&grid, "speed").unwrap();
         let found = faces(&surface, &CAMERA.view(), |x, y| [100.0 * x, 100.0 * y]);
         assert_eq!(found.len(), 3);
         assert!(found.is_sorted_by(|a, b| a.nearness <= b.nearness));

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use stoss_geometry::{Aabb, BoundingVolumeTree};
 use stoss_mesh::Elements;
-use stoss_reference_element::{CellKind, Shape};
+use stoss_reference_element::{CellKind, ShapeFunctions};
 
 /// A point belongs to a cell up to this far outside, in halves of an edge: points on faces and edges are given in rounded numbers.
 const TOLERANCE: f64 = 1e-8;
@@ -24,7 +24,7 @@ pub struct Held {
     /// Natural coordinates of the point.
     pub xi: [f64; 3],
     /// Shape functions of its nodes at the point, zero beyond them.
-    pub weights: Shape,
+    pub weights: ShapeFunctions,
 }
 
 /// Elements at their places, with a search tree.

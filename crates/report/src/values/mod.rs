@@ -47,7 +47,7 @@ fn boundary(elements: &Elements) -> BTreeSet<(u32, u8)> {
 
 /// Points of the model at which values are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum SamplePoints {
     /// Points of equal distances from one end to the other, both included.
     Line {
         /// The ends.
@@ -82,7 +82,7 @@ pub struct Options {
     /// The frame.
     pub frame: Which,
     /// Place where values are taken.
-    pub place: Place,
+    pub place: SamplePoints,
     /// Arrays of the frame; all if there is none.
     pub fields: Vec<String>,
     /// Configuration of points and positions.
@@ -124,7 +124,7 @@ fn table(grid: &Grid, bodies: &[String], options: &Options) -> Result<String, St
         out: &mut out,
     };
     match options.place {
-        Place::Line { ends: [from, to], points } => {
+        SamplePoints::Line { ends: [from, to], points } => {
             let way: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
             let length = way.iter().map(|x| x * x).sum::<f64>().sqrt();
             if !(length.is_normal() && points >= 2) {
@@ -137,8 +137,8 @@ fn table(grid: &Grid, bodies: &[String], options: &Options) -> Result<String, St
                 rows.of(&[part * length], x, true);
             }
         }
-        Place::Plane { point, normal, spacing } => {
-            let section = section::Section::new(&grid.elements, &places, point, normal, spacing)?;
+        SamplePoints::Plane { point, normal, spacing } => {
+            let section = section::PlaneGrid::new(&grid.elements, &places, point, normal, spacing)?;
             rows.header(&["u", "v"]);
             section.points().for_each(|([u, v], x)| rows.of(&[u, v], x, false));
             if rows.out.lines().nth(1).is_none() {

@@ -10,7 +10,7 @@ const MOST: f64 = 2e7;
 
 /// A square grid on a plane, as large as what the plane cuts.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Section {
+pub struct PlaneGrid {
     point: Vector3<f64>,
     axes: [Vector3<f64>; 2],
     spacing: f64,
@@ -18,7 +18,7 @@ pub struct Section {
     range: [[i64; 2]; 2],
 }
 
-impl Section {
+impl PlaneGrid {
     /// `u` is the first of the axes x, y, z, projected on the plane, which the normal does not nearly have; `v` is across, so that `u`, `v` and the
     /// normal are right-handed.
     pub fn new(

@@ -5,7 +5,7 @@ use super::advance::Completed;
 use super::impact::Impact;
 use crate::assembly::{System, Tally};
 use crate::step::{Attempt, decision};
-use crate::{Automatic, Balance, Coupling, DecisionKind, StepChange, StepRecord};
+use crate::{Automatic, Balance, CouplingTerm, DecisionKind, StepChange, StepRecord};
 use std::ops::Range;
 use stoss_integrators::{ForceRule, State, Step, StepConfiguration, StepRule};
 use stoss_linalg::vector;
@@ -37,7 +37,7 @@ impl Simulation {
         let (time_n, quasi_static) = (self.state.time, self.how.scheme.is_none());
         let [mut work, of_supports] = self.external_work(&next, &rule, &iterate.auxiliaries);
         // Nothing is judged by it in statics.
-        let closes = |pair: &Coupling| pair.acts && !pair.always_holds();
+        let closes = |pair: &CouplingTerm| pair.acts && !pair.always_holds();
         let has_contact = contact.is_some() && self.model.contacts.iter().any(closes);
         let work_of_contact = (!quasi_static && has_contact).then(|| -> f64 {
             let System { tally, buffers, .. } = &self.system;

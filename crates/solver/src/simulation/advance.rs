@@ -2,7 +2,7 @@
 
 use super::books::Draft;
 use super::impact::Impact;
-use super::{InsideOutRule, Simulation};
+use super::{InsideOutTreatment, Simulation};
 use crate::anchored::attempt_anchored;
 use crate::assembly::no_auxiliaries;
 use crate::failure::{AttemptLog, FailedAttempt};
@@ -16,7 +16,7 @@ use crate::{Body, ContactSummary, DecisionKind, Phase, PhaseTime, SimulationErro
 use stoss_fe_solid::InsideOut;
 use stoss_integrators::{State, Step, StepRule, finish};
 use stoss_linalg::{LinalgError, vector};
-use stoss_term::{Coverage, Fault, Step as ContactStep, Work};
+use stoss_term::{Coverage, Fault, StepContext, Work};
 
 /// A quasi-static step is started by extrapolating the last one if that moves prescribed components to where they have to be, up to this
 /// fraction of their motion.
@@ -171,7 +171,7 @@ impl Simulation {
         // The farthest that two surfaces can approach each other in the step if nothing accelerates them much.
         let speed = self.model.embedding.largest_of(&self.system.own, &self.state.v);
         let state = &self.state;
-        let step = ContactStep {
+        let step = StepContext {
             q_n: &state.q,
             v_n: &state.v,
             time: state.time,
@@ -183,13 +183,13 @@ impl Simulation {
             careful,
             impacts: Self::has_impacts(&rule),
             reach: 2.0 * speed * dt,
-            support: &self.stage.support,
+            held: &self.stage.held,
         };
         let mut acting = self.model.terms_mut(&self.system.present.acting).filter(|(_, acts, _)| *acts);
         let begun = acting.try_for_each(|(line, _, term)| {
             let phase = if line == Line::Force { Phase::Assembly } else { Phase::Search };
             let reach = step.reach + 0.5 * term.length_scale();
-            self.log.timings.measure(phase, || term.begin(&ContactStep { reach, ..step }))
+            self.log.timings.measure(phase, || term.begin(&StepContext { reach, ..step }))
         });
         Ok(self.system.shares.agree(begun)?)
     }
@@ -297,7 +297,7 @@ impl Simulation {
         // Whatever can still fail is done before anything of the state is changed: at the end of a midpoint step, for
         // instance, an element may be inverted although it is not at the midpoint.
         let inside_out = self.inside_out(&attempt.iterate.q)?;
-        if self.how.inside_out == InsideOutRule::Refuse
+        if self.how.inside_out == InsideOutTreatment::Refuse
             && let Some(error) = self.newly_inside_out(&inside_out).next()
         {
             return Err(error);

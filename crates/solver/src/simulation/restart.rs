@@ -1,6 +1,6 @@
 //! Checkpoints of a run, and going on from them.
 
-use super::{Simulation, Stage, support};
+use super::{Simulation, Stage, held_nodes};
 use crate::run_state::{Ledger, NodalForces};
 use crate::{Checkpoint, CheckpointError, Clock, SimulationError, StepControl, StepError};
 use std::collections::BTreeMap;
@@ -100,7 +100,7 @@ impl Simulation {
         for (pair, &acts) in self.model.contacts.iter_mut().zip(&acting.contacts) {
             pair.acts = acts;
         }
-        let support = support(&self.model, &acting);
+        let held = held_nodes(&self.model, &acting);
         let stabilise = stage.as_ref().map(|stage| stage.stabilise);
         if let Some(stage) = stage {
             self.how.control =
@@ -113,7 +113,7 @@ impl Simulation {
         // What is not written is that of this process, or follows from the rest.
         let own = std::mem::replace(&mut self.stage, stage);
         self.stage.prescribed = own.prescribed;
-        self.stage.support = support;
+        self.stage.held = held;
         self.stage.sudden = if step > 0 { Vec::new() } else { own.sudden };
         self.clock = clock;
         if let Some(how) = stabilise {

@@ -1,6 +1,6 @@
 //! Stages of a run, and releases: changes of the model between two steps.
 
-use super::{Simulation, at_rest, support};
+use super::{Simulation, at_rest, held_nodes};
 use crate::assembly::System;
 use crate::diagnosis::node_name;
 use crate::run_state::{Ledger, NodalForces, SlotState, StageState};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 use stoss_integrators::{Scheme, State};
 use stoss_linalg::AutoSolver;
 use stoss_newton::NewtonOptions;
-use stoss_term::{At, Step as ContactStep, Term};
+use stoss_term::{At, StepContext, Term};
 
 /// A part of a run with one scheme, one step size and one set of things that act. It begins at the time and with the positions at which the one before ended.
 #[derive(Debug)]
@@ -258,7 +258,7 @@ impl Simulation {
         let changed: Vec<usize> =
             (0..acting.contacts.len()).filter(|&c| acting.contacts[c] != self.model.contacts[c].acts).collect();
         changed.iter().for_each(|&c| self.model.contacts[c].acts = acting.contacts[c]);
-        self.stage.support = support(&self.model, &acting);
+        self.stage.held = held_nodes(&self.model, &acting);
         for c in changed {
             let acts = acting.contacts[c];
             self.slots.pressures[c].fill(0.0);
@@ -281,7 +281,7 @@ impl Simulation {
         let length = pair.term.length_scale();
         let rates = self.how.scheme.is_some();
         let begins =
-            ContactStep { rates, reach: length, support: &self.stage.support, ..at_rest(&self.state, self.clock.dt()) };
+            StepContext { rates, reach: length, held: &self.stage.held, ..at_rest(&self.state, self.clock.dt()) };
         let term = &mut pair.term;
         if term.unilateral().is_some() {
             // What slid before has no meaning where the surfaces are now.

@@ -5,10 +5,10 @@ use crate::assembly::no_auxiliaries;
 use crate::run_state::SlotState;
 use crate::system::FeSystem;
 use crate::terms::Line;
-use crate::{Coupling, StepError};
+use crate::{CouplingTerm, StepError};
 use stoss_integrators::{ForceRule, GradientRule, SecondOrderSystem, State, StepConfiguration, StepRule, start};
 use stoss_linalg::{MatrixKind, vector};
-use stoss_term::{At, Step as ContactStep, StepConfiguration as ContactConfiguration};
+use stoss_term::{At, StepConfiguration as ContactConfiguration, StepContext};
 
 /// Largest motion of a vector along the velocities, in multiples of a length of the model, over which constraint functions are differenced twice. For quadratic
 /// and cubic functions the difference is exact.
@@ -47,7 +47,7 @@ impl Simulation {
         let mut force = vec![0.0; n];
         fe.add_force(at, ForceRule::END_POINT, None, &mut force)?;
         let mut constraint = vec![0.0; n];
-        let others = |pair: &Coupling| !acts_always(pair);
+        let others = |pair: &CouplingTerm| !acts_always(pair);
         self.add_coupling_force(others, &mut constraint)?;
         let mut rhs: Vec<f64> = constraint.iter().zip(&force).map(|(c, f)| c - f).collect();
         if self.system.present.has_damping {
@@ -91,12 +91,12 @@ impl Simulation {
         let auxiliaries = no_auxiliaries(&self.model);
         let dt = self.clock.dt();
         let Self { model, system, state, slots: SlotState { pressures, active, .. }, stage, .. } = self;
-        let step = ContactStep { rates: rule.has_inertia(), support: &stage.support, ..at_rest(state, dt) };
+        let step = StepContext { rates: rule.has_inertia(), held: &stage.held, ..at_rest(state, dt) };
         let mut acting = model.terms_mut(&system.present.acting).filter(|(_, acts, _)| *acts);
         let begun = acting.try_for_each(|(line, _, term)| {
             // What flows in the coming step is none of the forces before it.
             let dt = if line == Line::Force { 0.0 } else { dt };
-            term.begin(&ContactStep { reach: 0.5 * term.length_scale(), dt, ..step })?;
+            term.begin(&StepContext { reach: 0.5 * term.length_scale(), dt, ..step })?;
             if let Line::Constraint(c) = line {
                 term.renew(&At::end(&state.q, &pressures[c], &active[c]).with_auxiliaries(&auxiliaries[c]), false)?;
             }
@@ -106,7 +106,7 @@ impl Simulation {
     }
 
     /// Adds `G^T p` of some couplings at the present state.
-    fn add_coupling_force(&self, which: impl Fn(&Coupling) -> bool, out: &mut [f64]) -> Result<(), StepError> {
+    fn add_coupling_force(&self, which: impl Fn(&CouplingTerm) -> bool, out: &mut [f64]) -> Result<(), StepError> {
         let q = &self.state.q;
         let step = ContactConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
         for (c, pair) in self.model.couplings().filter(|(_, pair)| which(pair)) {
@@ -211,11 +211,11 @@ impl Simulation {
 }
 
 /// A step of statics of the size `dt` in which time stands still and nothing moves.
-pub(super) fn at_rest(state: &State, dt: f64) -> ContactStep<'_> {
-    ContactStep { time: state.time, end: state.time, ..ContactStep::quasi_static(&state.q, dt) }
+pub(super) fn at_rest(state: &State, dt: f64) -> StepContext<'_> {
+    StepContext { time: state.time, end: state.time, ..StepContext::quasi_static(&state.q, dt) }
 }
 
 /// A bilateral constraint that is not switched off.
-fn acts_always(pair: &Coupling) -> bool {
+fn acts_always(pair: &CouplingTerm) -> bool {
     pair.bilateral().is_some()
 }

@@ -27,7 +27,7 @@ pub(super) fn beside(pair: &PairInput<'_>, model: &Model) -> Vec<FacetNodes> {
     let others: BTreeSet<BTreeSet<u32>> = others.flat_map(of_body).map(|facet| key(&facet)).collect();
     let slave_nodes: BTreeSet<u32> =
         slave.iter().flatten().chain(pair.line.iter().map(|(node, _)| node)).copied().collect();
-    let support = pair.first_support(model);
+    let support = pair.first_held_nodes(model);
     let inclined: Vec<([f64; 3], BTreeSet<u32>)> = scene
         .prescriptions
         .iter()

@@ -2,15 +2,15 @@
 
 use super::fibres;
 use super::mesh_files::MeshFiles;
-use super::placed::{Placed, Shape};
+use super::placed::{Discretisation, Placed};
 use super::round;
-use super::section::{self, Section};
+use super::section::{self, SectionSlice};
 use super::state_output;
 use super::symmetry;
 use super::trace::{Needs, Traces};
 use super::{OwnLaws, ParameterError, Problems};
 use crate::scene::{
-    Body as SceneBody, Cell, Generator, Integration, Mass, Material, MeshFile, MeshSource, Part as ScenePart,
+    Body as SceneBody, Cell, Generator, Integration, Mass, Material, MeshFile, MeshSource, Portion as ScenePortion,
     Refinement as SceneRefinement, Rotation as SceneRotation, Rotations, Scene, SetDefinition, Volumetric, given,
 };
 use crate::solver::{Damping, Model};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{MassKind, SolidBody, SolidError, SolidOptions, Volumetric as SolidVolumetric};
 use stoss_mesh::generate::{
-    Ball, Block, Cylinder, Disc, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Part, Rectangle, Refinement,
+    Ball, Block, Cylinder, Disc, Hexahedron, HollowBall, HollowTorus, Indenter, LBlock, Portion, Rectangle, Refinement,
 };
 use stoss_mesh::{Mesh, MeshError, Region, Rotation};
 use stoss_reference_element::{CellKind, Integration as CellIntegration};
@@ -32,9 +32,9 @@ pub(super) fn bodies(
     mesh_files: &mut MeshFiles,
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
-) -> (Vec<Placed>, Vec<String>, Section) {
+) -> (Vec<Placed>, Vec<String>, SectionSlice) {
     let needs = Needs::of(scene);
-    let mut section = Section::default();
+    let mut section = SectionSlice::default();
     let mut placed = Vec::new();
     let mut lines = Vec::new();
     for (b, body) in scene.bodies.iter().enumerate() {
@@ -141,7 +141,7 @@ pub(super) fn bodies(
                 problems.add(format!("{key}.round"), "", message, "take finer elements there, or remove the entry");
             }
         }
-        placed.push(Placed { name: body.name.clone(), shape: Shape::Solid { mesh, law, traces }, first_node });
+        placed.push(Placed { name: body.name.clone(), shape: Discretisation::Solid { mesh, law, traces }, first_node });
     }
     (placed, lines, section)
 }
@@ -256,12 +256,12 @@ fn generate(generator: &Generator) -> Result<Mesh, MeshError> {
     }
 }
 
-fn part(part: ScenePart) -> Part {
+fn part(part: ScenePortion) -> Portion {
     match part {
-        ScenePart::Full => Part::Full,
-        ScenePart::Half => Part::Half,
-        ScenePart::Quarter => Part::Quarter,
-        ScenePart::Eighth => Part::Eighth,
+        ScenePortion::Full => Portion::Full,
+        ScenePortion::Half => Portion::Half,
+        ScenePortion::Quarter => Portion::Quarter,
+        ScenePortion::Eighth => Portion::Eighth,
     }
 }
 
@@ -274,7 +274,7 @@ fn mesh(
     scene: &Scene,
     b: usize,
     mesh_files: &mut MeshFiles,
-    section: &mut Section,
+    section: &mut SectionSlice,
     notes: &mut Vec<String>,
     problems: &mut Problems<'_>,
 ) -> Option<Mesh> {

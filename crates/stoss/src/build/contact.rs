@@ -11,7 +11,7 @@ use crate::scene::{Closing, Enforcement, Multipliers, Scene, split_set};
 use crate::solver::Model;
 use stoss_contact::{Candidate, KeptOut, Sinking, choose_slave};
 use stoss_reference_element::{FacePiece, FacetNodes};
-use stoss_term::Support;
+use stoss_term::HeldNodes;
 
 /// One side of a contact.
 #[derive(Clone, Default, PartialEq)]
@@ -70,7 +70,7 @@ pub(super) fn contacts(
         let (Some(first), Some(second)) = (first, second) else { continue };
         let (mut surfaces, mut chosen) = ([first, second], None);
         if item.between.is_some() {
-            let support = phases.first_with(&item.label()).support(model);
+            let support = phases.first_with(&item.label()).held_nodes(model);
             let candidates = surfaces.each_ref().map(|side| Candidate {
                 facets: &side.facets,
                 pieces: &side.pieces,
@@ -92,7 +92,7 @@ pub(super) fn contacts(
             continue;
         }
         let [slave, master] = &surfaces;
-        warnings.extend(sinking(item, &phases.first_with(&item.label()).support(model), [slave, master], model));
+        warnings.extend(sinking(item, &phases.first_with(&item.label()).held_nodes(model), [slave, master], model));
         let is_exact = |contact: &crate::scene::Contact| !matches!(contact.enforcement, Enforcement::Penalty(_));
         if let Some((_, other)) = seen.iter().find(|([s, m], other)| s == master && m == slave && meets(other))
             && is_exact(item)
@@ -114,7 +114,7 @@ pub(super) fn contacts(
             continue;
         }
         let label = item.label();
-        let mut acting = phases.with(&label).map(|phase| phase.support(model)).peekable();
+        let mut acting = phases.with(&label).map(|phase| phase.held_nodes(model)).peekable();
         if acting.peek().is_some()
             && acting.all(|support| surfaces.iter().all(|surface| is_prescribed(&support, surface)))
         {
@@ -180,7 +180,7 @@ fn impacts(scene: &Scene, phases: &Phases) -> Option<String> {
 /// A warning if the master may sink in between the nodes of the slave.
 fn sinking(
     item: &crate::scene::Contact,
-    support: &Support,
+    support: &HeldNodes,
     [slave, master]: [&Side; 2],
     model: &Model,
 ) -> Option<String> {
@@ -216,6 +216,6 @@ fn sinking(
 }
 
 /// True if all components of all nodes of a side are prescribed.
-fn is_prescribed(support: &Support, side: &Side) -> bool {
+fn is_prescribed(support: &HeldNodes, side: &Side) -> bool {
     side.nodes().all(|node| support.prescribed(node) == [true; 3])
 }

@@ -1,14 +1,14 @@
 //! General contact of a scene: the skin of its bodies, and who acts on whom.
 
 use super::general_schemes::{Bond, connected, owner, sorted};
-use super::general_skin::{Parts, skin};
+use super::general_skin::{PlacedParts, skin};
 use super::general_table::{self, Frictions, NAME};
 use super::interacting::{Classes, facets, interactions, without_joined_overlaps};
 use super::joined::held_of;
 use super::tie::Ties;
 use super::{ContactPlan, FrictionPlan, Joined, OwnLaws, Placed, Problems};
 use crate::scene::{Edges, GeneralContact as Table, Kind, Scene, split_set};
-use crate::solver::{Coupling, Model};
+use crate::solver::{CouplingTerm, Model};
 use std::collections::BTreeSet;
 use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interactions, ONE_SIDED, Start};
 use stoss_mesh::BOUNDARY;
@@ -99,7 +99,7 @@ fn contact(
         warnings.push(message.into());
     }
     let inner: Vec<[u32; 2]> = inner_pairs(scene, placed).collect();
-    let parts = Parts { placed, model };
+    let parts = PlacedParts { placed, model };
     let Start { skin, thickness, one_sided, .. } = skin(table, &parts, &rules, facets, &inner, problems, warnings)?;
     one_sided_insets(&mut rules, placed, table, &one_sided);
     let has_friction = rules.has_friction();
@@ -108,7 +108,7 @@ fn contact(
     warnings.extend(without_effect(scene, table, placed, has_rates, has_friction));
     let options = GeneralOptions { thickness, damping: table.damping, slip_velocity: table.slip_velocity };
     match GeneralContact::new(NAME, skin, rules.clone(), options) {
-        Ok(contact) => model.contacts.push(Coupling::new(NAME, contact, 0.0)),
+        Ok(contact) => model.contacts.push(CouplingTerm::new(NAME, contact, 0.0)),
         Err(error) => {
             problems.add(
                 "general_contact".into(),

@@ -15,12 +15,12 @@ use stoss_reference_element::FacetNodes;
 const PART: &str = "move one of them, set `initial = \"separate\"`, or leave one of them out by `exclude`";
 
 /// The parts of a scene and their model.
-pub(super) struct Parts<'a> {
+pub(super) struct PlacedParts<'a> {
     pub placed: &'a [Placed],
     pub model: &'a Model,
 }
 
-impl Bodies for Parts<'_> {
+impl Bodies for PlacedParts<'_> {
     fn count(&self) -> u32 {
         self.placed.len() as u32
     }
@@ -48,7 +48,7 @@ impl Bodies for Parts<'_> {
 /// The skin, inset where bodies touch or face each other with a small gap, and the thickness of its layer. `inner`: pairs of bodies that go inside with all of their surfaces.
 pub(super) fn skin(
     table: &Table,
-    parts: &Parts<'_>,
+    parts: &PlacedParts<'_>,
     rules: &Interactions,
     facets: Vec<SkinFacet>,
     inner: &[[u32; 2]],

@@ -34,7 +34,7 @@ mod petsc {
 
     pub(super) fn solver(choice: Option<&str>, ranks: &Ranks) -> Result<Box<dyn LinearSolver>, String> {
         let method = match choice {
-            None => Method::Rule,
+            None => Method::Auto,
             Some("direct") => Method::Direct,
             Some("multigrid") => Method::Multigrid,
             Some(options) => Method::Options(options.to_owned()),

@@ -80,7 +80,7 @@ pub use schedule::Schedule;
 
 use crate::ranks::Ranks;
 use crate::scene::{InsideOut, Kind, Problem, Scene, SceneErrors};
-use crate::solver::{FirstStage, InsideOutRule, Model, Settings, Simulation, Stage, StepControl};
+use crate::solver::{FirstStage, InsideOutTreatment, Model, Settings, Simulation, Stage, StepControl};
 #[cfg(feature = "output")]
 pub(crate) use body::single_rows;
 use mesh_files::MeshFiles;
@@ -401,8 +401,8 @@ fn settings(scene: &Scene, scheme: Option<Box<dyn Scheme>>, linear: Box<dyn Line
         newton: newton(scene, scene.header.kind),
         max_plastic_increment: scene.time.max_plastic_increment,
         inside_out: match solver.inside_out {
-            InsideOut::Refuse => InsideOutRule::Refuse,
-            InsideOut::Warn => InsideOutRule::Warn,
+            InsideOut::Refuse => InsideOutTreatment::Refuse,
+            InsideOut::Warn => InsideOutTreatment::Warn,
         },
         solver: linear,
     }

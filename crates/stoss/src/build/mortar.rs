@@ -3,11 +3,11 @@
 use super::pair::PairInput;
 use super::{ContactPlan, Problems, symmetry};
 use crate::scene::{Constraint, Enforcement, Integrals as Chosen, Multipliers, Slip};
-use crate::solver::{Coupling, Model};
+use crate::solver::{CouplingTerm, Model};
 use stoss_contact::friction::Stick;
 use stoss_contact_mortar::{Integrals, MortarContact, MortarOptions, MultiplierSpace, SlipMeasure};
 use stoss_integrators::GradientRule;
-use stoss_term::{Support, Term as _};
+use stoss_term::{HeldNodes, Term as _};
 
 /// Adds the contact to the model; reports what is wrong.
 pub(super) fn contact(
@@ -60,8 +60,8 @@ pub(super) fn contact(
     match MortarContact::new(&item.label(), slave, master, &model.reference, options) {
         Ok(method) => {
             let mut method = method.with_symmetry(symmetry::planes(pair.scene, pair.placed));
-            let acting: Vec<Support> = pair.acting(&label, model).map(|(_, support)| support).collect();
-            let is_held = |support: &Support| {
+            let acting: Vec<HeldNodes> = pair.acting(&label, model).map(|(_, support)| support).collect();
+            let is_held = |support: &HeldNodes| {
                 let held = |&n: &u32| support.prescribed(n) == [true; 3] && model.embedding.carriers(n).is_some();
                 method.slave().nodes().iter().all(held)
             };
@@ -108,7 +108,7 @@ pub(super) fn contact(
                 };
             }
             let plan = pair.plan(&method, Constraint::Standard, plan);
-            model.contacts.push(Coupling {
+            model.contacts.push(CouplingTerm {
                 name: item.label(),
                 acts: true,
                 term: Box::new(method),
@@ -125,6 +125,6 @@ pub(super) fn contact(
 }
 
 /// Which components of a node are prescribed, or all of them if a tie gives its motion; of vertices that follow their faces those of the former alone.
-fn given(support: &Support, model: &Model, node: u32) -> [bool; 3] {
+fn given(support: &HeldNodes, model: &Model, node: u32) -> [bool; 3] {
     if model.follows_its_face(node) { support.prescribed(node) } else { support.given(node) }
 }

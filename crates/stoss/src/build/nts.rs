@@ -4,7 +4,7 @@ use super::beside::beside;
 use super::pair::PairInput;
 use super::{ContactPlan, FrictionPlan, Problems};
 use crate::scene::{Constraint, Enforcement as Enforced, OverlapAtStart};
-use crate::solver::{Coupling, Model};
+use crate::solver::{CouplingTerm, Model};
 use stoss_contact::{ContactLine, Enforcement};
 use stoss_contact_nts::{Arches, ConstraintForm, CoordinateAugmented, NodeToSurface, NodeToSurfaceOptions};
 use stoss_mesh::BOUNDARY;
@@ -57,7 +57,7 @@ fn add(
     let term = term(method);
     let plan = pair.plan(&*term, constraint, friction);
     let (name, restitution) = (pair.item.label(), pair.restitution());
-    model.contacts.push(Coupling { name, term, acts: true, complementarity, restitution });
+    model.contacts.push(CouplingTerm { name, term, acts: true, complementarity, restitution });
     plan
 }
 

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use stoss_contact::{PairScales, face_each_other, finer_side};
 use stoss_mesh::Mesh;
 use stoss_reference_element::{FacePiece, FacetNodes};
-use stoss_term::{Auxiliary, Hold, Overlap, Step, Support, Term};
+use stoss_term::{Auxiliary, HeldNodes, Hold, Overlap, StepContext, Term};
 
 /// One contact of a scene, its surfaces found.
 pub(super) struct PairInput<'a> {
@@ -38,19 +38,19 @@ pub(super) struct PairInput<'a> {
 impl PairInput<'_> {
     /// The stages in which the contact acts, with what is known of the motion of nodes in them.
     #[cfg(feature = "mortar")]
-    pub fn acting<'a>(&'a self, label: &'a str, model: &'a Model) -> impl Iterator<Item = (&'a Phase, Support)> {
-        self.phases.with(label).map(|phase| (phase, self.support(phase, model)))
+    pub fn acting<'a>(&'a self, label: &'a str, model: &'a Model) -> impl Iterator<Item = (&'a Phase, HeldNodes)> {
+        self.phases.with(label).map(|phase| (phase, self.held_nodes(phase, model)))
     }
 
     /// What prescriptions and ties say of the motion of nodes in the first stage in which the contact acts.
     #[cfg(feature = "nts")]
-    pub fn first_support(&self, model: &Model) -> Support {
-        self.support(self.phases.first_with(&self.item.label()), model)
+    pub fn first_held_nodes(&self, model: &Model) -> HeldNodes {
+        self.held_nodes(self.phases.first_with(&self.item.label()), model)
     }
 
     /// What prescriptions and ties say of the motion of nodes in a stage.
-    fn support(&self, phase: &Phase, model: &Model) -> Support {
-        let mut support = phase.support(model);
+    fn held_nodes(&self, phase: &Phase, model: &Model) -> HeldNodes {
+        let mut support = phase.held_nodes(model);
         self.tied.iter().for_each(|&node| support.hold(node, Hold::Wholly));
         support
     }
@@ -96,12 +96,12 @@ impl PairInput<'_> {
         // The first frame shows the gaps of the nodes that are in reach, as later ones do.
         let speed = Points::of(model).largest(&model.velocity);
         let reach = 2.0 * speed * phase.step() + 0.5 * method.length_scale();
-        let (support, rule) = (self.support(phase, model), phase.rule());
-        let begins = Step {
+        let (support, rule) = (self.held_nodes(phase, model), phase.rule());
+        let begins = StepContext {
             rates: phase.has_rates(),
             reach,
-            support: &support,
-            ..Step::new(&model.reference, rule, phase.step())
+            held: &support,
+            ..StepContext::new(&model.reference, rule, phase.step())
         };
         let reference_gap = self.reference_gap(problems);
         let becomes = reference_gap.overlap;

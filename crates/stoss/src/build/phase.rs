@@ -7,7 +7,7 @@ use crate::scene::{Integrator, Kind, Scene};
 use crate::solver::Model;
 use std::collections::BTreeSet;
 use stoss_integrators::GradientRule;
-use stoss_term::Support;
+use stoss_term::HeldNodes;
 
 /// A stage; of a scene without stages the whole run.
 #[derive(Clone, Debug)]
@@ -57,8 +57,8 @@ impl Phase {
     }
 
     /// What the prescriptions that act say of the motion of nodes.
-    pub fn support(&self, model: &Model) -> Support {
-        model.support(|p| !self.idle.contains(&p))
+    pub fn held_nodes(&self, model: &Model) -> HeldNodes {
+        model.held_nodes(|p| !self.idle.contains(&p))
     }
 }
 
@@ -108,9 +108,9 @@ impl Phases {
     }
 
     /// What prescriptions that act from the beginning to the end say of the motion of nodes.
-    pub fn lasting(&self, model: &Model) -> Support {
+    pub fn lasting(&self, model: &Model) -> HeldNodes {
         let ends = |p: usize| self.released.contains(&p) || self.list.iter().any(|phase| phase.idle.contains(&p));
-        model.support(|p| !ends(p))
+        model.held_nodes(|p| !ends(p))
     }
 
     /// The phases in which what has this name acts; none if it is off from the beginning to the end.

@@ -8,7 +8,7 @@ use stoss_mesh::{Mesh, MeshError, SurfaceMesh};
 use stoss_reference_element::{FacePiece, FacetNodes};
 
 /// What a part is made of.
-pub(crate) enum Shape {
+pub(crate) enum Discretisation {
     /// A deformable body.
     Solid {
         mesh: Mesh,
@@ -37,27 +37,27 @@ pub(crate) enum Shape {
 /// A part with the number of its first node in the model. Numbers in its sets count from there.
 pub(crate) struct Placed {
     pub name: String,
-    pub shape: Shape,
+    pub shape: Discretisation,
     pub first_node: u32,
 }
 
 impl Placed {
     /// The mesh of a deformable body.
     pub fn mesh(&self) -> Option<&Mesh> {
-        if let Shape::Solid { mesh, .. } = &self.shape { Some(mesh) } else { None }
+        if let Discretisation::Solid { mesh, .. } = &self.shape { Some(mesh) } else { None }
     }
 
     /// Facets of a set in global node numbers, outward; of quadratic faces those of the trace, if something needs it.
     pub fn facets_of(&self, set: &str) -> Result<Vec<FacetNodes>, MeshError> {
         let first = self.first_node;
         Ok(match &self.shape {
-            Shape::Solid { mesh, traces, .. } => {
+            Discretisation::Solid { mesh, traces, .. } => {
                 mesh.facets_of(set)?.iter().flat_map(|facet| traces.facets_of(facet, first)).collect()
             }
-            Shape::Surface(surface) => {
+            Discretisation::Surface(surface) => {
                 surface.facets_of(set)?.iter().map(|&f| surface.facets[f as usize].map(|n| n + first)).collect()
             }
-            Shape::Nodes { .. } => Vec::new(),
+            Discretisation::Nodes { .. } => Vec::new(),
         })
     }
 
@@ -68,20 +68,22 @@ impl Placed {
     )]
     pub fn pieces_of(&self, set: &str) -> Result<Vec<FacePiece>, MeshError> {
         match &self.shape {
-            Shape::Solid { mesh, traces, .. } => {
+            Discretisation::Solid { mesh, traces, .. } => {
                 let facets = mesh.facets_of(set)?;
                 Ok(facets.iter().flat_map(|facet| traces.pieces_of(facet, self.first_node)).collect())
             }
-            Shape::Surface(_) | Shape::Nodes { .. } => Ok(self.facets_of(set)?.into_iter().map(Into::into).collect()),
+            Discretisation::Surface(_) | Discretisation::Nodes { .. } => {
+                Ok(self.facets_of(set)?.into_iter().map(Into::into).collect())
+            }
         }
     }
 
     /// Global nodes of a set.
     pub fn nodes_of(&self, set: &str) -> Result<Vec<u32>, MeshError> {
         let list = match &self.shape {
-            Shape::Solid { mesh, .. } => mesh.nodes_of(set)?,
-            Shape::Surface(surface) => surface.nodes_of(set)?,
-            Shape::Nodes { sets, stride, .. } => {
+            Discretisation::Solid { mesh, .. } => mesh.nodes_of(set)?,
+            Discretisation::Surface(surface) => surface.nodes_of(set)?,
+            Discretisation::Nodes { sets, stride, .. } => {
                 let unknown = || MeshError::UnknownSet { name: set.to_owned(), available: self.set_names() };
                 sets.get(set).ok_or_else(unknown)?.iter().map(|n| stride * n).collect()
             }
@@ -92,7 +94,7 @@ impl Placed {
     /// Global nodes of a set of a beam or string in their order, with their lengths; nothing of other parts.
     #[cfg(any(feature = "nts", feature = "mortar"))]
     pub fn line_of(&self, set: &str) -> Option<Vec<(u32, f64)>> {
-        let Shape::Nodes { sets, stride, lengths, .. } = &self.shape else { return None };
+        let Discretisation::Nodes { sets, stride, lengths, .. } = &self.shape else { return None };
         let nodes = sets.get(set).filter(|_| !lengths.is_empty())?;
         Some(nodes.iter().map(|&n| (self.first_node + stride * n, lengths[n as usize])).collect())
     }
@@ -100,9 +102,9 @@ impl Placed {
     /// Names of all sets.
     pub fn set_names(&self) -> Vec<String> {
         match &self.shape {
-            Shape::Solid { mesh, .. } => mesh.set_names(),
-            Shape::Surface(surface) => surface.set_names(),
-            Shape::Nodes { sets, .. } => sets.keys().cloned().collect(),
+            Discretisation::Solid { mesh, .. } => mesh.set_names(),
+            Discretisation::Surface(surface) => surface.set_names(),
+            Discretisation::Nodes { sets, .. } => sets.keys().cloned().collect(),
         }
     }
 
@@ -115,9 +117,9 @@ impl Placed {
     /// Global number of the node nearest to a point, the first of equals, and its distance.
     pub fn nearest(&self, point: [f64; 3]) -> (u32, f64) {
         let (nodes, stride) = match &self.shape {
-            Shape::Solid { mesh, .. } => (&mesh.nodes, 1),
-            Shape::Surface(surface) => (&surface.nodes, 1),
-            Shape::Nodes { positions, stride, .. } => (positions, *stride),
+            Discretisation::Solid { mesh, .. } => (&mesh.nodes, 1),
+            Discretisation::Surface(surface) => (&surface.nodes, 1),
+            Discretisation::Nodes { positions, stride, .. } => (positions, *stride),
         };
         let distance = |x: &[f64; 3]| (0..3).map(|i| (x[i] - point[i]).powi(2)).sum::<f64>();
         let mut best = 0;

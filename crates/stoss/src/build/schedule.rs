@@ -31,7 +31,7 @@ fn stabilise(choice: &scene::Stabilise) -> Option<Stabilise> {
 
 /// A part of the run between two moments at which something changes.
 #[derive(Clone, Debug)]
-struct Segment {
+struct Interval {
     name: String,
     /// `None`: statics.
     integrator: Option<Integrator>,
@@ -61,7 +61,7 @@ struct Conditional {
 /// The stages of a run, cut where events take place at given times, and the events that depend on probes. One segment and no event for a scene without either.
 #[derive(Clone, Debug)]
 pub struct Schedule {
-    segments: Vec<Segment>,
+    segments: Vec<Interval>,
     conditional: Vec<Conditional>,
 }
 
@@ -93,7 +93,7 @@ impl Schedule {
                     }
                 }
             }
-            segments.push(Segment {
+            segments.push(Interval {
                 name: stage.name.clone(),
                 integrator: match stage.kind {
                     Kind::QuasiStatic => None,
@@ -115,7 +115,7 @@ impl Schedule {
             let automatic = scene.time.automatic.map(|choice| automatic(&choice, step));
             let stabilise = scene.time.stabilise.and_then(|choice| stabilise(&choice));
             let (name, newton) = ("run".into(), newton(scene, scene.header.kind));
-            segments.push(Segment { name, integrator, step, automatic, stabilise, end, newton, off, releases });
+            segments.push(Interval { name, integrator, step, automatic, stabilise, end, newton, off, releases });
         }
         let mut schedule = Self { segments, conditional: Vec::new() };
         for pretension in scene.joints.iter().filter_map(|joint| joint.pretension.as_ref()) {

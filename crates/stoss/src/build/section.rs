@@ -2,7 +2,7 @@
 
 use super::Problems;
 use super::condition::InclinedPrescription;
-use super::placed::{Placed, Shape};
+use super::placed::{Discretisation, Placed};
 use crate::scene::{BoxRegion, Component, PlaneSection, Prescribe, Scene, SetDefinition};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -16,11 +16,11 @@ const PARTS: f64 = 100.0;
 
 /// The slice of a scene of sections; it is known with the first mesh.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Section {
+pub(super) struct SectionSlice {
     slice: Option<Slice>,
 }
 
-impl Section {
+impl SectionSlice {
     /// What forces, areas, energies of the slice are divided by; 1 without a section.
     pub fn extent(self) -> f64 {
         self.slice.map_or(1.0, Slice::extent)
@@ -75,7 +75,7 @@ pub(super) fn tools(scene: &Scene, placed: &[Placed], problems: &mut Problems<'_
         return;
     }
     for part in placed {
-        let Shape::Surface(surface) = &part.shape else { continue };
+        let Discretisation::Surface(surface) = &part.shape else { continue };
         let has = |side: f64| surface.nodes.iter().any(|x| side * x[2] > 0.0);
         if !(has(1.0) && has(-1.0)) {
             let key = scene.rigids.iter().position(|rigid| rigid.name == part.name).unwrap_or_default();

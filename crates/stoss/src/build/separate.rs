@@ -58,7 +58,7 @@ pub(super) fn separate(
     };
     for (p, by) in moves.iter().enumerate().filter(|(_, by)| **by != Vector3::zeros()) {
         let part = &mut placed[p];
-        let super::placed::Shape::Solid { mesh, .. } = &mut part.shape else { continue };
+        let super::placed::Discretisation::Solid { mesh, .. } = &mut part.shape else { continue };
         if let Err(error) = mesh.transform(None, (*by).into()) {
             problems.add("general_contact.initial".into(), table.initial, error.to_string(), "correct the mesh");
             return false;
@@ -153,7 +153,7 @@ fn hold(scene: &Scene, placed: &[Placed], first: &Phase, model: &Model, p: usize
     let joined = joints.chain(scene.springs.iter().map(|spring| (&spring.name, &spring.between)));
     let joined = joined.filter(|(name, _)| first.acts(Some(name))).map(|(_, between)| between);
     let inclined = scene.prescriptions.iter().filter(|item| item.is_inclined() && first.acts(item.name.as_deref()));
-    let prescribed = first.support(model);
+    let prescribed = first.held_nodes(model);
     if nodes.into_iter().any(|node| prescribed.prescribed(node).contains(&true))
         || inclined.filter_map(|item| item.set.as_deref()).any(is_own)
     {

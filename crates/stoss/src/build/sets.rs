@@ -1,7 +1,7 @@
 //! Expressions over sets, evaluated: each becomes a set of its part, under its own name.
 
 use super::Problems;
-use super::placed::{Placed, Shape, index};
+use super::placed::{Discretisation, Placed, index};
 use crate::scene::{RegionKind, Relation, Scene, SetExpression, SetRegion, known};
 use crate::solver::short;
 
@@ -56,10 +56,10 @@ impl Made {
         }
     }
 
-    fn store(self, shape: &mut Shape, name: &str) {
+    fn store(self, shape: &mut Discretisation, name: &str) {
         let name = name.to_owned();
         match shape {
-            Shape::Solid { mesh, .. } => {
+            Discretisation::Solid { mesh, .. } => {
                 let boundary = if self.facets.is_empty() { Vec::new() } else { mesh.boundary_facets() };
                 let facets: Vec<Facet> = self.facets.iter().map(|&f| boundary[f as usize]).collect();
                 mesh.node_sets.insert(name.clone(), self.nodes);
@@ -70,10 +70,10 @@ impl Made {
                     mesh.element_sets.insert(name, self.elements);
                 }
             }
-            Shape::Surface(surface) => {
+            Discretisation::Surface(surface) => {
                 surface.facet_sets.insert(name, self.facets);
             }
-            Shape::Nodes { sets, .. } => {
+            Discretisation::Nodes { sets, .. } => {
                 sets.insert(name, self.nodes);
             }
         }
@@ -89,7 +89,7 @@ fn make(placed: &Placed, expression: &SetExpression) -> Result<Made, Refused> {
         let message = format!("`{}` has a set `{}` of its own", placed.name, expression.name);
         return Err((message, "choose another name".into()));
     }
-    let of_surface = matches!(placed.shape, Shape::Surface(_));
+    let of_surface = matches!(placed.shape, Discretisation::Surface(_));
     let region = &expression.region;
     let nodes = space.select(region, Kind::Nodes)?;
     let facets = space.select(region, Kind::Facets)?;
@@ -139,12 +139,14 @@ impl<'a> Space<'a> {
     fn new(placed: &'a Placed) -> Self {
         let none = || Cow::Owned(Elements::new());
         let (positions, facets, elements): (&[[f64; 3]], Vec<FaceNodes>, _) = match &placed.shape {
-            Shape::Solid { mesh, .. } => {
+            Discretisation::Solid { mesh, .. } => {
                 let facets = mesh.boundary_facets().iter().map(|facet| facet.nodes).collect();
                 (&mesh.nodes, facets, Cow::Borrowed(&mesh.elements))
             }
-            Shape::Surface(surface) => (&surface.nodes, surface.facets.iter().map(|&f| f.into()).collect(), none()),
-            Shape::Nodes { positions, .. } => (positions, Vec::new(), none()),
+            Discretisation::Surface(surface) => {
+                (&surface.nodes, surface.facets.iter().map(|&f| f.into()).collect(), none())
+            }
+            Discretisation::Nodes { positions, .. } => (positions, Vec::new(), none()),
         };
         let fold = |start: f64, f: fn(f64, f64) -> f64| -> [f64; 3] {
             std::array::from_fn(|i| positions.iter().map(|x| x[i]).fold(start, f))
@@ -264,7 +266,7 @@ impl<'a> Space<'a> {
             error => (error.to_string(), "name another set".into()),
         };
         match (&self.placed.shape, kind) {
-            (Shape::Solid { mesh, .. }, Kind::Facets) => {
+            (Discretisation::Solid { mesh, .. }, Kind::Facets) => {
                 if let Ok(facets) = mesh.facets_of(name) {
                     let facets: BTreeSet<(u32, u8)> = facets.iter().map(|f| (f.element, f.local)).collect();
                     let boundary = mesh.boundary_facets();
@@ -272,11 +274,11 @@ impl<'a> Space<'a> {
                     return Ok(places.iter().map(|&(_, facet)| inside[facet as usize]).collect());
                 }
             }
-            (Shape::Surface(surface), Kind::Facets) => {
+            (Discretisation::Surface(surface), Kind::Facets) => {
                 let facets: BTreeSet<u32> = surface.facets_of(name).map_err(refused)?.into_iter().collect();
                 return Ok(places.iter().map(|(_, facet)| facets.contains(facet)).collect());
             }
-            (Shape::Solid { mesh, .. }, Kind::Elements) => {
+            (Discretisation::Solid { mesh, .. }, Kind::Elements) => {
                 if let Ok(elements) = mesh.elements_of(name) {
                     let elements: BTreeSet<u32> = elements.into_iter().collect();
                     return Ok(places.iter().map(|(_, element)| elements.contains(element)).collect());
@@ -285,9 +287,9 @@ impl<'a> Space<'a> {
             _ => {}
         }
         let nodes = match &self.placed.shape {
-            Shape::Solid { mesh, .. } => mesh.nodes_of(name),
-            Shape::Surface(surface) => surface.nodes_of(name),
-            Shape::Nodes { sets, .. } => {
+            Discretisation::Solid { mesh, .. } => mesh.nodes_of(name),
+            Discretisation::Surface(surface) => surface.nodes_of(name),
+            Discretisation::Nodes { sets, .. } => {
                 let unknown = || MeshError::UnknownSet { name: name.to_owned(), available: self.names() };
                 sets.get(name).cloned().ok_or_else(unknown)
             }

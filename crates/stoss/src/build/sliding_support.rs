@@ -4,7 +4,7 @@ use super::Problems;
 use super::condition::InclinedPrescription;
 use super::schedule::Named;
 use crate::scene::Scene;
-use crate::solver::{Coupling, Model, Prescription, SlidingSupport, Table};
+use crate::solver::{CouplingTerm, Model, Prescription, SlidingSupport, Table};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Sine of the angle below which a direction follows from others.
@@ -47,7 +47,7 @@ pub(super) fn add(
             continue;
         };
         names.push((item, Named::Contact(model.contacts.len())));
-        model.contacts.push(Coupling {
+        model.contacts.push(CouplingTerm {
             name,
             acts: true,
             term: Box::new(if item < own { support } else { support.of_section() }),

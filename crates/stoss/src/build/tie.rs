@@ -4,15 +4,15 @@ use super::Problems;
 #[cfg(feature = "mortar")]
 use super::condition::resolve;
 use super::phase::Phases;
-use super::placed::Placed;
 #[cfg(feature = "mortar")]
-use super::placed::Shape;
+use super::placed::Discretisation;
+use super::placed::Placed;
 use crate::scene::Scene;
-use crate::solver::{Coupling, Model};
+use crate::solver::{CouplingTerm, Model};
 use std::collections::BTreeSet;
 use stoss_reference_element::FacetNodes;
 #[cfg(feature = "mortar")]
-use stoss_term::Support;
+use stoss_term::HeldNodes;
 
 /// A tie of a larger share of its slave surface leaves nothing free but round-off, and slivers of curved rims.
 #[cfg(feature = "mortar")]
@@ -25,7 +25,7 @@ const WHOLLY_TIED: f64 = 0.999;
     allow(dead_code, reason = "for contacts, which are not built in")
 )]
 pub(super) struct Ties {
-    pub pairs: Vec<Coupling>,
+    pub pairs: Vec<CouplingTerm>,
     pub surfaces: Vec<[BTreeSet<FacetNodes>; 2]>,
     pub tied: BTreeSet<u32>,
 }
@@ -85,10 +85,10 @@ fn made(
     let mut ties = Ties::default();
     let (mut surfaces, mut is_stale) = (BTreeSet::new(), false);
     // Prescribed in the first stage, and from the beginning to the end; components of slave nodes of ties.
-    let prescribed = |support: Support| -> Vec<bool> {
+    let prescribed = |support: HeldNodes| -> Vec<bool> {
         (0..model.node_count() as u32).flat_map(|node| support.prescribed(node)).collect()
     };
-    let mut supports = phases.all().map(|phase| prescribed(phase.support(model)));
+    let mut supports = phases.all().map(|phase| prescribed(phase.held_nodes(model)));
     let (first, always) = (supports.next().unwrap_or_default(), prescribed(phases.lasting(model)));
     let varies = always != first || supports.any(|other| other != first);
     let mut tied = vec![false; first.len()];
@@ -170,7 +170,7 @@ fn made(
             found.map(|(_, facets)| facets.into_iter().collect()).unwrap_or_default()
         };
         ties.surfaces.push([traced(&item.slave, problems), traced(&item.master, problems)]);
-        ties.pairs.push(Coupling {
+        ties.pairs.push(CouplingTerm {
             name: item.label(),
             acts: true,
             term: Box::new(tie),
@@ -190,7 +190,7 @@ fn move_nodes(
     moved: &[(u32, [f64; 3])],
     model: &mut Model,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let Shape::Solid { mesh, law, .. } = &mut placed.shape else {
+    let Discretisation::Solid { mesh, law, .. } = &mut placed.shape else {
         return Err("the slave is the surface of a rigid body, whose nodes keep their places in it".into());
     };
     let item = &scene.bodies[body];

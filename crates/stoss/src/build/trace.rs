@@ -6,7 +6,7 @@
 use crate::scene::Scene;
 use crate::solver::Model;
 use std::collections::BTreeMap;
-use stoss_contact::round::{BEYOND, Corner, Finer, Place};
+use stoss_contact::round::{BEYOND, Corner, Finer, VertexKey};
 use stoss_mesh::{Facet, Mesh};
 use stoss_reference_element::{FacePiece, FacetKind, FacetNodes, Nodal};
 
@@ -20,7 +20,7 @@ enum Vertex {
     /// A vertex on the face itself, at its middle.
     Centre(u32, u8),
     /// A vertex of a finer facet of a round surface.
-    Round(Place),
+    Round(VertexKey),
 }
 
 /// Which vertices a scene needs.

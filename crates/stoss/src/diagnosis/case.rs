@@ -14,7 +14,7 @@ use stoss_watch::{Severity, Verdict};
 const MOST_ATTEMPTS: usize = 4;
 
 /// Case of a diagnosis: a run that stopped, came out wrong, or did neither.
-pub struct Case<'a> {
+pub struct DiagnosedRun<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The simulation at its last completed step.
@@ -31,7 +31,7 @@ pub struct Case<'a> {
     watched: Vec<String>,
 }
 
-impl<'a> Case<'a> {
+impl<'a> DiagnosedRun<'a> {
     /// The case of a simulation of a scene whose mesh files are sought in `folder`; `watched` are the names of the bodies with a surface, in the order of the
     /// watch, and `error` is what stopped it.
     pub fn new(

@@ -1,6 +1,6 @@
 //! What changes in the step that failed: a stage that begins, loads at their full value, releases, contacts that close, friction that begins, overlaps that are closed at once, bends of tables.
 
-use super::case::Case;
+use super::case::DiagnosedRun;
 use super::toml;
 use stoss_solver::DecisionKind;
 
@@ -11,7 +11,7 @@ const SAME_TIME: f64 = 1e-9;
 const NO_GAP: f64 = 1e-9;
 
 /// What is new in the step that failed, in the words of the scene; nothing if no step failed.
-pub(super) fn changes(case: &Case<'_>) -> Vec<String> {
+pub(super) fn changes(case: &DiagnosedRun<'_>) -> Vec<String> {
     if case.failure().is_none() {
         return Vec::new();
     }
@@ -25,7 +25,7 @@ pub(super) fn changes(case: &Case<'_>) -> Vec<String> {
     let released = case.simulation.decisions().iter().rev().take_while(|of| of.step > case.simulation.step());
     list.extend(released.filter(|of| of.kind == DecisionKind::Release).map(|of| of.reason.clone()));
     for (c, item) in case.contacts() {
-        let state = Closing::of(case, c);
+        let state = ContactAtFailure::of(case, c);
         let label = item.label();
         if let Some(depth) = state.overlap {
             list.push(format!(
@@ -46,7 +46,7 @@ pub(super) fn changes(case: &Case<'_>) -> Vec<String> {
 
 /// State of a contact in the step that failed: whether it closes, begins or acts, and how deep it overlaps.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Closing {
+pub(super) struct ContactAtFailure {
     /// Whether it was open, and points of it closed in the last attempt.
     pub closes: bool,
     /// Whether it has no pressure yet, and points of it are closed or close.
@@ -57,8 +57,8 @@ pub(super) struct Closing {
     pub acts: bool,
 }
 
-impl Closing {
-    pub(super) fn of(case: &Case<'_>, c: usize) -> Self {
+impl ContactAtFailure {
+    pub(super) fn of(case: &DiagnosedRun<'_>, c: usize) -> Self {
         let simulation = case.simulation;
         let (Some(active), Some(pressures)) = (simulation.active().get(c), simulation.pressures().get(c)) else {
             return Self::default();
@@ -86,7 +86,7 @@ impl Closing {
 }
 
 /// The stage that begins, with what it switches.
-fn stage(case: &Case<'_>) -> Option<String> {
+fn stage(case: &DiagnosedRun<'_>) -> Option<String> {
     let number = (case.simulation.stage() as usize).checked_sub(1).filter(|&number| number > 0)?;
     let (stages, clock) = (&case.scene.stages, case.simulation.clock());
     let (now, before) = (stages.get(number)?, stages.get(number - 1)?);
@@ -107,7 +107,7 @@ fn stage(case: &Case<'_>) -> Option<String> {
 }
 
 /// Tables of loads and prescribed motions whose slope changes at the start of the step.
-fn bends(case: &Case<'_>) -> Vec<String> {
+fn bends(case: &DiagnosedRun<'_>) -> Vec<String> {
     let (time, step) = (case.simulation.state().time, case.step_size());
     let bends = |rows: &[Vec<f64>]| {
         rows.windows(3).any(|rows| {

@@ -1,8 +1,8 @@
 //! Contacts that find no state: friction that locks, points that come and go.
 
-use super::case::Case;
+use super::case::DiagnosedRun;
 use super::redundant::is_prescribed_whole;
-use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
+use super::{Cause, Change, Confidence, LikelyCause, Remedy, Where, toml};
 use crate::scene::split_set;
 use stoss_solver::FailureKind;
 
@@ -25,7 +25,7 @@ fn norm(a: [f64; 3]) -> f64 {
 /// A wedge locks itself where a body is driven into a gap that narrows along the drive and cannot give way: on one side is a contact, on the other a guide or a
 /// second contact, and the mean angle of friction of both sides exceeds half the angle of the gap. A guide has no friction and does not narrow the gap, so that the
 /// contact alone counts then. A body that is only pressed on a surface, or led along it, is no wedge.
-pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn locked_by_friction(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     use FailureKind::{Cycling, InsideOut, InvertedElement, NotConverged, Unsettled};
     if !case.failed_by(&[NotConverged, Cycling, Unsettled, InvertedElement, InsideOut]) {
         return Vec::new();
@@ -82,7 +82,7 @@ pub(super) fn locked_by_friction(case: &Case<'_>) -> Vec<Finding> {
             .collect();
         let keys: Vec<String> =
             sides.iter().map(|side| format!("`contact[{}].friction.{} = {below}`", side.contact, side.key)).collect();
-        list.push(Finding {
+        list.push(LikelyCause {
             cause: Cause::FrictionLocks,
             confidence: match (is_here, friction.tan() > FAR_ABOVE * tangent) {
                 (true, true) => Confidence::High,
@@ -128,7 +128,7 @@ struct Flank {
 }
 
 impl Flank {
-    fn of(case: &Case<'_>, contact: usize, item: &crate::scene::Contact) -> Option<Self> {
+    fn of(case: &DiagnosedRun<'_>, contact: usize, item: &crate::scene::Contact) -> Option<Self> {
         let (key, mu) = item.friction.as_ref()?.coefficient()?;
         let reports = case.simulation.contact_report(contact).ok()?;
         let closed: Vec<_> =
@@ -181,7 +181,7 @@ struct Drive {
 }
 
 /// Name of a set of the driven body, not one that is driven, that a prescription keeps from moving aside, across from the contact.
-fn guide(case: &Case<'_>, flank: &Flank) -> Option<String> {
+fn guide(case: &DiagnosedRun<'_>, flank: &Flank) -> Option<String> {
     let model = case.model();
     let own = model.bodies.iter().find(|body| body.solid.name() == flank.driven)?.nodes.clone();
     let driven = &model.prescriptions[flank.drive.prescription].nodes;
@@ -200,7 +200,7 @@ fn guide(case: &Case<'_>, flank: &Flank) -> Option<String> {
 }
 
 /// Motion of a node by a prescription in the next step.
-fn motion(case: &Case<'_>, prescription: &stoss_solver::Prescription, node: u32) -> [f64; 3] {
+fn motion(case: &DiagnosedRun<'_>, prescription: &stoss_solver::Prescription, node: u32) -> [f64; 3] {
     let (time, dt) = (case.simulation.state().time, case.scene.time.step);
     let reference = std::array::from_fn(|i| case.model().reference[3 * node as usize + i]);
     let mut motion = [0.0; 3];
@@ -212,7 +212,7 @@ fn motion(case: &Case<'_>, prescription: &stoss_solver::Prescription, node: u32)
 }
 
 /// The prescribed motion, from now on, of that body of a contact that moves more, relative to the other one, and whether it is the slave.
-fn drive(case: &Case<'_>, item: &crate::scene::Contact) -> Option<(Drive, bool)> {
+fn drive(case: &DiagnosedRun<'_>, item: &crate::scene::Contact) -> Option<(Drive, bool)> {
     let model = case.model();
     let of = |set: &str| {
         let name = split_set(set).map_or(set, |(body, _)| body);
@@ -242,7 +242,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Points that open and close until the attempt is given up.
-pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn cycles(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let Some(failure) = case.failure() else { return Vec::new() };
     let often = failure.slots.first().filter(|slot| slot.changes >= MANY_CHANGES);
     let cycling = case.failed_by(&[FailureKind::Cycling, FailureKind::Unsettled]);
@@ -283,7 +283,7 @@ pub(super) fn cycles(case: &Case<'_>) -> Vec<Finding> {
             false => "refine the slave surface where it meets the master, or set `method = \"mortar\"`, whose contact state varies less from node to node",
         }));
     }
-    vec![Finding {
+    vec![LikelyCause {
         cause: Cause::ContactCycles,
         confidence: if cycling { Confidence::Medium } else { Confidence::Low },
         sentence: format!(

@@ -1,8 +1,8 @@
 //! Iterations that come near a solution and do not meet the tolerance, or only slowly, and exact stick that is not found.
 
-use super::case::Case;
-use super::changes::Closing;
-use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
+use super::case::DiagnosedRun;
+use super::changes::ContactAtFailure;
+use super::{Cause, Change, Confidence, LikelyCause, Remedy, Where, toml};
 use crate::scene::{Contact, Friction, Stick, split_set};
 use stoss_solver::FailureKind;
 
@@ -17,14 +17,14 @@ const STILL: f64 = 0.9;
 const FAST: f64 = 0.2;
 
 /// The scene's keys of contacts whose friction sticks exactly, by multipliers, and that act in the step that failed.
-fn exact<'a>(case: &'a Case<'_>) -> Vec<(usize, &'a Contact, Closing)> {
+fn exact<'a>(case: &'a DiagnosedRun<'_>) -> Vec<(usize, &'a Contact, ContactAtFailure)> {
     let sticks = |friction: &Friction| friction.sticking().is_some_and(|of| of.stick() == Stick::Multiplier);
     let of = case.contacts().filter(|(_, item)| item.friction.as_ref().is_some_and(sticks));
-    of.map(|(c, item)| (c, item, Closing::of(case, c))).filter(|(.., closing)| closing.acts).collect()
+    of.map(|(c, item)| (c, item, ContactAtFailure::of(case, c))).filter(|(.., closing)| closing.acts).collect()
 }
 
 /// Contacts with exact stick where no state of stick and slip was found.
-pub(super) fn exact_stick(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn exact_stick(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     use FailureKind::{Cycling, InsideOut, InvertedElement, NotConverged, Unsettled};
     if !case.failed_by(&[NotConverged, Cycling, Unsettled, InvertedElement, InsideOut]) || stalls(case).is_some() {
         return Vec::new();
@@ -57,7 +57,7 @@ pub(super) fn exact_stick(case: &Case<'_>) -> Vec<Finding> {
     }
     let pair = place.pair.clone().or_else(|| Some(first.label()));
     let name = labels.join(", ");
-    vec![Finding {
+    vec![LikelyCause {
         cause: Cause::ExactStick,
         // Where points open and close the set of those in contact is in question before their stick.
         confidence: if is_here && !case.failed_by(&[Cycling]) { Confidence::Medium } else { Confidence::Low },
@@ -77,7 +77,7 @@ pub(super) fn exact_stick(case: &Case<'_>) -> Vec<Finding> {
 }
 
 /// The largest of the last residuals if they are small and all stand still.
-fn stalls(case: &Case<'_>) -> Option<f64> {
+fn stalls(case: &DiagnosedRun<'_>) -> Option<f64> {
     let last = last(case)?;
     let largest = last.iter().copied().fold(0.0, f64::max);
     let ratio = mean_ratio(&last);
@@ -85,7 +85,7 @@ fn stalls(case: &Case<'_>) -> Option<f64> {
 }
 
 /// The last residuals of the last attempt, if it made so many iterations.
-fn last(case: &Case<'_>) -> Option<Vec<f64>> {
+fn last(case: &DiagnosedRun<'_>) -> Option<Vec<f64>> {
     let failure = case.failure().filter(|_| case.failed_by(&[FailureKind::NotConverged]))?;
     let all: Vec<f64> = failure.newton.iter().map(|row| row.residual).filter(|r| r.is_finite() && *r > 0.0).collect();
     (all.len() > LAST).then(|| all[all.len() - LAST..].to_vec())
@@ -97,14 +97,14 @@ fn mean_ratio(residuals: &[f64]) -> f64 {
 }
 
 /// A residual that is small and falls no further, above the tolerance.
-pub(super) fn tolerance(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn tolerance(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let Some(residual) = stalls(case) else { return Vec::new() };
     let tolerance = case.scene.solver.relative_tolerance.unwrap_or(crate::build::DEFAULT_TOLERANCE);
     let wider = 10f64.powi((2.0 * residual).log10().ceil() as i32);
     if wider <= tolerance {
         return Vec::new();
     }
-    vec![Finding {
+    vec![LikelyCause {
         cause: Cause::ToleranceNotReached,
         confidence: Confidence::Medium,
         place: case.place(),
@@ -121,7 +121,7 @@ pub(super) fn tolerance(case: &Case<'_>) -> Vec<Finding> {
 }
 
 /// Residuals that fall by the same small factor in every iteration until there are no more.
-pub(super) fn slowly(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn slowly(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let Some(last) = last(case) else { return Vec::new() };
     let ratio = mean_ratio(&last);
     let steady = last.windows(2).all(|pair| (FAST..STILL).contains(&(pair[1] / pair[0])));
@@ -136,7 +136,7 @@ pub(super) fn slowly(case: &Case<'_>) -> Vec<Finding> {
     let is_dynamic = case.simulation.plan().rule.has_inertia();
     let mortar = case
         .contacts()
-        .find(|(c, item)| is_dynamic && item.method.integrates && touches(item) && Closing::of(case, *c).acts);
+        .find(|(c, item)| is_dynamic && item.method.integrates && touches(item) && ContactAtFailure::of(case, *c).acts);
     let mut remedies = Vec::new();
     if let Some((c, _)) = mortar {
         let why = "its tangent is exact in dynamics; that of mortar integrals that move in the step is not";
@@ -152,7 +152,7 @@ pub(super) fn slowly(case: &Case<'_>) -> Vec<Finding> {
         enough.to_string(),
         &format!("at this rate {more} more would do"),
     ));
-    vec![Finding {
+    vec![LikelyCause {
         cause: Cause::SlowConvergence,
         confidence: Confidence::Medium,
         place,

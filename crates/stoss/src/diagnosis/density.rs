@@ -1,7 +1,7 @@
 //! A density that does not fit the modulus.
 
-use super::case::Case;
-use super::{Cause, Confidence, Finding, Remedy, Where, toml};
+use super::case::DiagnosedRun;
+use super::{Cause, Confidence, LikelyCause, Remedy, Where, toml};
 use crate::build::{DENSITY, MODULUS};
 use crate::scene::{Dimension, Units};
 
@@ -36,10 +36,10 @@ fn power(value: f64, [low, high]: [f64; 2]) -> Option<i32> {
 }
 
 /// A density that fits no modulus: of a material that is known by its digits, or of a body that its own weight crushes.
-pub(super) fn density(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn density(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let bodies = case.scene.bodies.iter().enumerate();
     let of = |(b, body)| match (by_digits(case, b, body), by_weight(case, b, body)) {
-        (Some(digits), Some(weight)) => Some(Finding {
+        (Some(digits), Some(weight)) => Some(LikelyCause {
             confidence: digits.confidence.max(weight.confidence),
             evidence: [digits.evidence, weight.evidence].concat(),
             ..digits
@@ -50,7 +50,7 @@ pub(super) fn density(case: &Case<'_>) -> Vec<Finding> {
 }
 
 /// Modulus and density, and the time that a wave takes through the body.
-pub(super) fn moduli(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<(f64, f64, f64)> {
+pub(super) fn moduli(case: &DiagnosedRun<'_>, b: usize, body: &crate::scene::Body) -> Option<(f64, f64, f64)> {
     let young = case.model().bodies.get(b)?.solid.law().small_strain_moduli().young_modulus();
     let density = body.density?;
     let (size, _) = case.sizes(b)?;
@@ -88,7 +88,7 @@ impl Data {
 
 /// The finding on a density by its digits. Without units only what no system of units explains is reported, and never for certain; with units the numbers are
 /// judged in SI.
-fn by_digits(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Finding> {
+fn by_digits(case: &DiagnosedRun<'_>, b: usize, body: &crate::scene::Body) -> Option<LikelyCause> {
     let (young, density, transit) = moduli(case, b, body)?;
     let gravity = case.scene.gravity.as_ref().map(|g| g.acceleration.iter().map(|a| a * a).sum::<f64>().sqrt());
     let end = case.scene.time.end;
@@ -169,7 +169,7 @@ fn by_digits(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Fin
         let text = "or state the units, as `[scene] units = \"mm-t-s\"`: the numbers are then checked in them";
         remedies.push(Remedy::words(text));
     }
-    Some(Finding {
+    Some(LikelyCause {
         cause: Cause::Density,
         confidence,
         place: of_body(case, b, &format!("`{}`, `body[{b}].density`", body.name)),
@@ -196,7 +196,7 @@ fn of_material(b: usize, density: f64, right: f64, known: &Known, units: Units) 
 }
 
 /// Weight against stiffness: `rho g L / E`.
-fn by_weight(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Finding> {
+fn by_weight(case: &DiagnosedRun<'_>, b: usize, body: &crate::scene::Body) -> Option<LikelyCause> {
     let (young, density, _) = moduli(case, b, body)?;
     let gravity = case.scene.gravity.as_ref()?.acceleration;
     let g = gravity.iter().map(|a| a * a).sum::<f64>().sqrt();
@@ -206,7 +206,7 @@ fn by_weight(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Fin
         return None;
     }
     let thousand = toml::short(density * 10f64.powi(-3 * ((strain.log10() + 1.0) / 3.0).ceil() as i32));
-    Some(Finding {
+    Some(LikelyCause {
         cause: Cause::Density,
         confidence: if case.is_bad() || strain > 100.0 { Confidence::High } else { Confidence::Medium },
         place: of_body(case, b, &format!("`{}`, `body[{b}].density`", body.name)),
@@ -231,7 +231,7 @@ fn by_weight(case: &Case<'_>, b: usize, body: &crate::scene::Body) -> Option<Fin
     })
 }
 
-fn of_body(case: &Case<'_>, b: usize, text: &str) -> Where {
+fn of_body(case: &DiagnosedRun<'_>, b: usize, text: &str) -> Where {
     let solid = &case.model().bodies[b];
     let count = solid.nodes.len().max(1) as f64;
     let centre = std::array::from_fn(|i| solid.nodes.clone().map(|n| case.position(n)[i]).sum::<f64>() / count);

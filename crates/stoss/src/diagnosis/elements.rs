@@ -1,7 +1,7 @@
 //! Elements that cannot do what they should: slivers, and linear ones of a nearly incompressible material.
 
-use super::case::Case;
-use super::{Cause, Confidence, Finding, Remedy, Where};
+use super::case::DiagnosedRun;
+use super::{Cause, Confidence, LikelyCause, Remedy, Where};
 use crate::scene::{Generator, MeshSource};
 use stoss_fe_solid::Volumetric;
 use stoss_mesh::Mesh;
@@ -18,7 +18,7 @@ fn worst_corner(mesh: &Mesh, element: u32) -> (f64, usize) {
 }
 
 /// An element of the mesh that is nearly degenerate, where a run failed or in a body that is not sound.
-pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn sliver(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     use FailureKind::{InsideOut, InvertedElement, NotConverged};
     if !case.is_bad() {
         return Vec::new();
@@ -67,7 +67,7 @@ pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
         if !is_inverted && case.scene.solver.inside_out != crate::scene::InsideOut::Warn {
             remedies.push(Remedy::set("solver.inside_out", "\"warn\"", "the run continues with a warning while the Jacobian is positive at the integration points; do not trust the stresses there"));
         }
-        list.push(Finding {
+        list.push(LikelyCause {
             cause: Cause::Sliver,
             confidence,
             place: Where { text: format!("element {worst} at {}", at.text), element: Some(worst as usize), ..at },
@@ -80,7 +80,7 @@ pub(super) fn sliver(case: &Case<'_>) -> Vec<Finding> {
 }
 
 /// Reduced hex20 in a single row, where the system is singular in a motion of a body.
-pub(super) fn single_rows(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn single_rows(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     if !case.failed_by(&[FailureKind::Singular]) || case.failure().is_some_and(|failure| failure.place.slot.is_some()) {
         return Vec::new();
     }
@@ -94,7 +94,7 @@ pub(super) fn single_rows(case: &Case<'_>) -> Vec<Finding> {
         let Some(rows) = case.mesh(name).map(crate::build::single_rows).filter(|rows| !rows.is_empty()) else {
             continue;
         };
-        list.push(Finding {
+        list.push(LikelyCause {
             cause: Cause::ZeroEnergyModes,
             confidence: Confidence::High,
             place: place.clone(),
@@ -115,7 +115,7 @@ pub(super) fn single_rows(case: &Case<'_>) -> Vec<Finding> {
 }
 
 /// Materials that are so incompressible that elements without averages of the change of volume lock.
-pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn incompressible(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let mut list = Vec::new();
     for (b, body) in case.model().bodies.iter().enumerate() {
         let nu = body.solid.law().small_strain_moduli().poisson_ratio();
@@ -145,7 +145,7 @@ pub(super) fn incompressible(case: &Case<'_>) -> Vec<Finding> {
         // Locking is stiff, never singular.
         let is_singular = case.failed_by(&[FailureKind::Singular]);
         let is_here = case.is_bad() && !is_singular && case.place().body.as_deref() == Some(name);
-        list.push(Finding {
+        list.push(LikelyCause {
             cause: Cause::Incompressible,
             confidence: if is_here { Confidence::Medium } else { Confidence::Low },
             place: Where { text: format!("`{name}`"), body: Some(name.to_owned()), ..Where::default() },

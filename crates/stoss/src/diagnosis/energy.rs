@@ -1,7 +1,7 @@
 //! Energy that the scheme adds to the bodies.
 
-use super::case::Case;
-use super::{Cause, Confidence, Finding, Remedy, Where, toml};
+use super::case::DiagnosedRun;
+use super::{Cause, Confidence, LikelyCause, Remedy, Where, toml};
 use crate::terms::Terms;
 use stoss_integrators::{ForceRule, Scheme};
 use stoss_watch::{FindingKind, Severity};
@@ -19,7 +19,7 @@ fn is_dissipative(scheme: &dyn Scheme) -> bool {
 const MOST_TERMS: usize = 3;
 
 /// Which bodies, parts and couplings made the energy that is too much, or lost what is missing: their remainders since the process began.
-fn by_terms(case: &Case<'_>) -> Option<String> {
+fn by_terms(case: &DiagnosedRun<'_>) -> Option<String> {
     let names: Vec<String> = case.scene.bodies.iter().map(|body| body.name.clone()).collect();
     let terms = Terms::new(&names, false, case.simulation);
     let books = case.simulation.books();
@@ -34,7 +34,7 @@ fn by_terms(case: &Case<'_>) -> Option<String> {
 }
 
 /// A gain of energy that the watch found, with a scheme that does not exclude it.
-pub(super) fn scheme_gains(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn scheme_gains(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let Some(gain) = case.verdict.reasons.iter().find(|found| found.kind == FindingKind::EnergyGain) else {
         return Vec::new();
     };
@@ -64,7 +64,7 @@ pub(super) fn scheme_gains(case: &Case<'_>) -> Vec<Finding> {
             Remedy { text: format!("or {}", smaller.text), ..smaller }
         }
     });
-    vec![Finding {
+    vec![LikelyCause {
         cause: Cause::SchemeGainsEnergy,
         confidence: if gain.level == Severity::Wrong { Confidence::High } else { Confidence::Medium },
         place: Where {

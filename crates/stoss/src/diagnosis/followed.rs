@@ -1,11 +1,11 @@
 //! Whether a scene can follow a remedy: what it sets is not set already, and the table that it changes is there.
 
-use super::case::Case;
+use super::case::DiagnosedRun;
 use super::{Change, Remedy};
 use serde_json::Value;
 
 /// Leaves out remedies that change nothing, or a table that the scene does not have.
-pub(super) fn keep(case: &Case<'_>, remedies: &mut Vec<Remedy>) {
+pub(super) fn keep(case: &DiagnosedRun<'_>, remedies: &mut Vec<Remedy>) {
     if remedies.iter().all(|remedy| remedy.changes.is_empty()) {
         return;
     }

@@ -1,6 +1,6 @@
 //! Rigid motions of the parts of a scene, and the linear equations of what holds them: prescribed components, springs of supports, ties and joints, closed contacts.
 
-use super::case::Case;
+use super::case::DiagnosedRun;
 use super::motion::{Motions, motions, null_space};
 use crate::scene::split_set;
 use crate::solver::Model;
@@ -26,7 +26,7 @@ pub(super) struct Member {
 /// A linear equation for rigid motions: members with six coefficients each.
 pub(super) type Row = Vec<(usize, [f64; 6])>;
 
-pub(super) fn members(case: &Case<'_>) -> Vec<Member> {
+pub(super) fn members(case: &DiagnosedRun<'_>) -> Vec<Member> {
     let model = case.model();
     let strings: BTreeSet<&str> = case.scene.strings.iter().map(|string| string.name.as_str()).collect();
     let solids = model.bodies.iter().map(|body| (body.solid.name().to_owned(), body.nodes.clone(), BTreeSet::new()));
@@ -90,7 +90,7 @@ fn member_of(model: &Model, members: &[Member], node: u32) -> Option<usize> {
 }
 
 /// Adds `factor` times component `i` of the motion of a vector to a row.
-fn add(case: &Case<'_>, members: &[Member], row: &mut Row, node: u32, i: usize, factor: f64) {
+fn add(case: &DiagnosedRun<'_>, members: &[Member], row: &mut Row, node: u32, i: usize, factor: f64) {
     let Some(m) = member_of(case.model(), members, node).filter(|_| factor != 0.0) else { return };
     let member = &members[m];
     let x = case.position(node);
@@ -108,14 +108,14 @@ fn add(case: &Case<'_>, members: &[Member], row: &mut Row, node: u32, i: usize, 
 }
 
 /// Components of a node, as rows.
-fn component(case: &Case<'_>, members: &[Member], node: u32, i: usize) -> Row {
+fn component(case: &DiagnosedRun<'_>, members: &[Member], node: u32, i: usize) -> Row {
     let mut row = Row::new();
     add(case, members, &mut row, node, i, 1.0);
     row
 }
 
 /// Components that springs of supports hold; dashpots hold nothing in statics.
-pub(super) fn supported(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
+pub(super) fn supported(case: &DiagnosedRun<'_>, members: &[Member]) -> Vec<Row> {
     let mut rows = Vec::new();
     for support in &case.scene.supports {
         for node in case.nodes(&support.set) {
@@ -127,7 +127,7 @@ pub(super) fn supported(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
 }
 
 /// What the contacts of the scene hold of some members while they are closed: the normal direction, with friction that sticks all directions.
-pub(super) fn closed(case: &Case<'_>, members: &[Member], group: &[usize]) -> Vec<Row> {
+pub(super) fn closed(case: &DiagnosedRun<'_>, members: &[Member], group: &[usize]) -> Vec<Row> {
     let q = &case.simulation.state().q;
     let mut rows = Vec::new();
     for item in &case.scene.contacts {
@@ -152,7 +152,7 @@ pub(super) fn closed(case: &Case<'_>, members: &[Member], group: &[usize]) -> Ve
 }
 
 /// Prescribed components.
-pub(super) fn prescribed(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
+pub(super) fn prescribed(case: &DiagnosedRun<'_>, members: &[Member]) -> Vec<Row> {
     let mut rows = Vec::new();
     for prescription in case.prescriptions() {
         for &node in &prescription.nodes {
@@ -165,7 +165,7 @@ pub(super) fn prescribed(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
 }
 
 /// Equations of joints and ties at the present positions; those of rigidity hold for every rigid motion and say nothing.
-pub(super) fn bilateral(case: &Case<'_>, members: &[Member]) -> Vec<Row> {
+pub(super) fn bilateral(case: &DiagnosedRun<'_>, members: &[Member]) -> Vec<Row> {
     let q = &case.simulation.state().q;
     let mut rows = Vec::new();
     for (pair, active) in case.model().contacts.iter().zip(case.simulation.active()) {
@@ -248,7 +248,7 @@ pub(super) fn is_free(motions: &Motions) -> bool {
 }
 
 /// How far a free motion moves some components (node, component), in the mean; of the one that moves them least.
-pub(super) fn moved(case: &Case<'_>, members: &[Member], vectors: &[Vec<f64>], more: &[(u32, usize)]) -> f64 {
+pub(super) fn moved(case: &DiagnosedRun<'_>, members: &[Member], vectors: &[Vec<f64>], more: &[(u32, usize)]) -> f64 {
     let square = |v: &Vec<f64>| {
         let along = |&(node, i): &(u32, usize)| {
             let row = component(case, members, node, i);
@@ -261,7 +261,7 @@ pub(super) fn moved(case: &Case<'_>, members: &[Member], vectors: &[Vec<f64>], m
 
 /// Whether some rows together with further components leave no motion free.
 pub(super) fn all_held(
-    case: &Case<'_>,
+    case: &DiagnosedRun<'_>,
     members: &[Member],
     rows: &[Row],
     group: &[usize],

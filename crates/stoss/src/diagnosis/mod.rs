@@ -1,13 +1,13 @@
 //! Why a run stopped, or why its result is wrong: where, what, the likely cause, and what to try.
 //!
-//! The solver leaves facts ([`stoss_solver::FailedAttempt`]), the watch a verdict. Each function in `FINDINGS` looks at these, the scene and the model for
-//! the signs of one cause and gives a [`Finding`] or none; the most certain one comes first. What they know of the case is in [`Case`].
+//! The solver leaves facts ([`stoss_solver::FailedAttempt`]), the watch a verdict. Each function in `CAUSES` looks at these, the scene and the model for
+//! the signs of one cause and gives a [`LikelyCause`] or none; the most certain one comes first. What they know of the case is in [`DiagnosedRun`].
 //!
 //! # What it is not
 //! No cure: nothing is tried again, and nothing of a run depends on it.
 //!
 //! # How to add a cause
-//! A variant of [`Cause`] with its title, a function in the module of its sense, a line in `FINDINGS`, a scene in `tests/failing`.
+//! A variant of [`Cause`] with its title, a function in the module of its sense, a line in `CAUSES`, a scene in `tests/failing`.
 
 mod case;
 mod changes;
@@ -28,7 +28,7 @@ mod text;
 mod toml;
 mod too_large;
 
-pub use case::Case;
+pub use case::DiagnosedRun;
 
 use crate::error::OutputError;
 use serde::{Deserialize, Serialize};
@@ -41,10 +41,10 @@ pub const FILE: &str = "diagnosis.json";
 pub const PAGE: &str = "diagnosis.html";
 
 /// What looks for the signs of a cause.
-type Look = fn(&Case<'_>) -> Vec<Finding>;
+type Look = fn(&DiagnosedRun<'_>) -> Vec<LikelyCause>;
 
 /// Functions that look for the signs of a cause.
-const FINDINGS: [Look; 19] = [
+const CAUSES: [Look; 19] = [
     supports::supports,
     density::density,
     too_large::step,
@@ -221,7 +221,7 @@ impl Remedy {
 
 /// A cause and why it is thought to be the one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Finding {
+pub struct LikelyCause {
     /// The cause.
     pub cause: Cause,
     /// Certainty of the finding.
@@ -267,17 +267,17 @@ pub struct Diagnosis {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<String>,
     /// Likely causes, the most certain first, of those as certain as each other first what belongs to the step that failed; at least one if the run stopped with an error.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<LikelyCause>,
     /// The last failed attempts.
     pub attempts: Vec<Attempt>,
 }
 
 impl Diagnosis {
     /// The diagnosis of a case. Without an error and with a sound verdict there may be no finding at all.
-    pub fn of(case: &Case<'_>) -> Self {
-        let mut findings: Vec<Finding> = FINDINGS.iter().flat_map(|look| look(case)).collect();
+    pub fn of(case: &DiagnosedRun<'_>) -> Self {
+        let mut findings: Vec<LikelyCause> = CAUSES.iter().flat_map(|look| look(case)).collect();
         findings.iter_mut().for_each(|finding| followed::keep(case, &mut finding.remedies));
-        let of_step = |finding: &Finding| finding.cause.is_of_the_step();
+        let of_step = |finding: &LikelyCause| finding.cause.is_of_the_step();
         findings.sort_by(|a, b| {
             let by_step = || of_step(b).cmp(&of_step(a));
             b.confidence.cmp(&a.confidence).then_with(by_step).then(a.cause.cmp(&b.cause))
@@ -307,7 +307,7 @@ impl Diagnosis {
     /// Whether somebody should read it: a cause was found of what happened, or nothing is known of what stopped the run, or a cause is certain, or a density is likely
     /// wrong, although nothing happened: with such a density nothing does.
     pub fn is_worth_reading(&self) -> bool {
-        let is_told = |finding: &Finding| match finding.cause {
+        let is_told = |finding: &LikelyCause| match finding.cause {
             Cause::Density => finding.confidence >= Confidence::Medium,
             _ => finding.confidence == Confidence::High,
         };
@@ -352,7 +352,7 @@ impl Diagnosis {
 }
 
 /// What is said of a run that stopped if no cause was found.
-fn unknown(case: &Case<'_>) -> Finding {
+fn unknown(case: &DiagnosedRun<'_>) -> LikelyCause {
     // No step size changes a matrix that is singular at its start.
     let at_any_size = case.failure().is_some_and(|failure| failure.at_any_size);
     let mut remedies: Vec<Remedy> = case.smaller_step().filter(|_| !at_any_size).into_iter().collect();
@@ -388,7 +388,7 @@ fn unknown(case: &Case<'_>) -> Finding {
             ));
         }
     }
-    Finding {
+    LikelyCause {
         cause: Cause::Unknown,
         confidence: Confidence::Low,
         place: case.place(),

@@ -1,7 +1,7 @@
 //! Pressures of contact and forces of supports that are not determined, because one constraint follows from others.
 
-use super::case::Case;
-use super::{Cause, Change, Confidence, Finding, Remedy, Where};
+use super::case::DiagnosedRun;
+use super::{Cause, Change, Confidence, LikelyCause, Remedy, Where};
 use crate::scene::Enforcement;
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_solver::FailureKind;
@@ -10,7 +10,7 @@ use stoss_solver::FailureKind;
 const HELD: f64 = 1e-2;
 
 /// Directions in which nodes are held by prescribed motion and by supports along normals.
-fn held_directions(case: &Case<'_>) -> BTreeMap<u32, Vec<[f64; 3]>> {
+fn held_directions(case: &DiagnosedRun<'_>) -> BTreeMap<u32, Vec<[f64; 3]>> {
     let mut held: BTreeMap<u32, Vec<[f64; 3]>> = BTreeMap::new();
     for prescription in case.prescriptions() {
         for &node in &prescription.nodes {
@@ -53,7 +53,7 @@ fn follows(direction: [f64; 3], from: &[[f64; 3]]) -> bool {
 }
 
 /// Closed contact points whose pressure is not determined: on faces of quadratic elements, or where supports hold the slave along the normal.
-pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn redundant(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let Some(failure) = case.failure().filter(|_| case.failed_by(&[FailureKind::Singular])) else { return Vec::new() };
     let Some((failed, _)) = failure.place.slot else { return Vec::new() };
     let held = held_directions(case);
@@ -85,7 +85,7 @@ pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
         let middles = near.iter().filter(|&&k| case.model().follows_its_face(points[k].node)).count();
         if is_here && middles > 0 && !item.method.integrates {
             let penalty = "or `enforcement = { penalty = k }`, with the modulus over the length of an element for `k`";
-            list.push(Finding {
+            list.push(LikelyCause {
                 cause: Cause::RedundantConstraints,
                 confidence: if of_supports.is_empty() { Confidence::High } else { Confidence::Medium },
                 place,
@@ -113,7 +113,7 @@ pub(super) fn redundant(case: &Case<'_>) -> Vec<Finding> {
 }
 
 /// Contacts with multipliers whose slaves have nodes in common: two pressures of such a node have one and the same motion.
-fn shared_nodes(case: &Case<'_>, failed: usize) -> Option<Finding> {
+fn shared_nodes(case: &DiagnosedRun<'_>, failed: usize) -> Option<LikelyCause> {
     let nodes = |c: usize| -> BTreeSet<u32> {
         let points = case.simulation.contact_report(c).unwrap_or_default();
         let reach = case.model().contacts[c].term.length_scale();
@@ -127,7 +127,7 @@ fn shared_nodes(case: &Case<'_>, failed: usize) -> Option<Finding> {
         others.map(|(c, other)| (other, nodes(c).intersection(&of_failed).count())).find(|(_, shared)| *shared > 0)?;
     let (label, second) = (item.label(), other.label());
     let [a, b] = [item, other].map(|item| item.surfaces()[0].to_owned());
-    Some(Finding {
+    Some(LikelyCause {
         cause: Cause::RedundantConstraints,
         confidence: Confidence::High,
         place: Where { pair: Some(label.clone()), ..case.place() },
@@ -148,10 +148,10 @@ fn shared_nodes(case: &Case<'_>, failed: usize) -> Option<Finding> {
 }
 
 /// A pressure of mortar contact with multipliers that nothing else explains: hardly any of the slave around its node lies opposite the master.
-fn alone(case: &Case<'_>, failed: usize) -> Option<Finding> {
+fn alone(case: &DiagnosedRun<'_>, failed: usize) -> Option<LikelyCause> {
     let (c, item) = case.contacts().find(|(c, item)| *c == failed && item.method.integrates)?;
     let label = item.label();
-    Some(Finding {
+    Some(LikelyCause {
         cause: Cause::RedundantConstraints,
         confidence: Confidence::Medium,
         place: Where { pair: Some(label.clone()), ..case.place() },
@@ -164,7 +164,7 @@ fn alone(case: &Case<'_>, failed: usize) -> Option<Finding> {
 }
 
 /// The finding for nodes that a contact and supports hold along the same direction.
-fn held_twice(case: &Case<'_>, c: usize, nodes: &BTreeSet<u32>, place: Where) -> Finding {
+fn held_twice(case: &DiagnosedRun<'_>, c: usize, nodes: &BTreeSet<u32>, place: Where) -> LikelyCause {
     let item = &case.scene.contacts[c];
     let label = item.label();
     let [slave, _] = item.surfaces();
@@ -190,7 +190,7 @@ fn held_twice(case: &Case<'_>, c: usize, nodes: &BTreeSet<u32>, place: Where) ->
     let exchanged = exchanged(case, c);
     let at = if is_prescribed_whole(case, slave) { 0 } else { 1 };
     exchanged.into_iter().for_each(|remedy| remedies.insert(at, remedy));
-    Finding {
+    LikelyCause {
         cause: Cause::RedundantConstraints,
         confidence: Confidence::High,
         place,
@@ -206,7 +206,7 @@ fn held_twice(case: &Case<'_>, c: usize, nodes: &BTreeSet<u32>, place: Where) ->
 }
 
 /// Whether all nodes of a set are prescribed in all components: a tool.
-pub(super) fn is_prescribed_whole(case: &Case<'_>, set: &str) -> bool {
+pub(super) fn is_prescribed_whole(case: &DiagnosedRun<'_>, set: &str) -> bool {
     let mut held: BTreeMap<u32, BTreeSet<u8>> = BTreeMap::new();
     for prescription in case.prescriptions() {
         for &node in &prescription.nodes {
@@ -218,7 +218,7 @@ pub(super) fn is_prescribed_whole(case: &Case<'_>, set: &str) -> bool {
 }
 
 /// Slave and master the other way round; nothing if the master is prescribed whole, too.
-fn exchanged(case: &Case<'_>, c: usize) -> Option<Remedy> {
+fn exchanged(case: &DiagnosedRun<'_>, c: usize) -> Option<Remedy> {
     let item = &case.scene.contacts[c];
     let (slave, master) = (item.slave.as_ref()?, item.master.as_ref()?);
     if is_prescribed_whole(case, master) {

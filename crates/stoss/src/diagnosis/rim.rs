@@ -1,8 +1,8 @@
 //! Nodes of a node-to-surface slave at an open rim of their master, where their gaps jump.
 
-use super::case::Case;
+use super::case::DiagnosedRun;
 use super::redundant::is_prescribed_whole;
-use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
+use super::{Cause, Change, Confidence, LikelyCause, Remedy, Where, toml};
 use crate::scene::Contact;
 use std::collections::{BTreeMap, BTreeSet};
 use stoss_reference_element::FacetNodes;
@@ -12,7 +12,7 @@ use stoss_solver::FailureKind;
 const AT_RIM: f64 = 0.5;
 
 /// Slave nodes that changed their state, or are where the residual is largest, at the rim of the master: beside the rim they have no gap, on it they have one.
-pub(super) fn at_rim(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn at_rim(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     use FailureKind::{Cycling, NotConverged, Unsettled};
     if !case.failed_by(&[Cycling, NotConverged, Unsettled]) {
         return Vec::new();
@@ -20,7 +20,7 @@ pub(super) fn at_rim(case: &Case<'_>) -> Vec<Finding> {
     case.contacts().filter_map(|(c, item)| of_contact(case, c, item)).collect()
 }
 
-fn of_contact(case: &Case<'_>, c: usize, item: &Contact) -> Option<Finding> {
+fn of_contact(case: &DiagnosedRun<'_>, c: usize, item: &Contact) -> Option<LikelyCause> {
     let ([Some(slave), Some(master)], true) = ([&item.slave, &item.master], !item.method.integrates) else {
         return None;
     };
@@ -57,7 +57,7 @@ fn of_contact(case: &Case<'_>, c: usize, item: &Contact) -> Option<Finding> {
     if !is_prescribed_whole(case, master) {
         remedies.push(exchanged);
     }
-    Some(Finding {
+    Some(LikelyCause {
         cause: Cause::OpenRim,
         confidence: Confidence::Medium,
         place: Where { text: format!("{}, contact `{label}`", node.text), pair: Some(label.clone()), ..node },

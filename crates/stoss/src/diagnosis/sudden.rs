@@ -1,13 +1,13 @@
 //! Loads that are applied in full at the start, which smaller steps do not divide.
 
-use super::case::Case;
+use super::case::DiagnosedRun;
 use super::elements::LOCKS;
-use super::{Cause, Confidence, Finding, Remedy, toml};
+use super::{Cause, Confidence, LikelyCause, Remedy, toml};
 use stoss_fe_solid::Volumetric;
 use stoss_solver::FailureKind;
 
 /// Loads with their whole value in the step that failed, whatever its size.
-pub(super) fn at_once(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn at_once(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     use FailureKind::{Cycling, InsideOut, InvertedElement, NotConverged, Unsettled};
     let loads = case.simulation.loads_at_once();
     if loads.is_empty() || !case.failed_by(&[InvertedElement, InsideOut, NotConverged, Cycling, Unsettled]) {
@@ -55,7 +55,7 @@ pub(super) fn at_once(case: &Case<'_>) -> Vec<Finding> {
             place.body.as_deref().unwrap_or_default()
         )
     }));
-    vec![Finding {
+    vec![LikelyCause {
         cause: Cause::LoadAtOnce,
         confidence: if nearly.is_some() { Confidence::High } else { Confidence::Medium },
         place,

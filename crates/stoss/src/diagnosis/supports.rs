@@ -1,12 +1,12 @@
 //! Rigid motions that nothing holds, in statics: of single bodies, and of bodies that ties, joints and springs connect.
 
-use super::case::Case;
+use super::case::DiagnosedRun;
 use super::members::{
     Member, Row, all_held, bilateral, closed, free, groups, is_free, members, moved, null_vectors, prescribed,
     supported,
 };
 use super::motion::Motions;
-use super::{Cause, Change, Confidence, Finding, Remedy, toml};
+use super::{Cause, Change, Confidence, LikelyCause, Remedy, toml};
 use crate::build::general_schemes::keeps_apart;
 use crate::scene::split_set;
 use std::collections::BTreeSet;
@@ -19,7 +19,7 @@ const ANOTHER: &str = "fix another set: ";
 const MOST_MEMBERS: usize = 20;
 
 /// Findings for every group of bodies that is not held.
-pub(super) fn supports(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn supports(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     if case.simulation.plan().rule.has_inertia() {
         return Vec::new();
     }
@@ -44,7 +44,7 @@ pub(super) fn supports(case: &Case<'_>) -> Vec<Finding> {
 }
 
 /// Names of the bodies that a contact of the scene touches, or general contact may.
-fn touching(case: &Case<'_>) -> BTreeSet<String> {
+fn touching(case: &DiagnosedRun<'_>) -> BTreeSet<String> {
     let names =
         |item: &crate::scene::Contact| item.surfaces().map(|set| split_set(set).map(|(body, _)| body.to_owned()));
     let named = case.scene.contacts.iter().flat_map(names).flatten();
@@ -54,12 +54,12 @@ fn touching(case: &Case<'_>) -> BTreeSet<String> {
 }
 
 fn finding(
-    case: &Case<'_>,
+    case: &DiagnosedRun<'_>,
     members: &[Member],
     rows: &[Row],
     group: &[usize],
     touching: &BTreeSet<String>,
-) -> Option<Finding> {
+) -> Option<LikelyCause> {
     let free_of = free(members, rows, group);
     let moving: Vec<(usize, &Motions)> =
         group.iter().copied().zip(&free_of).filter(|(_, motions)| is_free(motions)).collect();
@@ -107,7 +107,7 @@ fn finding(
     if singular {
         evidence.push("the stiffness matrix is singular".to_owned());
     }
-    Some(Finding {
+    Some(LikelyCause {
         cause: if slides { Cause::NoSupport } else { Cause::FreeRotation },
         confidence,
         place,
@@ -123,7 +123,7 @@ fn finding(
 
 /// Remedies for bodies that contact has to hold once it is closed: stabilisation until then, with a prescription of what contact never holds. Nothing for what is not
 /// stabilised, or is already.
-fn stabilised(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) -> Option<Vec<Remedy>> {
+fn stabilised(case: &DiagnosedRun<'_>, members: &[Member], rows: &[Row], group: &[usize]) -> Option<Vec<Remedy>> {
     let solids = case.model().bodies.len();
     if group.iter().any(|&m| m >= solids) {
         return None;
@@ -163,7 +163,7 @@ fn stabilised(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]
 }
 
 /// Remedies for bodies that contact has to hold once it is closed, and that are not stabilised: the motion that closes it, or inertia.
-fn touch_first(case: &Case<'_>, members: &[Member], group: &[usize]) -> Vec<Remedy> {
+fn touch_first(case: &DiagnosedRun<'_>, members: &[Member], group: &[usize]) -> Vec<Remedy> {
     let names: Vec<String> = group.iter().map(|&m| format!("`{}`", members[m].name)).collect();
     let start = format!(
         "let contact close first: in a first `[[stage]]` prescribe the motion of {} until it touches, and in the next one, where the load acts, switch that motion `off`",
@@ -172,7 +172,7 @@ fn touch_first(case: &Case<'_>, members: &[Member], group: &[usize]) -> Vec<Reme
     vec![Remedy::words(start), by_inertia(case)]
 }
 
-fn by_inertia(case: &Case<'_>) -> Remedy {
+fn by_inertia(case: &DiagnosedRun<'_>) -> Remedy {
     Remedy::words(match case.scene.stages.is_empty() {
         true => {
             "or set `scene.kind = \"dynamic\"` with densities and an integrator: inertia then balances the forces on free bodies"
@@ -182,7 +182,7 @@ fn by_inertia(case: &Case<'_>) -> Remedy {
 }
 
 /// Prescriptions that would hold a single body: more components of one that is there, or one on another set.
-fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) -> Vec<Remedy> {
+fn remedies(case: &DiagnosedRun<'_>, members: &[Member], rows: &[Row], group: &[usize]) -> Vec<Remedy> {
     let mut list = Vec::new();
     let scene = case.scene;
     let names = ["x", "y", "z"];
@@ -209,7 +209,7 @@ fn remedies(case: &Case<'_>, members: &[Member], rows: &[Row], group: &[usize]) 
 
 /// The prescription of fewest components on a set of the body, without one and without a load, that holds it; of several the one on what would move most.
 fn other_set(
-    case: &Case<'_>,
+    case: &DiagnosedRun<'_>,
     name: &str,
     holds: &dyn Fn(&[(u32, usize)]) -> bool,
     moved: &dyn Fn(&[(u32, usize)]) -> f64,

@@ -1,7 +1,7 @@
 //! Bodies inside each other: from the start, through surfaces that face away, without a contact.
 
-use super::case::Case;
-use super::{Cause, Change, Confidence, Finding, Remedy, Where, toml};
+use super::case::DiagnosedRun;
+use super::{Cause, Change, Confidence, LikelyCause, Remedy, Where, toml};
 use crate::build::general_schemes::keeps_apart;
 use crate::scene::split_set;
 use stoss_reference_element::FacetNodes;
@@ -17,7 +17,7 @@ const EDGE_ON: f64 = 0.25;
 const MOST_FACETS: usize = 400;
 
 /// What the watch saw of one body in another.
-fn inside<'a>(case: &'a Case<'_>) -> impl Iterator<Item = (&'a Seen, [String; 2])> {
+fn inside<'a>(case: &'a DiagnosedRun<'_>) -> impl Iterator<Item = (&'a Seen, [String; 2])> {
     case.verdict.reasons.iter().filter_map(|seen| {
         let is_inside = matches!(seen.kind, FindingKind::Penetration | FindingKind::Tunnelling);
         let [a, b] = seen.bodies.filter(|[a, b]| is_inside && a != b)?;
@@ -26,14 +26,14 @@ fn inside<'a>(case: &'a Case<'_>) -> impl Iterator<Item = (&'a Seen, [String; 2]
 }
 
 /// The contact that is named between two bodies.
-fn contact_between<'a>(case: &'a Case<'_>, names: &[String; 2]) -> Option<(usize, &'a crate::scene::Contact)> {
+fn contact_between<'a>(case: &'a DiagnosedRun<'_>, names: &[String; 2]) -> Option<(usize, &'a crate::scene::Contact)> {
     case.contacts().find(|(_, item)| {
         let of = item.surfaces().map(|set| split_set(set).map_or(set, |(body, _)| body));
         of.contains(&names[0].as_str()) && of.contains(&names[1].as_str())
     })
 }
 
-fn between(case: &Case<'_>, seen: &Seen, names: &[String; 2], pair: Option<String>) -> Where {
+fn between(case: &DiagnosedRun<'_>, seen: &Seen, names: &[String; 2], pair: Option<String>) -> Where {
     let text = match &pair {
         Some(pair) => format!("between `{}` and `{}`, contact `{pair}`", names[0], names[1]),
         None => format!("between `{}` and `{}`", names[0], names[1]),
@@ -48,7 +48,7 @@ fn confidence(seen: &Seen) -> Confidence {
 }
 
 /// Bodies that overlap before the first step.
-pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn overlap(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let mut seen_of: Vec<[String; 2]> = Vec::new();
     let mut list = Vec::new();
     for (seen, names) in inside(case).filter(|(seen, _)| seen.step == 0) {
@@ -65,7 +65,7 @@ pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
         if contact.is_some() && case.failure().is_some() {
             evidence.push("contact cannot push them apart in one step".to_owned());
         }
-        list.push(Finding {
+        list.push(LikelyCause {
             cause: Cause::OverlapAtStart,
             confidence: of_overlap(case, seen, &names, pair.as_deref()),
             place: between(case, seen, &names, pair),
@@ -79,12 +79,12 @@ pub(super) fn overlap(case: &Case<'_>) -> Vec<Finding> {
 }
 
 /// Whether a rigid body does not move in the whole run.
-fn is_fixed(case: &Case<'_>, name: &str) -> bool {
+fn is_fixed(case: &DiagnosedRun<'_>, name: &str) -> bool {
     case.scene.rigids.iter().any(|rigid| rigid.name == name && rigid.fixed)
 }
 
 /// An overlap at the start stops the first step, at one of the two bodies; what stops elsewhere or later has passed it.
-fn of_overlap(case: &Case<'_>, seen: &Seen, names: &[String; 2], pair: Option<&str>) -> Confidence {
+fn of_overlap(case: &DiagnosedRun<'_>, seen: &Seen, names: &[String; 2], pair: Option<&str>) -> Confidence {
     let Some(failure) = case.failure() else { return confidence(seen) };
     let place = case.place_of(&failure.place);
     let is_here = place.body.as_ref().is_some_and(|body| names.contains(body))
@@ -97,7 +97,7 @@ fn of_overlap(case: &Case<'_>, seen: &Seen, names: &[String; 2], pair: Option<&s
 }
 
 /// Moving one of two bodies out of the other, by their bounding boxes along the axis where that is shortest.
-fn apart(case: &Case<'_>, names: &[String; 2]) -> Vec<Remedy> {
+fn apart(case: &DiagnosedRun<'_>, names: &[String; 2]) -> Vec<Remedy> {
     let last = Remedy::words("move or shrink one of the bodies so that they do not overlap");
     let bodies = names.each_ref().map(|name| case.scene.body_index(name));
     let [Some(mesh_a), Some(mesh_b)] = names.each_ref().map(|name| case.mesh(name)) else { return vec![last] };
@@ -150,7 +150,7 @@ fn facing(a: &[FacetNodes], b: &[FacetNodes], q: &[f64]) -> bool {
 }
 
 /// The sets of facets of two bodies that look at each other and are nearest to a point and to each other.
-fn facing_sets(case: &Case<'_>, names: &[String; 2], x: Option<[f64; 3]>) -> Option<[String; 2]> {
+fn facing_sets(case: &DiagnosedRun<'_>, names: &[String; 2], x: Option<[f64; 3]>) -> Option<[String; 2]> {
     let q = &case.model().reference;
     let sets = |name: &String| -> Option<Vec<(String, Vec<FacetNodes>)>> {
         let part = case.part(name)?;
@@ -182,7 +182,7 @@ fn facing_sets(case: &Case<'_>, names: &[String; 2], x: Option<[f64; 3]>) -> Opt
 }
 
 /// Contacts none of whose facets look at each other, now or at the start.
-pub(super) fn facing_away(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn facing_away(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let mut list = Vec::new();
     if !case.is_bad() {
         return list;
@@ -233,7 +233,7 @@ pub(super) fn facing_away(case: &Case<'_>) -> Vec<Finding> {
             });
         }
         remedies.push(Remedy::words("if the bodies turn before they touch, leave the contact as it is"));
-        list.push(Finding {
+        list.push(LikelyCause {
             cause: Cause::SurfacesFaceAway,
             confidence: match &crossed {
                 Some((seen, _)) => confidence(seen),
@@ -249,7 +249,7 @@ pub(super) fn facing_away(case: &Case<'_>) -> Vec<Finding> {
 }
 
 /// General contact for two bodies, if the schemes carry it.
-fn by_general(case: &Case<'_>, names: &[String; 2]) -> Option<Remedy> {
+fn by_general(case: &DiagnosedRun<'_>, names: &[String; 2]) -> Option<Remedy> {
     let scene = case.scene;
     let stages = scene.stages.iter().filter_map(|stage| stage.integrator.as_ref());
     let mut schemes = scene.time.integrator.iter().chain(stages);
@@ -286,7 +286,7 @@ fn by_general(case: &Case<'_>, names: &[String; 2]) -> Option<Remedy> {
 }
 
 /// Bodies that collide although no contact is named between them.
-pub(super) fn missing_contact(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn missing_contact(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     let mut done: Vec<[String; 2]> = Vec::new();
     let mut list = Vec::new();
     for (seen, names) in inside(case).filter(|(seen, _)| seen.step > 0) {
@@ -303,7 +303,7 @@ pub(super) fn missing_contact(case: &Case<'_>) -> Vec<Finding> {
         }
         remedies.extend(by_general(case, &names));
         remedies.push(Remedy::words("or bond them with `[[tie]]` if they are one piece"));
-        list.push(Finding {
+        list.push(LikelyCause {
             cause: Cause::MissingContact,
             confidence: confidence(seen),
             place: between(case, seen, &names, None),

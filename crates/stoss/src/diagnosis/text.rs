@@ -1,6 +1,6 @@
 //! A diagnosis in words: a short form for the terminal.
 
-use super::{Cause, Confidence, Diagnosis, Finding};
+use super::{Cause, Confidence, Diagnosis, LikelyCause};
 use std::fmt;
 
 /// Most causes beside the first that the short form names, and most remedies.
@@ -46,7 +46,7 @@ impl fmt::Display for Confidence {
     }
 }
 
-impl Finding {
+impl LikelyCause {
     /// Title of the cause and how certain it is.
     pub fn title(&self) -> String {
         match self.cause {

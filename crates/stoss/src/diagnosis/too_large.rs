@@ -1,8 +1,8 @@
 //! A step or a load that is too large: the motion in a step against an element, the stress of a load against the modulus.
 
-use super::case::Case;
+use super::case::DiagnosedRun;
 use super::density::moduli;
-use super::{Cause, Confidence, Finding, Remedy, toml};
+use super::{Cause, Confidence, LikelyCause, Remedy, toml};
 use crate::scene::Time;
 use stoss_solver::{FailureKind, LoadKind};
 
@@ -15,7 +15,7 @@ const MAYBE: f64 = 0.02;
 const GOOD: f64 = 0.1;
 
 /// A step in which bodies move by a good part of an element.
-pub(super) fn step(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn step(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     use FailureKind::{Cycling, InsideOut, InvertedElement, NotConverged, Unsettled};
     let Some(failure) = case.failure() else { return Vec::new() };
     if !case.failed_by(&[InvertedElement, InsideOut, NotConverged, Cycling, Unsettled]) {
@@ -62,7 +62,7 @@ pub(super) fn step(case: &Case<'_>) -> Vec<Finding> {
         ));
     }
     let place = case.place();
-    vec![Finding {
+    vec![LikelyCause {
         cause: Cause::StepTooLarge,
         confidence: if smallest >= STILL_LARGE { Confidence::High } else { Confidence::Medium },
         place,
@@ -77,7 +77,7 @@ const LARGE_STRESS: f64 = 0.3;
 const CRUSHING: f64 = 1.0;
 
 /// A load on a body whose stress is of the order of its modulus when the run stops.
-pub(super) fn load(case: &Case<'_>) -> Vec<Finding> {
+pub(super) fn load(case: &DiagnosedRun<'_>) -> Vec<LikelyCause> {
     use FailureKind::{InsideOut, InvertedElement, NotConverged, Singular};
     let Some(failure) =
         case.failure().filter(|_| case.failed_by(&[InvertedElement, InsideOut, NotConverged, Singular]))
@@ -97,7 +97,7 @@ pub(super) fn load(case: &Case<'_>) -> Vec<Finding> {
             }
             let name = body.solid.name();
             let is_here = case.place().body.as_deref() == Some(name);
-            list.push(Finding {
+            list.push(LikelyCause {
                 cause: Cause::LoadTooLarge,
                 confidence: match (is_here, part >= CRUSHING) {
                     (true, true) => Confidence::High,
@@ -132,7 +132,7 @@ fn begins(load: &stoss_solver::Load) -> bool {
 }
 
 /// Size of the stress of a load in a body at a time: a pressure, or the resultant over the mean cross-section across it. Bending, which is more, is not seen.
-fn stress(case: &Case<'_>, load: &stoss_solver::Load, b: usize, time: f64) -> Option<f64> {
+fn stress(case: &DiagnosedRun<'_>, load: &stoss_solver::Load, b: usize, time: f64) -> Option<f64> {
     let body = &case.model().bodies[b];
     let value = |column: usize| load.magnitude.value(time, column);
     match &load.kind {
@@ -160,7 +160,7 @@ fn stress(case: &Case<'_>, load: &stoss_solver::Load, b: usize, time: f64) -> Op
 }
 
 /// The largest motion of a deformable body in a step of this size from now on: how far, the edge of its elements, in words, which body.
-fn travel(case: &Case<'_>, dt: f64) -> Option<(f64, f64, String, usize)> {
+fn travel(case: &DiagnosedRun<'_>, dt: f64) -> Option<(f64, f64, String, usize)> {
     let model = case.model();
     let state = case.simulation.state();
     let length = |a: [f64; 3]| a.iter().map(|a| a * a).sum::<f64>().sqrt();

@@ -3,7 +3,7 @@
 use crate::scene::{Constraint, Contact, Integrals, Mass, Scene, split_set};
 use stoss_integrators::Scheme;
 use stoss_solver::{LoadKind, Model, Simulation};
-use stoss_watch::{Closing, Promises};
+use stoss_watch::{ClosingJudgement, Promises};
 
 /// Part of its scale that a conserved quantity may be off: sums of what iterations leave over long runs are far below.
 const TOLERANCE: f64 = 1e-7;
@@ -45,16 +45,16 @@ fn slowed(model: &Model) -> bool {
 
 /// Which losses at closing gaps are judged: those under schemes of the second order, whose own losses go with the square of the step size, while those at closing gaps do not. A scheme of the
 /// first order is there to take energy. The nodes of strings and beams carry the mass of their neighbours with them under every scheme.
-fn closing(scene: &Scene, order: u32) -> Closing {
+fn closing(scene: &Scene, order: u32) -> ClosingJudgement {
     let is_line = |set: &str| {
         let part = split_set(set).map_or(set, |(part, _)| part);
         scene.strings.iter().any(|line| line.name == part && line.mass_matrix == Mass::Consistent)
             || scene.beams.iter().any(|line| line.name == part)
     };
     if scene.contacts.iter().any(|contact| contact.surfaces().into_iter().any(is_line)) {
-        return Closing::Lines;
+        return ClosingJudgement::Lines;
     }
-    if order >= 2 { Closing::Surfaces } else { Closing::Unjudged }
+    if order >= 2 { ClosingJudgement::Surfaces } else { ClosingJudgement::Unjudged }
 }
 
 /// The promises of a run, or stage, with this scheme; none in statics, where there is neither momentum nor kinetic energy.

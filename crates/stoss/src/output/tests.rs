@@ -15,7 +15,7 @@ use stoss_mesh::Elements;
 use stoss_mesh::generate::Block;
 use stoss_mesh_io::{Field, VtuFrame, read_vtu, write_vtu_to};
 use stoss_newton::NewtonOptions;
-use stoss_solver::{Body, InsideOutRule, Model, Settings, Simulation, StepControl};
+use stoss_solver::{Body, InsideOutTreatment, Model, Settings, Simulation, StepControl};
 use stoss_term::{Term, Vectors};
 use stoss_watch::{FindingKind, Severity};
 
@@ -100,7 +100,7 @@ fn simulation(model: Model) -> Simulation {
         control: StepControl { step: 0.1, end: 1.0, max_cuts: 0, grow_after: 1, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions::default(),
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };

@@ -2,7 +2,7 @@
 
 use super::{Event, RunError, RunOptions, Summary, load, plan_lines, scene_folder, scheme_name, watched_bodies};
 use crate::build::{Built, Probe, Schedule};
-use crate::diagnosis::{Case, Diagnosis};
+use crate::diagnosis::{DiagnosedRun, Diagnosis};
 use crate::exact_stick::CutsOfStick;
 use crate::left_out;
 use crate::output::{
@@ -264,7 +264,8 @@ impl Session {
         // A cause is looked for of what happened in the run.
         let verdict = left_out::without(&summary.verdict);
         let (place, laws, watched) = (&self.place, &self.options.laws, self.watched.clone());
-        let diagnosis = Diagnosis::of(&Case::new(&self.scene, place, laws, &self.simulation, watched, &verdict, error));
+        let diagnosis =
+            Diagnosis::of(&DiagnosedRun::new(&self.scene, place, laws, &self.simulation, watched, &verdict, error));
         let (ranks, out) = (&self.options.ranks, &self.options.out);
         let written = || {
             Diagnosis::remove(out)?;

@@ -15,7 +15,7 @@ use crate::workspace::{Outcome, Workspace, read, write};
 pub use interface::{Interface, Sides, segments};
 use pictures::{PICTURES, STILLS};
 pub use pictures::{Picture, of};
-use stoss_report::paint::{Camera, Shot, Style, Surface, columns, draw};
+use stoss_report::paint::{Camera, Primitives, Shot, Style, columns, draw};
 
 /// Widest snapshot of a single row, and widest row, in pixels.
 const SHOT: f64 = 300.0;
@@ -57,7 +57,7 @@ pub fn command(workspace: &Workspace, scene: Option<&str>) -> Outcome<bool> {
 pub fn last_frame(grid: &Grid) -> Outcome<String> {
     let field = ["von_mises", "velocity", "displacement"].into_iter().find(|name| grid.point_data.contains_key(*name));
     let field = field.ok_or("the frame has nothing to colour it by")?;
-    let shot = Shot { caption: String::new(), surface: Surface::new(grid, field)? };
+    let shot = Shot { caption: String::new(), surface: Primitives::new(grid, field)? };
     let style = Style { title: "last frame", label: &field.replace('_', " "), width: 300.0, range: None };
     Ok(draw(&[shot], Camera { azimuth: -58.0, elevation: 24.0 }, &style))
 }
@@ -87,7 +87,7 @@ pub fn snapshots(picture: &Picture, field: &str, folder: &Path) -> Outcome<Strin
     let frames = vtu::collection(&read(&folder.join("frames.pvd"))?)?;
     let mut shots: Vec<Shot> = Vec::new();
     for (time, file) in chosen(&frames, picture.times) {
-        let surface = Surface::new(&vtu::load(&folder.join(file))?, field)?;
+        let surface = Primitives::new(&vtu::load(&folder.join(file))?, field)?;
         shots.push(Shot { caption: format!("t = {time:.2}"), surface });
     }
     let columns = columns(shots.len());

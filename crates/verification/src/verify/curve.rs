@@ -65,7 +65,7 @@ impl Curve {
 
 /// A problem with its reference and the curves of all schemes.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub struct ProblemCurves {
     /// Short name.
     pub name: String,
     /// What it is.
@@ -84,7 +84,7 @@ pub struct Case {
     pub curves: Vec<Curve>,
 }
 
-impl Case {
+impl ProblemCurves {
     /// Errors below this say more about the reference than about the scheme.
     pub fn floor(&self) -> f64 {
         100.0 * self.reference_error
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn the_cheapest_scheme_is_found() {
         let fast = Curve { scheme: "fast".into(), ..curve(&[(1.0, 1e-4, 0.5)]) };
-        let case = Case {
+        let case = ProblemCurves {
             name: String::new(),
             about: String::new(),
             reference: String::new(),

@@ -1,8 +1,8 @@
 //! Figures and tables that several suites show of a run.
 
 use super::check::number;
-use super::newton::{self, Step};
-use super::report::{Grid, Section};
+use super::newton::{self, StepResiduals};
+use super::report::{Grid, ReportSection};
 use super::run::Run;
 use crate::gallery;
 use crate::plot::{self, Labels, Series};
@@ -16,7 +16,7 @@ const TRIPLES: usize = 6;
 
 /// Drifts, energies, forces, Newton residuals of one run; snapshots and segments if the scene is in the table of pictures, else the last frame.
 /// `reading` is what the scene says of itself.
-pub fn section(run: &Run, reading: String) -> Outcome<Section> {
+pub fn section(run: &Run, reading: String) -> Outcome<ReportSection> {
     let balance = run.balance()?;
     let time = &balance.time;
     let [linear, angular, energy] = balance.histories();
@@ -52,7 +52,7 @@ pub fn section(run: &Run, reading: String) -> Outcome<Section> {
     let thesis = picture.map(|picture| picture.thesis).filter(|numbers| !numbers.is_empty());
     let thesis = thesis.map(|numbers| format!(", figures {numbers} of the thesis")).unwrap_or_default();
     let title = format!("{}{thesis}{}", run.name, if run.until.is_some() { " (shortened)" } else { "" });
-    Ok(Section { title, reading, figures, tables: vec![triples(&run.newton()?)] })
+    Ok(ReportSection { title, reading, figures, tables: vec![triples(&run.newton()?)] })
 }
 
 /// The three components of a momentum over time; nothing if it is zero throughout, as in statics.
@@ -94,7 +94,7 @@ fn forces(run: &Run) -> Outcome<Vec<String>> {
 }
 
 /// Three consecutive residuals of typical steps.
-fn triples(steps: &[Step]) -> Grid {
+fn triples(steps: &[StepResiduals]) -> Grid {
     let chosen = newton::typical(&newton::triples(steps), TRIPLES);
     let rows = chosen.iter().map(|triple| {
         let [r0, r1, r2] = triple.residuals.map(|residual| format!("{residual:.3e}"));

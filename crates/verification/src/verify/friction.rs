@@ -10,7 +10,7 @@ use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 
 /// Two blocks, extremes, fast slides.
-pub struct Friction;
+pub struct FrictionSuite;
 
 /// Coefficient of the block in `scenes/incline.toml`, and gravity.
 const MU: f64 = 0.3;
@@ -19,7 +19,7 @@ const GRAVITY: f64 = 10.0;
 const MOMENTUM: f64 = 1e-11;
 const ENERGY: f64 = 1e-11;
 
-impl Suite for Friction {
+impl Suite for FrictionSuite {
     fn name(&self) -> &'static str {
         "friction"
     }

@@ -42,7 +42,7 @@ use crate::program::{Ending, Program};
 use crate::workspace::{Outcome, Workspace, write};
 use check::Check;
 pub use random::Range as RandomRange;
-use report::Section;
+use report::ReportSection;
 pub use run::Run;
 use side_by_side::side_by_side;
 
@@ -71,7 +71,7 @@ const SUITES: &[&dyn Suite] = &[
     &conservation::Conservation,
     &patch::Patch,
     &elements::Elements,
-    &friction::Friction,
+    &friction::FrictionSuite,
     &general::General,
     &mortar::Mortar,
     &multibody::Multibody,
@@ -89,7 +89,7 @@ pub struct Findings {
     /// Rows of the table.
     pub checks: Vec<Check>,
     /// Figures and tables of the report.
-    pub sections: Vec<Section>,
+    pub sections: Vec<ReportSection>,
     /// Runs whose figures are shown, once for all suites.
     runs: Vec<Run>,
 }
@@ -185,7 +185,7 @@ impl Bench {
     }
 
     /// Figures of a run.
-    fn figures(&self, run: &Run) -> Outcome<Section> {
+    fn figures(&self, run: &Run) -> Outcome<ReportSection> {
         let shipped = self.workspace.read(format!("scenes/{}.toml", run.name)).ok();
         figures::section(run, shipped.map(|text| header(&text)).unwrap_or_default())
     }

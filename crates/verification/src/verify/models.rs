@@ -2,7 +2,7 @@
 
 use super::Findings;
 use super::check::{Bound, Check};
-use super::report::Section;
+use super::report::ReportSection;
 use crate::plot::{self, Drawn, Labels, Series};
 use crate::verify::numbers::largest;
 use crate::workspace::Outcome;
@@ -53,7 +53,7 @@ fn mass_point(findings: &mut Findings) -> Outcome<()> {
             check("energy drift", drift, Bound::AtMost(1e-12));
         }
         let title = |what: &str| format!("figure {figure}: {name}, {what}");
-        let mut section = Section { title: title("step 0.05"), reading: "A model problem of the thesis with two degrees of freedom, where the energies are known. With the modified constraint the energy is constant to round-off; with the standard one it falls when contact closes.".into(), ..Section::default() };
+        let mut section = ReportSection { title: title("step 0.05"), reading: "A model problem of the thesis with two degrees of freedom, where the energies are known. With the modified constraint the energy is constant to round-off; with the standard one it falls when contact closes.".into(), ..ReportSection::default() };
         for (what, values) in [("height", &h.first), ("energy", &h.energy)] {
             let labels = Labels { title: &title(what), x: "time", y: what };
             section.figures.push(plot::linear(labels, &[Series::new(what, &h.time, values.iter().copied())]));
@@ -83,7 +83,7 @@ fn pendulum(findings: &mut Findings) -> Outcome<()> {
     let (early, late) = (largest(reduced_off[..half].iter().copied()), largest(reduced_off[half..].iter().copied()));
     check("pendulum, reduced index", "largest distance from the manifold, first half", early, Bound::AtLeast(1e-6));
     check("pendulum, reduced index", "second half over first half: the drift grows", late / early, Bound::AtLeast(1.1));
-    let mut section = Section { title: "figure C.4: pendulum, step 0.1".into(), reading: "A pendulum by its coordinates and a multiplier (index 3), and with the differentiated constraint (reduced index). The first stays on the circle to round-off, the second drifts off it: why constraints are enforced at positions here.".into(), ..Section::default() };
+    let mut section = ReportSection { title: "figure C.4: pendulum, step 0.1".into(), reading: "A pendulum by its coordinates and a multiplier (index 3), and with the differentiated constraint (reduced index). The first stays on the circle to round-off, the second drifts off it: why constraints are enforced at positions here.".into(), ..ReportSection::default() };
     let path = |name: &str, h: &History| Series {
         name: name.into(),
         points: h.first.iter().copied().zip(h.second.iter().copied()).collect(),
@@ -107,7 +107,7 @@ fn pendulum(findings: &mut Findings) -> Outcome<()> {
 
 fn bar(findings: &mut Findings) -> Outcome<()> {
     let (dt, steps) = (0.005, 800);
-    let mut section = Section { title: "bouncing elastic bar, 80 elements".into(), reading: "A bar hits a rigid wall; the closed form has a front that stays at the wall for the time a wave takes there and back. Left its path, right the energies with the standard and the modified constraint.".into(), ..Section::default() };
+    let mut section = ReportSection { title: "bouncing elastic bar, 80 elements".into(), reading: "A bar hits a rigid wall; the closed form has a front that stays at the wall for the time a wave takes there and back. Left its path, right the energies with the standard and the modified constraint.".into(), ..ReportSection::default() };
     let exact = BouncingBar::new(80, ConstraintForm::Standard);
     let mut fronts = Vec::new();
     let mut energies = Vec::new();

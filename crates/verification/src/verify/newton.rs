@@ -12,7 +12,7 @@ const ROUND_OFF: f64 = 50.0 * f64::EPSILON;
 
 /// The residuals of one step, in the order in which they were found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct StepResiduals {
     /// Number of the step.
     pub step: f64,
     /// Number of active contact constraints at its end.
@@ -23,7 +23,7 @@ pub struct Step {
     pub residuals: Vec<f64>,
 }
 
-impl Step {
+impl StepResiduals {
     /// Residuals up to this are spoilt by round-off.
     pub fn round_off(&self) -> f64 {
         let smallest = self.residuals.iter().copied().fold(f64::INFINITY, f64::min);
@@ -54,15 +54,15 @@ impl Triple {
 ///
 /// A row with `changes > 0`, or an iteration number that does not grow, begins another system: the residuals before it
 /// say nothing about convergence.
-pub fn steps(table: &Table) -> Result<Vec<Step>, String> {
+pub fn steps(table: &Table) -> Result<Vec<StepResiduals>, String> {
     let column = |name| table.column(name);
     let (number, iteration, residual) = (column("step")?, column("iteration")?, column("residual")?);
     let (active, changes) = (column("active")?, column("changes")?);
-    let mut steps: Vec<Step> = Vec::new();
+    let mut steps: Vec<StepResiduals> = Vec::new();
     for row in 0..table.rows() {
         let same = row > 0 && number[row] == number[row - 1];
         if !same {
-            steps.push(Step { step: number[row], active: active[row], iterations: 0, residuals: Vec::new() });
+            steps.push(StepResiduals { step: number[row], active: active[row], iterations: 0, residuals: Vec::new() });
         }
         let Some(step) = steps.last_mut() else { continue };
         if same && (changes[row] > 0.0 || iteration[row] <= iteration[row - 1]) {
@@ -76,18 +76,18 @@ pub fn steps(table: &Table) -> Result<Vec<Step>, String> {
 }
 
 /// Mean number of corrections a step; NaN without a step.
-pub fn mean_iterations(steps: &[Step]) -> f64 {
+pub fn mean_iterations(steps: &[StepResiduals]) -> f64 {
     steps.iter().map(|step| step.iterations).sum::<usize>() as f64 / steps.len() as f64
 }
 
 /// The last three residuals of every step that fall, and the last of which is above round-off.
 ///
-/// See [`Step::round_off`]; a step that stops early loses its last residual by this, which only makes the order look lower.
-pub fn triples(steps: &[Step]) -> Vec<Triple> {
+/// See [`StepResiduals::round_off`]; a step that stops early loses its last residual by this, which only makes the order look lower.
+pub fn triples(steps: &[StepResiduals]) -> Vec<Triple> {
     steps.iter().filter_map(triple).collect()
 }
 
-fn triple(step: &Step) -> Option<Triple> {
+fn triple(step: &StepResiduals) -> Option<Triple> {
     let round_off = step.round_off();
     let useful = step.residuals.iter().rposition(|residual| *residual > round_off)? + 1;
     let residuals: [f64; 3] = step.residuals[..useful].last_chunk().copied()?;
@@ -118,7 +118,7 @@ mod tests {
                        1,0.1,0,1e0,0,0,0\n1,0.1,1,1e-2,1,0,0\n1,0.1,2,1e-4,1,0,0\n1,0.1,3,1e-8,1,0,0\n1,0.1,4,1e-15,1,0,0\n\
                        2,0.2,0,1e1,0,0,0\n2,0.2,1,1e-3,1,0,0\n2,0.2,2,1e0,1,4,4\n2,0.2,3,1e-1,1,4,0\n2,0.2,4,1e-3,1,4,0\n";
 
-    fn log() -> Vec<Step> {
+    fn log() -> Vec<StepResiduals> {
         steps(&Table::parse(LOG).unwrap()).unwrap()
     }
 
@@ -144,7 +144,8 @@ mod tests {
 
     #[test]
     fn round_off_and_short_steps_are_left_out() {
-        let step = |residuals: &[f64]| Step { step: 1.0, active: 0.0, iterations: 0, residuals: residuals.to_vec() };
+        let step =
+            |residuals: &[f64]| StepResiduals { step: 1.0, active: 0.0, iterations: 0, residuals: residuals.to_vec() };
         for end in [&[1e-15][..], &[1e-14, 1e-15], &[3e-15, 2e-15, 1e-15]] {
             let residuals = [&[1.0, 1e-2, 1e-4, 1e-8], end].concat();
             assert_eq!(triple(&step(&residuals)).unwrap().residuals, [1e-2, 1e-4, 1e-8]);

@@ -3,7 +3,7 @@
 use stoss_reference_cases::patch::{ContactPatch, LAWS, tied_stack, unevenness};
 
 use super::check::{Bound, Check, number};
-use super::report::{Grid, Section};
+use super::report::{Grid, ReportSection};
 use super::{Bench, Findings, Suite, facade};
 use crate::workspace::Outcome;
 
@@ -39,7 +39,7 @@ impl Suite for Patch {
         nodes(&mut findings, &mut table)?;
         let head =
             ["method", "interface", "slave", "law", "multipliers", "deviation", "stress zz", "iterations", "cuts"];
-        findings.sections.push(Section {
+        findings.sections.push(ReportSection {
             title: "Patch tests".into(),
             reading: "Two blocks under uniform pressure, with meshes that do not match, must have a uniform stress. The mortar method passes to round-off; node to surface is known to fail, and its rows have no bound.".into(),
             figures: Vec::new(),

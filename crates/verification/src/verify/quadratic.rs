@@ -7,7 +7,7 @@
 //! iterations count as well.
 
 use super::check::{Bound, Check};
-use super::newton::{Step, mean_iterations};
+use super::newton::{StepResiduals, mean_iterations};
 use super::{Findings, Run};
 use crate::workspace::Outcome;
 
@@ -40,7 +40,7 @@ fn quotient(residuals: &[f64]) -> Option<f64> {
     falls.then(|| (r2.max(f64::MIN_POSITIVE) / r1).ln() / (r1 / r0).ln())
 }
 
-fn order(step: &Step) -> Order {
+fn order(step: &StepResiduals) -> Order {
     let floor = step.round_off();
     let Some(last) = step.residuals.iter().rposition(|residual| *residual > floor) else { return Order::Unknown };
     let observed = quotient(&step.residuals[..=last]);
@@ -53,7 +53,7 @@ fn order(step: &Step) -> Order {
 }
 
 /// Corrections from the first residual below [`NEAR`] to round-off; `None` if no residual is that small.
-fn corrections(step: &Step) -> Option<usize> {
+fn corrections(step: &StepResiduals) -> Option<usize> {
     let floor = step.round_off();
     let near = step.residuals.iter().position(|residual| *residual < NEAR)?;
     let end = step.residuals[near..].iter().position(|residual| *residual <= floor)?;
@@ -77,7 +77,7 @@ pub enum Rate {
 /// Rows of a run as [`rows`], for a run that is to converge at this rate.
 pub fn rows_at(run: &Run, findings: &mut Findings, rate: Rate) -> Outcome<()> {
     let steps = run.newton()?;
-    let touching: Vec<&Step> = steps.iter().filter(|step| step.active > 0.0).collect();
+    let touching: Vec<&StepResiduals> = steps.iter().filter(|step| step.active > 0.0).collect();
     let mut orders: Vec<f64> = touching
         .iter()
         .filter_map(|step| match order(step) {
@@ -118,12 +118,12 @@ pub fn rows_at(run: &Run, findings: &mut Findings, rate: Rate) -> Outcome<()> {
 mod tests {
     use super::*;
 
-    fn step(residuals: &[f64]) -> Step {
-        Step { step: 1.0, active: 1.0, iterations: residuals.len() - 1, residuals: residuals.to_vec() }
+    fn step(residuals: &[f64]) -> StepResiduals {
+        StepResiduals { step: 1.0, active: 1.0, iterations: residuals.len() - 1, residuals: residuals.to_vec() }
     }
 
     /// What a linear iteration of this rate leaves.
-    fn linear(rate: f64) -> Step {
+    fn linear(rate: f64) -> StepResiduals {
         let residuals: Vec<f64> = (0..).map(|k| 0.1 * rate.powi(k)).take_while(|r| *r > 1e-15).collect();
         step(&[&residuals[..], &[1e-15]].concat())
     }

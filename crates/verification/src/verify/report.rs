@@ -10,7 +10,7 @@ use crate::workspace::Outcome;
 
 /// A part of the report.
 #[derive(Debug, Default)]
-pub struct Section {
+pub struct ReportSection {
     /// Heading.
     pub title: String,
     /// What it shows, how to read it and its source; empty if the tables' captions say it.
@@ -187,7 +187,7 @@ fn checks_table(checks: &[Check]) -> Markup {
     }
 }
 
-fn section_markup(section: &Section, anchor: &str) -> Markup {
+fn section_markup(section: &ReportSection, anchor: &str) -> Markup {
     html! {
         h3 id=(anchor) { (section.title) }
         @if !section.reading.is_empty() { p { (section.reading) } }
@@ -233,7 +233,7 @@ mod tests {
             Check::new("a", "drift", 1e-12, Bound::AtMost(1e-10)),
             Check::new("b", "drift <x>", f64::NAN, Bound::AtMost(1e-10)).noted("why"),
         ];
-        let section = Section {
+        let section = ReportSection {
             title: "T".into(),
             reading: "R.".into(),
             figures: vec!["<svg></svg>".into()],

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::balance::Balance;
 use super::check::{Bound, Check};
-use super::newton::{self, Step};
+use super::newton::{self, StepResiduals};
 use super::numbers::largest;
 use crate::program::Ending;
 use crate::table::Table;
@@ -83,7 +83,7 @@ impl Run {
     }
 
     /// `newton.csv`, step by step.
-    pub fn newton(&self) -> Outcome<Vec<Step>> {
+    pub fn newton(&self) -> Outcome<Vec<StepResiduals>> {
         newton::steps(&self.table("newton.csv")?).map_err(|error| self.complaint("newton.csv", &error))
     }
 

@@ -3,7 +3,7 @@
 use stoss_numerical_derivative::{Analytic, AnalyticScalar, Method, Row, Scalar, optimum, steps, study};
 
 use super::check::{Bound, Check, number};
-use super::report::{Grid, Section};
+use super::report::{Grid, ReportSection};
 use super::{Bench, Findings, Suite};
 use crate::plot::{self, Labels, Series};
 use crate::workspace::Outcome;
@@ -85,7 +85,7 @@ fn order(rows: &[Row], method: Method) -> f64 {
 }
 
 /// Left the function, right the errors.
-fn figure(rows: &[Row]) -> Section {
+fn figure(rows: &[Row]) -> ReportSection {
     let x: Vec<f64> = (0..=150).map(|k| 0.02 * f64::from(k)).collect();
     let near = [X - 0.7, X + 0.7];
     let function = [
@@ -108,7 +108,7 @@ fn figure(rows: &[Row]) -> Section {
         head: std::iter::once("step").chain(Method::ALL.map(Method::name)).map(str::to_owned).collect(),
         rows: rows.iter().step_by(16).map(entries).collect(),
     };
-    Section { title: "Figure D.1: numerical tangents".into(), reading: "Derivatives by differences, by a complex step and by dual numbers against the exact one (thesis, appendix D). Differences lose half of the digits or more; the other two none.".into(), figures, tables: vec![grid] }
+    ReportSection { title: "Figure D.1: numerical tangents".into(), reading: "Derivatives by differences, by a complex step and by dual numbers against the exact one (thesis, appendix D). Differences lose half of the digits or more; the other two none.".into(), figures, tables: vec![grid] }
 }
 
 fn number_or_dash(value: f64) -> String {

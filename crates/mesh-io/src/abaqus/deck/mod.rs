@@ -12,12 +12,12 @@
 //! | `*AMPLITUDE` (tabular) | [`Amplitude`] |
 //! | `*SURFACE INTERACTION` with `*FRICTION`, `*SURFACE BEHAVIOR`; `*CONTACT PAIR`; `*TIE` | [`Interaction`], [`ContactPair`], [`Tie`] |
 //! | `*INITIAL CONDITIONS, TYPE=VELOCITY` | [`InitialVelocity`] |
-//! | `*BOUNDARY`, `*CLOAD`, `*DLOAD`, `*DSLOAD` | [`Support`], [`Force`], [`ElementLoad`], [`SurfacePressure`] |
+//! | `*BOUNDARY`, `*CLOAD`, `*DLOAD`, `*DSLOAD` | [`DeckBoundary`], [`Force`], [`ElementLoad`], [`SurfacePressure`] |
 //! | `*EQUATION`, `*MPC` | [`Equation`], [`MultiPoint`] |
 //! | `*COUPLING` with `*KINEMATIC`, `*DISTRIBUTING`; `*DISTRIBUTING COUPLING`, `*RIGID BODY` | [`Coupling`] |
 //! | `*PRE-TENSION SECTION` | [`Pretension`] |
 //! | `*ELEMENT` of springs, dashpots, masses; `*SPRING`, `*DASHPOT`, `*MASS` | [`Connection`], [`ConnectionSection`] |
-//! | `*STEP` with `*STATIC`, `*DYNAMIC` | [`Step`] |
+//! | `*STEP` with `*STATIC`, `*DYNAMIC` | [`DeckStep`] |
 //! | `*CHANGE FRICTION`, `*CHANGE SURFACE BEHAVIOR`, `*MODEL CHANGE, TYPE=CONTACT PAIR` | [`Change`] |
 
 mod connected;
@@ -36,7 +36,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Contents;
 use crate::include::Include;
-use crate::place::Place;
+use crate::place::FileLocation;
 use crate::{MeshIoError, include};
 
 /// A line of one of the files of a deck.
@@ -48,8 +48,8 @@ pub struct DeckPlace {
     pub line: usize,
 }
 
-impl From<Place> for DeckPlace {
-    fn from(place: Place) -> DeckPlace {
+impl From<FileLocation> for DeckPlace {
+    fn from(place: FileLocation) -> DeckPlace {
         DeckPlace { file: place.file as usize, line: place.at as usize }
     }
 }
@@ -279,7 +279,7 @@ pub enum Prescribed {
 
 /// Prescribed displacements, or their rates, as a deck gives them (`*BOUNDARY`); not springs to the ground.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Support {
+pub struct DeckBoundary {
     /// The nodes.
     pub nodes: Target,
     /// The degrees of freedom that are prescribed: three displacements, three rotations.
@@ -405,7 +405,7 @@ pub enum Procedure {
 
 /// A step of a deck (`*STEP`): procedure, supports, loads, and what it changes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step {
+pub struct DeckStep {
     /// Name of the step.
     pub name: Option<String>,
     /// True with `NLGEOM`: large displacements.
@@ -419,7 +419,7 @@ pub struct Step {
     /// What it computes; none if no keyword says so.
     pub procedure: Option<Procedure>,
     /// Supports.
-    pub supports: Vec<Support>,
+    pub supports: Vec<DeckBoundary>,
     /// Forces on nodes.
     pub forces: Vec<Force>,
     /// Loads on elements.
@@ -500,9 +500,9 @@ pub struct Deck {
     /// Velocities at the beginning.
     pub velocities: Vec<InitialVelocity>,
     /// Supports of all steps.
-    pub supports: Vec<Support>,
+    pub supports: Vec<DeckBoundary>,
     /// Steps in their order.
-    pub steps: Vec<Step>,
+    pub steps: Vec<DeckStep>,
     /// What is not kept, in the order of the file.
     pub left_out: Vec<LeftOut>,
 }

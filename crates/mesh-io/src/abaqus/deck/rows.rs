@@ -4,7 +4,7 @@ use super::{DeckPlace, Target};
 use crate::abaqus::block::Block;
 use crate::abaqus::fields::{fields, number, unquote};
 use crate::lines::real;
-use crate::place::Place;
+use crate::place::FileLocation;
 use crate::{Contents, MeshIoError};
 
 /// A data line with errors that say where it is.
@@ -12,7 +12,7 @@ use crate::{Contents, MeshIoError};
 pub(super) struct Row<'a> {
     contents: &'a Contents,
     pub text: &'a str,
-    pub at: Place,
+    pub at: FileLocation,
 }
 
 impl Block {

@@ -2,7 +2,9 @@
 
 use super::fill::Filler;
 use super::rows::Row;
-use super::{ElementLoad, Force, LoadKind, OpNew, Prescribed, Procedure, Step, Support, SurfacePressure, Times};
+use super::{
+    DeckBoundary, DeckStep, ElementLoad, Force, LoadKind, OpNew, Prescribed, Procedure, SurfacePressure, Times,
+};
 use crate::MeshIoError;
 use crate::abaqus::block::Block;
 
@@ -12,7 +14,7 @@ impl Filler<'_> {
         self.other_parameters(block, &["NAME", "NLGEOM", "PERTURBATION", "AMPLITUDE", "INC"]);
         let increments = block.number(contents, "INC")?;
         let is = |parameter, value: &str| keyword.value(parameter).is_some_and(|v| v.eq_ignore_ascii_case(value));
-        self.deck.steps.push(Step {
+        self.deck.steps.push(DeckStep {
             name: keyword.value("NAME").map(str::to_owned),
             is_nonlinear: keyword.flag("NLGEOM") && !is("NLGEOM", "NO"),
             is_perturbation: keyword.flag("PERTURBATION"),
@@ -106,7 +108,7 @@ impl Filler<'_> {
         for row in block.rows(self.contents) {
             let Some((freedoms, value)) = self.support(block, &row)? else { continue };
             let (nodes, amplitude, place) = (row.target(), amplitude.clone(), row.place());
-            supports.push(Support { nodes, freedoms, prescribed, value, amplitude, place });
+            supports.push(DeckBoundary { nodes, freedoms, prescribed, value, amplitude, place });
         }
         match self.deck.steps.last_mut().filter(|_| self.in_step) {
             None => self.deck.supports.extend(supports),

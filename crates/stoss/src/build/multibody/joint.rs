@@ -10,7 +10,7 @@ use crate::scene::{
 use crate::solver::Model;
 use std::sync::Arc;
 use stoss_multibody::{
-    CoordinateFriction, CoordinateOptions, CoordinateSpring, Embedded, Frame, Joint, PiecewiseLinear, Pretension,
+    CoordinateFriction, CoordinateOptions, CoordinateSpring, Embedded, Joint, JointFrame, PiecewiseLinear, Pretension,
     Spring, SpringData, Weights, axes_along,
 };
 
@@ -19,7 +19,7 @@ const IN_PLACE: f64 = 1e-6;
 
 /// One side of a joint or spring: what moves, and a length and a mass that are typical of it.
 struct Side {
-    frame: Frame,
+    frame: JointFrame,
     length: Option<f64>,
     mass: Option<f64>,
 }
@@ -43,11 +43,11 @@ impl Sides<'_> {
         problems: &mut Problems<'_>,
     ) -> Option<Side> {
         if name == GROUND {
-            return Some(Side { frame: Frame::ground(at, axes), length: None, mass: None });
+            return Some(Side { frame: JointFrame::ground(at, axes), length: None, mass: None });
         }
         let (part, set) = split_set(name).map_or((name, None), |(part, set)| (part, Some(set)));
         // Points without directions get some that do not turn; no joint that needs others is let through by the scene.
-        let point = |point: Embedded| Frame { point, axes: axes.map(Embedded::ground) };
+        let point = |point: Embedded| JointFrame { point, axes: axes.map(Embedded::ground) };
         let mass_of = |name: &str| {
             let part = self.model.parts.iter().find(|part| part.name() == name)?;
             let mut total = 0.0;
@@ -70,7 +70,7 @@ impl Sides<'_> {
                     Some("end") => beam.node_count() - 1,
                     _ => beam.nearest_node(at),
                 };
-                let frame = Frame { point: beam.point(node, at), axes: axes.map(|a| beam.direction(node, a)) };
+                let frame = JointFrame { point: beam.point(node, at), axes: axes.map(|a| beam.direction(node, a)) };
                 (frame, beam.director_length())
             }
             (PartKind::String, s) => {

@@ -2,7 +2,7 @@
 
 use super::Parts;
 use super::extent::extent;
-use crate::build::placed::{Placed, Shape};
+use crate::build::placed::{Discretisation, Placed};
 use crate::build::{DrawnLine, DrawnPoint, Problems};
 use crate::scene::{Beam as SceneBeam, Mass, Scene, Section as SceneSection, SectionShape};
 use crate::solver::Model;
@@ -78,7 +78,7 @@ pub(super) fn lines(scene: &Scene, model: &mut Model, parts: &mut Parts, problem
                 parts.drawing.points.push(DrawnPoint { name: item.name.clone(), node: vector });
                 parts.lines.push(format!("point {}: mass {:.6e}", item.name, item.mass));
                 let sets = BTreeMap::from([("all".to_owned(), vec![0])]);
-                let shape = Shape::Nodes { positions: vec![item.at], stride: 1, sets, lengths: Vec::new() };
+                let shape = Discretisation::Nodes { positions: vec![item.at], stride: 1, sets, lengths: Vec::new() };
                 parts.placed.push(Placed { name: item.name.clone(), shape, first_node: vector });
                 model.parts.push(Box::new(mass.clone()));
                 parts.masses.push(mass);
@@ -100,7 +100,7 @@ fn nodes_of(name: &str, positions: Vec<[f64; 3]>, lengths: Vec<f64>, stride: u32
     let last = positions.len() as u32 - 1;
     let sets = [("start", vec![0]), ("end", vec![last]), ("all", (0..=last).collect())];
     let sets = sets.into_iter().map(|(name, nodes)| (name.to_owned(), nodes)).collect();
-    Placed { name: name.to_owned(), shape: Shape::Nodes { positions, stride, sets, lengths }, first_node }
+    Placed { name: name.to_owned(), shape: Discretisation::Nodes { positions, stride, sets, lengths }, first_node }
 }
 
 fn beam(item: &SceneBeam, first: u32) -> Result<Beam, PartDataError> {

@@ -131,5 +131,5 @@ pub(super) fn constraints(
 
 fn push(model: &mut Model, constraint: impl Term + 'static) {
     let name = constraint.name().to_owned();
-    model.contacts.push(crate::solver::Coupling::new(name, constraint, 1.0));
+    model.contacts.push(crate::solver::CouplingTerm::new(name, constraint, 1.0));
 }

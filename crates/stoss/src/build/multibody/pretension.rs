@@ -1,6 +1,6 @@
 //! Whether a pretension pulls the sides of its cut together: which way the axis of the slider points between them.
 
-use super::super::placed::Shape;
+use super::super::placed::Discretisation;
 use crate::build::{Placed, Problems};
 use crate::scene::{Joint, Scene, Series, split_set};
 
@@ -52,7 +52,7 @@ fn behind(side: &str, at: [f64; 3], placed: &[Placed], axis: [f64; 3]) -> Option
     let (part, set) = split_set(side).map_or((side, None), |(part, set)| (part, Some(set)));
     let part = placed.iter().find(|placed| placed.name == part)?;
     match &part.shape {
-        Shape::Solid { mesh, .. } => {
+        Discretisation::Solid { mesh, .. } => {
             // The elements at the cut: what is farther away may lie anywhere, as in a bent bolt.
             let nodes = mesh.nodes_of(set?).ok()?;
             let mut is_cut = vec![false; mesh.nodes.len()];
@@ -69,12 +69,12 @@ fn behind(side: &str, at: [f64; 3], placed: &[Placed], axis: [f64; 3]) -> Option
             }
             (count > 0.0).then(|| (along / count, size / count))
         }
-        Shape::Surface(surface) => {
+        Discretisation::Surface(surface) => {
             let middle = mean(surface.nodes.iter().copied())?;
             let size = surface.nodes.iter().map(|&x| length(less(x, middle))).fold(0.0, f64::max);
             Some((dot(axis, less(middle, at)), size))
         }
-        Shape::Nodes { positions, lengths, .. } if !lengths.is_empty() => {
+        Discretisation::Nodes { positions, lengths, .. } if !lengths.is_empty() => {
             // A line ends at the cut and goes on from there one way.
             let node = match set {
                 Some("start") => 0,
@@ -87,7 +87,7 @@ fn behind(side: &str, at: [f64; 3], placed: &[Placed], axis: [f64; 3]) -> Option
             let size = ways.iter().map(|&way| length(way)).fold(0.0, f64::max);
             Some((dot(axis, mean(ways.into_iter())?), size))
         }
-        Shape::Nodes { .. } => None,
+        Discretisation::Nodes { .. } => None,
     }
 }
 

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use stoss_multibody::{
     ConstraintSet, Embedded, Equations, Joint, LinearEquations, LinearTerms, PiecewiseLinear, Weights, analyse,
 };
-use stoss_term::Support;
+use stoss_term::HeldNodes;
 
 /// What may have redundant equations, whose multipliers are then to be determined.
 pub(super) struct Held<'a> {
@@ -20,7 +20,7 @@ pub(super) struct Held<'a> {
 
 /// Sliding supports as equations, which come before those of [`Held`] and are not made compliant: a run finds by itself which of them are independent.
 fn sliding_supports(model: &Model) -> Vec<LinearEquations> {
-    let of_pair = |pair: &crate::solver::Coupling| {
+    let of_pair = |pair: &crate::solver::CouplingTerm| {
         let slots = if pair.supported_node(0, 0.0).is_some() { pair.term.slot_count() } else { 0 };
         let held = (0..slots).filter_map(|slot| pair.supported_node(slot, 0.0));
         let terms: Vec<LinearTerms> = held.map(|held| vec![(Embedded::vector(held.node), held.direction)]).collect();
@@ -41,12 +41,12 @@ pub(super) fn examine(
     problems: &mut Problems<'_>,
     warnings: &mut Vec<String>,
 ) {
-    let mut supports: Vec<Support> = Vec::new();
+    let mut supports: Vec<HeldNodes> = Vec::new();
     let is_released = |item: &crate::scene::Prescribe| {
         scene.events.iter().any(|event| item.name.as_ref().is_some_and(|name| *name == event.release))
     };
-    let without = scene.prescriptions.iter().any(is_released).then(Support::default);
-    for support in phases.all().map(|phase| phase.support(model)).chain(without) {
+    let without = scene.prescriptions.iter().any(is_released).then(HeldNodes::default);
+    for support in phases.all().map(|phase| phase.held_nodes(model)).chain(without) {
         if !supports.contains(&support) {
             supports.push(support);
         }

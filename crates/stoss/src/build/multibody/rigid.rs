@@ -4,7 +4,7 @@ use super::Parts;
 use super::extent::extent;
 use crate::build::body::{place, region, set_refused, source_mesh};
 use crate::build::mesh_files::MeshFiles;
-use crate::build::placed::{Placed, Shape};
+use crate::build::placed::{Discretisation, Placed};
 use crate::build::{DrawnPoint, DrawnSurface, Problems};
 use crate::scene::{Rigid, Rotation as SceneRotation, Scene, Shape as SceneShape, SurfaceFile};
 use crate::solver::Model;
@@ -49,12 +49,17 @@ pub(super) fn rigids(
                     facets: surface.facets.iter().map(|facet| facet.map(|n| n + first_node)).collect(),
                     is_closed: surface.is_closed(),
                 });
-                Placed { name: item.name.clone(), shape: Shape::Surface(surface), first_node }
+                Placed { name: item.name.clone(), shape: Discretisation::Surface(surface), first_node }
             }
             None => {
                 parts.drawing.points.push(DrawnPoint { name: item.name.clone(), node: first });
                 let sets = BTreeMap::from([("all".to_owned(), vec![0])]);
-                let shape = Shape::Nodes { positions: vec![body.reference()[0]], stride: 1, sets, lengths: Vec::new() };
+                let shape = Discretisation::Nodes {
+                    positions: vec![body.reference()[0]],
+                    stride: 1,
+                    sets,
+                    lengths: Vec::new(),
+                };
                 Placed { name: item.name.clone(), shape, first_node: first }
             }
         };

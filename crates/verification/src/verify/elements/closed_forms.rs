@@ -13,7 +13,7 @@ use stoss_continuum::HyperelasticLaw;
 use stoss_fe_solid::{SolidOptions, Volumetric};
 use stoss_materials::NeoHooke;
 use stoss_mesh::Mesh;
-use stoss_mesh::generate::{Block, Cylinder, HollowBall, Part};
+use stoss_mesh::generate::{Block, Cylinder, HollowBall, Portion};
 use stoss_reference_element::{CellKind, FaceNodes, Family, Integration};
 
 use super::equilibrium::{Equilibrium, Load};
@@ -149,8 +149,13 @@ fn inflate(
 /// A bar of radius 0.5 and length 1 along y, one end of which is turned by 60 degrees: the moment and the axial force over the exact ones.
 fn twist(form: &Form) -> Outcome<(f64, f64, f64)> {
     let n = form.elements(4);
-    let bar =
-        Cylinder { radius: 0.5, length: 1.0, part: Part::Full, divisions: [n / 2, n / 2, n / 2, n], refinement: None };
+    let bar = Cylinder {
+        radius: 0.5,
+        length: 1.0,
+        part: Portion::Full,
+        divisions: [n / 2, n / 2, n / 2, n],
+        refinement: None,
+    };
     let mesh = bar.generate()?.with_cells(form.kind)?;
     let angle = PI / 3.0;
     let problem = Equilibrium::new(mesh, law()?, form.options(), |x| [x[1] == 0.0 || x[1] == 1.0; 3], Vec::new())?;

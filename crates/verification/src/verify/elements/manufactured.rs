@@ -19,7 +19,7 @@ use super::{name, table};
 use crate::plot::{self, Labels, Series};
 use crate::verify::Findings;
 use crate::verify::check::{Bound, Check, number};
-use crate::verify::report::Section;
+use crate::verify::report::ReportSection;
 use crate::workspace::Outcome;
 
 /// Least rate of the error in L2, from one halving: the rate of theory, 2 and 3, less 0.2.
@@ -149,7 +149,7 @@ pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
         rows,
     );
     let labels = Labels { title: "error of the displacements in L2", x: "elements an edge", y: "relative error" };
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: "Error against elements an edge".into(),
             reading: "The displacements of a smooth made-up field, for which the loads were computed, are sought again on finer meshes. A line is right if it is as steep as its dotted one: slope 2 for linear cells, 3 for quadratic ones.".into(),
         figures: vec![plot::log_log(labels, &lines, None, &[-2.0, -3.0])],

@@ -9,7 +9,7 @@ pub(super) mod manufactured;
 use stoss_reference_element::{CellKind, Integration};
 
 use super::check::{Bound, Check};
-use super::report::{Grid, Section};
+use super::report::{Grid, ReportSection};
 use super::{Bench, Findings, Suite, facade};
 use crate::verify::numbers::{distance, larger, norm};
 use crate::workspace::Outcome;
@@ -60,7 +60,7 @@ pub(super) fn keys(kind: CellKind, integration: Integration) -> String {
 }
 
 fn table(findings: &mut Findings, caption: &str, reading: &str, head: &[&str], rows: Vec<Vec<String>>) {
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: caption.into(),
         reading: reading.into(),
         figures: Vec::new(),

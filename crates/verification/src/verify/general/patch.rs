@@ -3,13 +3,13 @@
 use stoss_contact_barrier::{GeneralContact, GeneralOptions, Interaction, Interactions, Layer, Skin, SkinFacet};
 use stoss_geometry::{PairKind, closest};
 use stoss_reference_element::FacetNodes;
-use stoss_term::{At, GradientRule, Local, Step, StepConfiguration, Term};
+use stoss_term::{At, GradientRule, Local, StepConfiguration, StepContext, Term};
 
 use super::judge::run;
 use super::scene::{Body, Scene};
 use crate::verify::check::{Bound, Check};
 use crate::verify::numbers::larger;
-use crate::verify::report::{Grid, Section};
+use crate::verify::report::{Grid, ReportSection};
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
 
@@ -89,10 +89,10 @@ fn with_guards(faces: &mut Faces) -> Outcome<Vec<f64>> {
     // Contacts begin with the thickness that is left, so the layer is entered by a step from outside.
     let lifted: Vec<f64> =
         q.iter().enumerate().map(|(k, x)| if k % 3 == 2 && k / 3 >= *lower { x + THICKNESS } else { *x }).collect();
-    contact.begin(&Step::quasi_static(&lifted, 1.0))?;
+    contact.begin(&StepContext::quasi_static(&lifted, 1.0))?;
     contact.renew(&At::end(q, &[], &[]), true)?;
     contact.commit(&At::end(q, &[], &[]));
-    contact.begin(&Step::quasi_static(q, 1.0))?;
+    contact.begin(&StepContext::quasi_static(q, 1.0))?;
     contact.renew(&At::end(q, &[], &[]), true)?;
     let step = StepConfiguration { q_n: q, q_np1: q, rule: GradientRule::EndPoint };
     contact.assemble(&step.at(&[], &[]), false, &mut |local: &Local| {
@@ -179,7 +179,7 @@ fn given_gap(findings: &mut Findings) -> Outcome<()> {
     let caption =
         "Force of a node of the lower face over that of a uniform pressure; faces half a thickness apart".into();
     let table = Grid { caption, head, rows };
-    findings.sections.push(Section { title: "Uniform pressure".into(), reading: "Two faces half a thickness of the layer apart; the force of each node over that of a uniform pressure, smallest and largest. 1 and 1 is exact; guards are the points that keep corners and edges from passing.".into(), figures: Vec::new(), tables: vec![table] });
+    findings.sections.push(ReportSection { title: "Uniform pressure".into(), reading: "Two faces half a thickness of the layer apart; the force of each node over that of a uniform pressure, smallest and largest. 1 and 1 is exact; guards are the points that keep corners and edges from passing.".into(), figures: Vec::new(), tables: vec![table] });
     Ok(())
 }
 

@@ -10,7 +10,7 @@ mod sets;
 use std::collections::BTreeMap;
 
 use super::check::{Bound, Check};
-use super::report::{Grid, Section};
+use super::report::{Grid, ReportSection};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
 use acting::Acting;
@@ -59,7 +59,7 @@ impl Suite for Lean {
             head: ["scene", "steps", "features", "crates", "allocated", "called", "acts", "bytes", "calls"].map(str::to_owned).to_vec(),
             rows,
         };
-        findings.sections.push(Section { title: "Lean".into(), reading: "What a scene does not use must neither be compiled nor allocated nor called. Counted: crates in the build, bytes, and calls of the parts.".into(), tables: vec![scenes, sets], ..Section::default() });
+        findings.sections.push(ReportSection { title: "Lean".into(), reading: "What a scene does not use must neither be compiled nor allocated nor called. Counted: crates in the build, bytes, and calls of the parts.".into(), tables: vec![scenes, sets], ..ReportSection::default() });
         Ok(findings)
     }
 }

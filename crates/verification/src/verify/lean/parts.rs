@@ -10,7 +10,7 @@ use stoss_solver::{PhaseTime, Simulation};
 /// Everything that a run may or may not have. Asked for and found are both of this type, so that they can be compared
 /// one by one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parts {
+pub struct Inventory {
     /// Matrices and vectors.
     pub allocated: Allocated,
     /// Phases and kernels.
@@ -99,7 +99,7 @@ impl Called {
     }
 }
 
-impl Parts {
+impl Inventory {
     /// Structures and calls against those that were asked for.
     pub fn against(&self, asked: &Self) -> [Comparison; 2] {
         [
@@ -181,7 +181,7 @@ fn contact_words(rule: GradientRule) -> String {
 }
 
 /// What a scene asks for.
-pub fn asked(scene: &Scene) -> Outcome<Parts> {
+pub fn asked(scene: &Scene) -> Outcome<Inventory> {
     let first = scene.stages.first();
     let integrator = first.and_then(|stage| stage.integrator.as_ref()).or(scene.time.integrator.as_ref());
     let begins_dynamic = first.map_or(scene.header.kind, |stage| stage.kind) == stoss_scene::Kind::Dynamic;
@@ -238,7 +238,7 @@ pub fn asked(scene: &Scene) -> Outcome<Parts> {
         stress: stress_words(needs.stress),
         contact: if contact { contact_words(needs.contact) } else { NONE.to_owned() },
     };
-    Ok(Parts { allocated, called })
+    Ok(Inventory { allocated, called })
 }
 
 /// Features of the facade without which the scene does not run.
@@ -260,10 +260,10 @@ pub fn features(scene: &Scene) -> Vec<&'static str> {
 }
 
 /// What a simulation has and did; `active`: a constraint was active in some step.
-pub fn found(simulation: &Simulation, active: bool) -> Parts {
+pub fn found(simulation: &Simulation, active: bool) -> Inventory {
     let (plan, timings) = (simulation.plan(), simulation.timings());
     let entered = |phase: PhaseTime| phase.calls > 0;
-    Parts {
+    Inventory {
         allocated: Allocated {
             mass_matrix: plan.mass_matrix,
             mass_solver: plan.mass_solver,
@@ -309,7 +309,7 @@ mod tests {
         stoss_scene::parse(&format!("{start}{text}\n{body}{second}{apart}"), "t").unwrap()
     }
 
-    fn dynamic(integrator: &str, rest: &str) -> Parts {
+    fn dynamic(integrator: &str, rest: &str) -> Inventory {
         let time = format!("[time]\nend = 1.0\nstep = 0.1\nintegrator = {{ {integrator} }}\n");
         asked(&scene(&format!("\"dynamic\"\n{time}{rest}"))).unwrap()
     }
@@ -368,11 +368,11 @@ mod tests {
 
     #[test]
     fn deviations_name_the_item_and_its_direction() {
-        let asked = Parts {
+        let asked = Inventory {
             allocated: Allocated { mass_matrix: true, ..Allocated::default() },
             called: Called { stress: "at n + 1".into(), contact: NONE.into(), ..Called::default() },
         };
-        let found = Parts {
+        let found = Inventory {
             allocated: Allocated { reactions: true, ..Allocated::default() },
             called: Called { stress: "at n + 0.5".into(), contact: "EndPoint".into(), ..Called::default() },
         };

@@ -12,7 +12,7 @@ use stoss::integrators::EnergyMomentum;
 use stoss::linalg::AutoSolver;
 use stoss::mesh::generate::Block;
 use stoss::newton::NewtonOptions;
-use stoss::solver::{Body, Model, InsideOutRule, Settings, Simulation, StepControl};
+use stoss::solver::{Body, Model, InsideOutTreatment, Settings, Simulation, StepControl};
 
 /// A law of the user's own: `W = lambda/2 (tr E)^2 + mu E:E` with `lambda = 0`, `mu = 500`.
 #[derive(Debug)]
@@ -73,7 +73,7 @@ fn model() -> Result<(), Box<dyn Error>> {
         control: StepControl { step: 0.01, end: 0.02, max_cuts: 0, grow_after: 1, automatic: None },
         scheme: Some(Box::new(EnergyMomentum)),
         newton: NewtonOptions { relative_tolerance: 1e-9, ..NewtonOptions::default() },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };

@@ -3,7 +3,7 @@
 use stoss_reference_cases::cantilever::{Field, cantilever, error, field};
 
 use super::super::check::{Bound, Check, number};
-use super::super::report::{Grid, Section};
+use super::super::report::{Grid, ReportSection};
 use super::super::{Bench, Findings, facade};
 use crate::plot::{self, Labels, Series};
 use crate::verify::numbers::larger;
@@ -65,7 +65,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     }
     let labels = Labels { title: "error of the nodes' displacement", x: "element length", y: "" };
     let head = ["mesh".to_owned()].into_iter().chain(levels.iter().map(|k| format!("1/{}", COARSEST[0] * k)));
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: "Tied cantilever".into(),
             reading: "A cantilever of two meshes that do not match, tied by the mortar method, against one mesh. Right if the tie costs no order: all lines have slope 2.".into(),
         figures: vec![plot::log_log(labels, &lines, None, &[2.0])],

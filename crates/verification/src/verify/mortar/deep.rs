@@ -4,7 +4,7 @@
 use toml::{Table, Value};
 
 use super::super::check::{Bound, Check, number};
-use super::super::report::{Grid, Section};
+use super::super::report::{Grid, ReportSection};
 use super::super::{Bench, Findings, Run};
 use super::{entry, resistance};
 use crate::verify::numbers::larger;
@@ -84,7 +84,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         "Fx over Fz",
         "largest distance from it",
     ];
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: "Deep ironing with friction, 7 steps down and 15 along".into(),
             reading: "The ratio of the horizontal to the vertical force while the block slides, against its value on finer slabs. Right if it settles as the mesh is refined; steps and iterations tell what the depth costs.".into(),
         figures: Vec::new(),

@@ -11,7 +11,7 @@ use stoss_reference_element::CellKind;
 use toml::{Table, Value};
 
 use super::super::check::{Bound, Check, number};
-use super::super::report::{Grid, Section};
+use super::super::report::{Grid, ReportSection};
 use super::super::{Bench, Findings, Run, newton};
 use crate::hexahedra;
 use crate::plot::{self, Labels, Series};
@@ -171,7 +171,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
     }
     let head = ["run", "force", "radius / analytic", "largest pressure / analytic", "outermost node / analytic"];
     let labels = Labels { title: "pressure", x: "distance from the middle / a", y: "p / p0" };
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: "Hertz".into(),
             reading: "Cylinders and a ball are pressed onto a flat face; the closed forms are Hertz' (1882), for small contact faces. The pressures of the nodes should lie on the ellipse, closer on the finer mesh.".into(),
         figures: vec![plot::linear(labels, &shown.lines)],

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use super::super::check::{Bound, Check, number};
-use super::super::report::{Grid, Section};
+use super::super::report::{Grid, ReportSection};
 use super::super::{Bench, Findings, Run, newton};
 use super::{ITERATIONS, entry, resistance};
 use crate::gallery::{Interface, Sides};
@@ -202,7 +202,7 @@ fn quadratic(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         let quantity = "quasi-static: residual over the square of the one before";
         findings.checks.push(Check::new(&run.name, quantity, worst, Bound::AtMost(QUADRATIC)).noted(note));
         let shown = steps.iter().filter(|step| step.residuals.len() > 3).step_by(4);
-        let line = |step: &newton::Step| {
+        let line = |step: &newton::StepResiduals| {
             let residuals: Vec<String> = step.residuals.iter().map(|r| format!("{r:.1e}")).collect();
             vec![number(step.step), number(step.active), residuals.join("  ")]
         };
@@ -212,13 +212,13 @@ fn quadratic(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
             rows: shown.map(line).collect(),
         });
     }
-    findings.sections.push(Section { title: "Ironing: Newton's method".into(),
+    findings.sections.push(ReportSection { title: "Ironing: Newton's method".into(),
             reading: "Each row has the residuals of one step from the last change of the active set on. Right if the exponent doubles from one to the next, down to round-off.".into(), figures: Vec::new(), tables });
     Ok(())
 }
 
 /// Residuals over the squares of those before, from the first solution with the last active set on and above round-off.
-fn squares(steps: &[newton::Step]) -> Vec<f64> {
+fn squares(steps: &[newton::StepResiduals]) -> Vec<f64> {
     let mut found = Vec::new();
     for step in steps.iter().filter(|step| step.residuals.len() > 2) {
         let floor = ROUND_OFF * step.residuals.iter().copied().fold(f64::INFINITY, f64::min);
@@ -229,14 +229,14 @@ fn squares(steps: &[newton::Step]) -> Vec<f64> {
 }
 
 /// Forces over time and the table of runs.
-fn section(title: &str, lines: &[(String, [Series; 2])], rows: Vec<Vec<String>>) -> Section {
+fn section(title: &str, lines: &[(String, [Series; 2])], rows: Vec<Vec<String>>) -> ReportSection {
     let pick = |component: usize| -> Vec<Series> {
         let named = |(name, forces): &(String, [Series; 2])| Series { name: name.clone(), ..forces[component].clone() };
         lines.iter().map(named).collect()
     };
     let chart = |title: &str, component: usize| plot::linear(Labels { title, x: "time", y: "" }, &pick(component));
     let head = ["run", "steps", "iterations a step", "cuts", "mean of Fz", "oscillation of Fz", "what it is"];
-    Section {
+    ReportSection {
         title: title.into(),
             reading: "A block is pressed onto a slab and drawn along it (theory/examples). An exact method on fine meshes gives a vertical force that stays constant while the block slides; what oscillates with the passing facets is the error of the discretisation.".into(),
         figures: vec![chart("vertical force on the indenter's top", 1), chart("force along the slab", 0)],
@@ -399,8 +399,12 @@ mod tests {
 
     #[test]
     fn linear_convergence_is_not_quadratic() {
-        let step =
-            |residuals: &[f64]| newton::Step { step: 1.0, active: 0.0, iterations: 0, residuals: residuals.to_vec() };
+        let step = |residuals: &[f64]| newton::StepResiduals {
+            step: 1.0,
+            active: 0.0,
+            iterations: 0,
+            residuals: residuals.to_vec(),
+        };
         let quadratic = squares(&[step(&[1.0, 1e-2, 1e-4, 1e-8, 1e-15]), step(&[1.0, 1e-3, 2e-6, 1e-15])]);
         assert_eq!(quadratic.len(), 3);
         assert!(quadratic.iter().all(|c| *c < 2.1), "{quadratic:?}");

@@ -5,7 +5,7 @@ use std::path::Path;
 use toml::{Table, Value};
 
 use super::super::check::{Bound, Check};
-use super::super::report::Section;
+use super::super::report::ReportSection;
 use super::super::{Bench, Findings, newton};
 use super::ITERATIONS;
 use crate::plot::{self, Labels, Series};
@@ -63,7 +63,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         .enumerate()
         .map(|(i, name)| Series::new(&format!("F{name}"), time, force.iter().map(move |f| f[i])));
     let torque = Series::new("Mz", time, moment.iter().map(|m| m[2]));
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: "Rotating indenter".into(),
             reading: "An indenter is pressed into a block and turned about its axis. The horizontal forces must vanish by symmetry, and the torque reaches its plateau when all of the face slips.".into(),
         figures: vec![

@@ -7,7 +7,7 @@ use crate::verify::check::Bound;
 use crate::verify::numbers::{apart, larger, norm};
 use crate::workspace::Outcome;
 use std::sync::Arc;
-use stoss_multibody::{Beam, BeamAxis, CoordinateOptions, DriveFunction, Frame, Joint, JointKind, Section};
+use stoss_multibody::{Beam, BeamAxis, CoordinateOptions, DriveFunction, Joint, JointFrame, JointKind, Section};
 use stoss_reference_cases::multibody::lines::{spin_up, spun_rod};
 use stoss_solver::Model;
 
@@ -35,7 +35,7 @@ fn spun(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let last = beam.node_count() - 1;
     let mut model = Model::default();
     add_beam(&mut model, &beam, &[]);
-    let (ground, own) = (Frame::ground([0.0; 3], ABOUT_Z), beam_frame(&beam, 0, ABOUT_Z));
+    let (ground, own) = (JointFrame::ground([0.0; 3], ABOUT_Z), beam_frame(&beam, 0, ABOUT_Z));
     let motor = DriveFunction(move |t: f64| spin_up(spin, rise, t));
     let options = CoordinateOptions { motor: Some(Arc::new(motor)), ..Default::default() };
     let joint =

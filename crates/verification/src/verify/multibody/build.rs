@@ -6,10 +6,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use stoss_integrators::{EnergyMomentum, Scheme};
 use stoss_linalg::AutoSolver;
-use stoss_multibody::{Beam, CoordinateOptions, Frame, Joint, JointKind, RigidBody, RigidMass};
+use stoss_multibody::{Beam, CoordinateOptions, Joint, JointFrame, JointKind, RigidBody, RigidMass};
 use stoss_newton::{LineSearch, NewtonOptions};
 use stoss_solver::{
-    Balance, Coupling, InsideOutRule, Load, LoadKind, Model, Prescription, Settings, Simulation, StepControl,
+    Balance, CouplingTerm, InsideOutTreatment, Load, LoadKind, Model, Prescription, Settings, Simulation, StepControl,
     StepRecord, Table,
 };
 use stoss_term::{At, Fault, ForceRule, Local, Term};
@@ -57,7 +57,7 @@ pub fn add_vectors(model: &mut Model, reference: &[[f64; 3]], velocity: &[[f64; 
 
 /// Adds equations; returns their place.
 pub fn add_constraint(model: &mut Model, name: &str, constraint: impl Term + 'static) -> usize {
-    model.contacts.push(Coupling {
+    model.contacts.push(CouplingTerm {
         name: name.to_owned(),
         acts: true,
         term: Box::new(constraint),
@@ -72,7 +72,7 @@ pub fn add_joint(
     model: &mut Model,
     name: &str,
     kind: JointKind,
-    sides: [&Frame; 2],
+    sides: [&JointFrame; 2],
     options: CoordinateOptions,
 ) -> Outcome<usize> {
     let joint = Joint::new(name, kind, sides[0], sides[1], 0.5, &model.reference)?.with_options(options)?;
@@ -89,8 +89,8 @@ pub fn add_beam(model: &mut Model, beam: &Beam, held: &[usize]) {
 }
 
 /// The frame of a node of a beam along `axes`.
-pub fn beam_frame(beam: &Beam, node: usize, axes: [[f64; 3]; 3]) -> Frame {
-    Frame { point: beam.centre(node), axes: axes.map(|axis| beam.direction(node, axis)) }
+pub fn beam_frame(beam: &Beam, node: usize, axes: [[f64; 3]; 3]) -> JointFrame {
+    JointFrame { point: beam.centre(node), axes: axes.map(|axis| beam.direction(node, axis)) }
 }
 
 /// Vectors that stay where they are.
@@ -160,7 +160,7 @@ fn with_options(
             line_search: LineSearch::Off,
             ..NewtonOptions::default()
         },
-        inside_out: InsideOutRule::Refuse,
+        inside_out: InsideOutTreatment::Refuse,
         max_plastic_increment: None,
         solver: Box::new(AutoSolver::new()),
     };

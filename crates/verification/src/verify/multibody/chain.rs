@@ -6,10 +6,10 @@ use crate::plot::{self, Labels, Series};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
 use crate::verify::numbers::larger;
-use crate::verify::report::{Grid, Section};
+use crate::verify::report::{Grid, ReportSection};
 use crate::workspace::Outcome;
 use cpu_time::ProcessTime;
-use stoss_multibody::{CoordinateOptions, Frame, JointKind, RigidMass};
+use stoss_multibody::{CoordinateOptions, JointFrame, JointKind, RigidMass};
 use stoss_solver::Model;
 
 const LENGTHS: [usize; 4] = [10, 25, 50, 100];
@@ -34,7 +34,7 @@ fn model(n: usize, two: bool) -> Outcome<Model> {
         let mass = RigidMass::new(m, centre, [slim, 0.05 * slim, 0.05 * slim], axes)?;
         let link = add_body(&mut model, &format!("link {k}"), mass, centre, [0.0; 3]);
         let other = match &previous {
-            None => Frame::ground(a, AXES),
+            None => JointFrame::ground(a, AXES),
             Some(body) => stoss_multibody::RigidBody::frame(body, a, AXES),
         };
         add_joint(&mut model, &format!("ball {k}"), JointKind::Ball, [&other, &link.frame(a, AXES)], none())?;
@@ -42,7 +42,7 @@ fn model(n: usize, two: bool) -> Outcome<Model> {
     }
     if let Some(last) = previous.filter(|_| two) {
         let end = node(n);
-        let sides = [&last.frame(end, AXES), &Frame::ground(end, AXES)];
+        let sides = [&last.frame(end, AXES), &JointFrame::ground(end, AXES)];
         add_joint(&mut model, "end", JointKind::Ball, sides, none())?;
     }
     add_gravity(&mut model, [0.0, 0.0, -9.81]);
@@ -90,7 +90,7 @@ pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     }
     let labels = Labels { title: "cost of a step", x: "equations", y: "CPU seconds a step" };
     let head = ["case", "links", "equations", "CPU s a step", "iterations a step", "steps"].map(str::to_owned).to_vec();
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: "chains of ball joints".into(),
             reading: "CPU time of a step against the number of equations. A line of slope 1 means that the cost of a link does not grow with the length of the chain.".into(),
         figures: vec![plot::log_log(labels, &lines, None, &[1.0])],

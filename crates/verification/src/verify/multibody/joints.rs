@@ -8,7 +8,7 @@ use crate::verify::numbers::larger;
 use crate::workspace::Outcome;
 use std::f64::consts::PI;
 use std::sync::Arc;
-use stoss_multibody::{CoordinateOptions, DriveFunction, Frame, JointKind, RigidMass};
+use stoss_multibody::{CoordinateOptions, DriveFunction, JointFrame, JointKind, RigidMass};
 use stoss_solver::Model;
 
 fn rod(mass: f64, centre: [f64; 3], inertia: f64) -> Outcome<RigidMass> {
@@ -35,14 +35,14 @@ pub fn measure(findings: &mut Findings) -> Outcome<()> {
         let motor = move |t: f64| if t < 0.5 { 0.5 * PI * t * t } else { 0.5 * PI * (t - 0.25) };
         let drive = CoordinateOptions { motor: Some(Arc::new(DriveFunction(motor))), ..Default::default() };
         let none = CoordinateOptions::default;
-        let main = [&Frame::ground([0.0; 3], ABOUT_Z), &first.frame([0.0; 3], ABOUT_Z)];
+        let main = [&JointFrame::ground([0.0; 3], ABOUT_Z), &first.frame([0.0; 3], ABOUT_Z)];
         add_joint(&mut model, "main", JointKind::Hinge, main, drive)?;
         let sides = [&first.frame(up(0.0), AXES), &coupler.frame(up(0.0), AXES)];
         add_joint(&mut model, "left", JointKind::Ball, sides, none())?;
         let pins = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]];
         let sides = [&second.frame(up(l), pins), &coupler.frame(up(l), pins)];
         add_joint(&mut model, "right", JointKind::Universal, sides, none())?;
-        let bearing = [&Frame::ground([l, 0.0, 0.0], ABOUT_Z), &second.frame([l, 0.0, 0.0], ABOUT_Z)];
+        let bearing = [&JointFrame::ground([l, 0.0, 0.0], ABOUT_Z), &second.frame([l, 0.0, 0.0], ABOUT_Z)];
         add_joint(&mut model, "bearing", JointKind::Hinge, bearing, none())?;
         let mut simulation = dynamic_cutting(model, step, 2.4, cuts)?;
         let (mut violation, mut last, mut most) = (0.0, 0.0, 0);

@@ -6,7 +6,7 @@ use crate::verify::Findings;
 use crate::verify::check::Bound;
 use crate::verify::numbers::{apart, larger, norm};
 use crate::workspace::Outcome;
-use stoss_multibody::{CoordinateOptions, Frame, JointKind, RigidBody, RigidMass, axes_along};
+use stoss_multibody::{CoordinateOptions, JointFrame, JointKind, RigidBody, RigidMass, axes_along};
 use stoss_reference_cases::multibody::pendulums::{DoublePendulum, spherical_pendulum};
 use stoss_reference_cases::multibody::top::{FreeTop, LagrangeTop};
 use stoss_solver::Model;
@@ -122,7 +122,7 @@ fn lagrange_top(findings: &mut Findings) -> Outcome<()> {
         let spin = [along * axis[0], 0.0, top.precession + along * axis[2]];
         let body = add_body(&mut model, "top", mass, [0.0; 3], spin);
         add_gravity(&mut model, [0.0, 0.0, -GRAVITY]);
-        let (ground, own) = (Frame::ground([0.0; 3], AXES), body.frame([0.0; 3], AXES));
+        let (ground, own) = (JointFrame::ground([0.0; 3], AXES), body.frame([0.0; 3], AXES));
         add_joint(&mut model, "tip", JointKind::Ball, [&ground, &own], CoordinateOptions::default())?;
         let mut simulation = dynamic(model, dt, 1.0)?;
         let first = *simulation.balance();
@@ -209,7 +209,7 @@ pub fn double_model(data: &DoublePendulum, start: [f64; 4]) -> Outcome<(Model, [
     let bodies = [body(0, [0.0; 3])?, body(1, elbow)?];
     add_gravity(&mut model, [0.0, -data.gravity, 0.0]);
     let none = CoordinateOptions::default;
-    let ground = Frame::ground([0.0; 3], ABOUT_Z);
+    let ground = JointFrame::ground([0.0; 3], ABOUT_Z);
     add_joint(&mut model, "shoulder", JointKind::Hinge, [&ground, &bodies[0].frame([0.0; 3], ABOUT_Z)], none())?;
     let sides = [&bodies[0].frame(elbow, ABOUT_Z), &bodies[1].frame(elbow, ABOUT_Z)];
     add_joint(&mut model, "elbow", JointKind::Hinge, sides, none())?;
@@ -244,7 +244,7 @@ pub fn spherical_model() -> Outcome<Model> {
     let mass = RigidMass::new(m, n.map(|x| l * x), [e; 3], AXES)?;
     let body = add_body(&mut model, "bob", mass, [0.0; 3], cross(n, rate));
     add_gravity(&mut model, [0.0, 0.0, -GRAVITY]);
-    let (ground, own) = (Frame::ground([0.0; 3], AXES), body.frame([0.0; 3], AXES));
+    let (ground, own) = (JointFrame::ground([0.0; 3], AXES), body.frame([0.0; 3], AXES));
     add_joint(&mut model, "pivot", JointKind::Ball, [&ground, &own], CoordinateOptions::default())?;
     Ok(model)
 }

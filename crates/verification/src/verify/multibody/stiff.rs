@@ -5,7 +5,7 @@ use super::{ENERGY, MOMENTUM, noted};
 use crate::verify::Findings;
 use crate::verify::check::Bound;
 use crate::verify::numbers::larger;
-use crate::verify::report::{Grid, Section};
+use crate::verify::report::{Grid, ReportSection};
 use crate::workspace::Outcome;
 use stoss_multibody::{
     CoordinateOptions, ElasticString, Embedded, JointKind, PointMass, RigidMass, Spring, SpringData, StringMaterial,
@@ -108,7 +108,7 @@ pub fn measure(quick: bool, findings: &mut Findings) -> Outcome<()> {
     let head = ["case", "parameter", "steps", "iterations", "momenta", "energy", "verdict"].map(str::to_owned).to_vec();
     let caption =
         format!("{steps} steps of the energy-momentum scheme without cuts: exact, or a stop that is reported.");
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: "multibody extremes".into(),
             reading: "Stiffness, mass and speed over many orders of magnitude at a fixed step. A run must keep momenta and energy to round-off, or stop with an error that names the reason; nothing else is accepted.".into(),
         figures: Vec::new(),

@@ -5,7 +5,7 @@ use super::{check, noted};
 use crate::plot::{self, Drawn, Labels, Series};
 use crate::verify::check::Bound;
 use crate::verify::numbers::{apart, larger};
-use crate::verify::report::{Grid, Section};
+use crate::verify::report::{Grid, ReportSection};
 use crate::verify::{Bench, Findings};
 use crate::workspace::Outcome;
 use toml::{Table, Value};
@@ -67,7 +67,7 @@ pub fn measure(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
         tables.push(spread(&shipped, &mut lines)?);
     }
     let labels = Labels { title: "projectile after the static state", x: "x [m]", y: "z [m]" };
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: "trebuchet".into(),
             reading: "The path of the projectile after the release (thesis, chapter 2), for several steps and schemes. Paths that lie on each other mean that the step is small enough.".into(),
         figures: vec![plot::trajectory(labels, &lines, Drawn::Lines)],

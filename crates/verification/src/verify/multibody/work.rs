@@ -8,10 +8,10 @@ use crate::verify::Findings;
 use crate::verify::check::Bound;
 use crate::verify::curve::timed;
 use crate::verify::numbers::{apart, larger};
-use crate::verify::report::{Grid, Section};
+use crate::verify::report::{Grid, ReportSection};
 use crate::workspace::Outcome;
 use stoss_integrators::SCHEMES;
-use stoss_multibody::{Beam, BeamAxis, CoordinateOptions, Frame, JointKind, Section as CrossSection};
+use stoss_multibody::{Beam, BeamAxis, CoordinateOptions, JointFrame, JointKind, Section as CrossSection};
 use stoss_reference_cases::multibody::pendulums::spherical_pendulum;
 use stoss_solver::Model;
 
@@ -91,7 +91,7 @@ fn swinging() -> Outcome<Model> {
     let beam = Beam::new("beam", 0, axis, section)?;
     let mut model = Model::default();
     add_beam(&mut model, &beam, &[]);
-    let sides = [&Frame::ground([0.0; 3], ABOUT_Z), &beam_frame(&beam, 0, ABOUT_Z)];
+    let sides = [&JointFrame::ground([0.0; 3], ABOUT_Z), &beam_frame(&beam, 0, ABOUT_Z)];
     add_joint(&mut model, "hinge", JointKind::Hinge, sides, CoordinateOptions::default())?;
     add_gravity(&mut model, [0.0, -9.81, 0.0]);
     Ok(model)
@@ -189,7 +189,7 @@ fn report(problem: &Problem, levels: u32, quick: bool, findings: &mut Findings) 
         plot::log_log(Labels { title: problem.name, x, y: "relative error" }, &series(column), Some(1e-13), slopes)
     };
     let head = ["scheme", "order", "errors", "CPU s", "failed"].map(str::to_owned).to_vec();
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: format!("work and precision: {}", problem.name),
         reading: "Error of the end positions against CPU time, and against the step. The lower left is best; the slope against the step is the order of the scheme.".into(),
         figures: vec![chart("CPU seconds", 2, &[-1.0, -2.0]), chart("step size", 0, &[1.0, 2.0])],

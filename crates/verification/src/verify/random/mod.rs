@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 
 use super::check::{Bound, Check, number};
 use super::launch::{Launched, launch};
-use super::report::{Grid, Section};
+use super::report::{Grid, ReportSection};
 use super::{Bench, Findings, Suite};
 use crate::verify::numbers::larger;
 use crate::workspace::{Outcome, write};
@@ -214,7 +214,7 @@ fn judged(case: &Case, launched: &Launched) -> Outcome<Shot> {
     Ok(Shot::Judged { is_stopped, verdict, words, judgement })
 }
 
-fn section(counts: &BTreeMap<String, Count>) -> Section {
+fn section(counts: &BTreeMap<String, Count>) -> ReportSection {
     let mut head = vec!["family".to_owned(), "runs".into(), "stopped".into()];
     for answer in ["right", "unknown", "wrong"] {
         head.extend(VERDICTS.map(|verdict| format!("{answer}, {verdict}")));
@@ -235,7 +235,7 @@ fn section(counts: &BTreeMap<String, Count>) -> Section {
     for row in &table.rows {
         println!("verify: random: {}", row.join("  "));
     }
-    Section { title: "Random scenes".into(), reading: "Random bodies, meshes, laws, speeds, joints, loads and methods. The judge knows what must come out of a scene, or measures it by brute force; the watch gives the verdict that a user sees. Nothing wrong may be sound, nothing right wrong. Each run can be run again by its seed.".into(), figures: Vec::new(), tables: vec![table] }
+    ReportSection { title: "Random scenes".into(), reading: "Random bodies, meshes, laws, speeds, joints, loads and methods. The judge knows what must come out of a scene, or measures it by brute force; the watch gives the verdict that a user sees. Nothing wrong may be sound, nothing right wrong. Each run can be run again by its seed.".into(), figures: Vec::new(), tables: vec![table] }
 }
 
 /// Writes a scene as a file that a user can run.

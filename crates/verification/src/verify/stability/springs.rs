@@ -1,7 +1,7 @@
 //! Which scheme stays bounded at which step size and stiffness: the spring pendulum of theory/integrators#spring over eight decades.
 
 use super::super::check::{Bound, Check};
-use super::super::report::{Grid, Section};
+use super::super::report::{Grid, ReportSection};
 use super::super::{Bench, Findings};
 use crate::plot::{self, Cell, Labels, Series};
 use crate::verify::numbers::larger;
@@ -128,7 +128,7 @@ fn verdict(course: &Course) -> Verdict {
 /// The map, figures 6.2 to 6.4 of the thesis, and the factors of theory/integrators#spring.
 pub fn measure(bench: &Bench) -> Outcome<Findings> {
     let mut findings = Findings::default();
-    let mut section = Section { title: "stability: step size and stiffness".into(), reading: "A spring pendulum of any stiffness at any step (theory/integrators#spring). Each cell of the map is a run: what matters is how far to the right, at stiff springs and large steps, a scheme stays bounded and keeps what it promises.".into(), ..Section::default() };
+    let mut section = ReportSection { title: "stability: step size and stiffness".into(), reading: "A spring pendulum of any stiffness at any step (theory/integrators#spring). Each cell of the map is a run: what matters is how far to the right, at stiff springs and large steps, a scheme stays bounded and keeps what it promises.".into(), ..ReportSection::default() };
     let mut combinations = 0;
     let steps: &[f64] = if bench.quick { &STEPS[3..] } else { &STEPS };
     let mut table = Grid {
@@ -244,7 +244,7 @@ fn long_runs(bench: &Bench, findings: &mut Findings) -> Outcome<()> {
 
 /// Figures 6.2 to 6.4 of the thesis: the reference paths, and the energies of all schemes on the stiff spring.
 fn figures(findings: &mut Findings) -> Outcome<()> {
-    let mut section = Section { title: "figures 6.2, 6.3, 6.4: spring pendulum".into(), reading: "The spring pendulum of the thesis (chapter 6): reference paths of a soft and a stiff spring, and the energy of every scheme on the stiff one. A conserving scheme gives a horizontal line; blow-up and decay can be seen.".into(), ..Section::default() };
+    let mut section = ReportSection { title: "figures 6.2, 6.3, 6.4: spring pendulum".into(), reading: "The spring pendulum of the thesis (chapter 6): reference paths of a soft and a stiff spring, and the energy of every scheme on the stiff one. A conserving scheme gives a horizontal line; blow-up and decay can be seen.".into(), ..ReportSection::default() };
     for (title, problem) in
         [("figure 6.2: soft spring", SpringPendulum::soft()), ("figure 6.2: stiff spring", SpringPendulum::stiff())]
     {

@@ -8,7 +8,7 @@ use stoss::solver::{DecisionKind, Simulation};
 use super::check::{Bound, Check, number};
 use super::facade::simulation;
 use super::numbers::larger;
-use super::report::{Grid, Section};
+use super::report::{Grid, ReportSection};
 use super::{Bench, Findings, Suite};
 use crate::workspace::Outcome;
 use scene::Scene;
@@ -190,7 +190,11 @@ fn findings(rows: &[(String, Fate)], quick: bool) -> Findings {
         head: head.map(str::to_owned).to_vec(),
         rows: rows.iter().map(row).collect(),
     };
-    findings.sections.push(Section { title: "Static contact".into(), tables: vec![grid], ..Section::default() });
+    findings.sections.push(ReportSection {
+        title: "Static contact".into(),
+        tables: vec![grid],
+        ..ReportSection::default()
+    });
     findings
 }
 

@@ -17,7 +17,7 @@ use crate::verify::elements::equilibrium::{Equilibrium, Load};
 use crate::verify::elements::manufactured::{RATES, at_points};
 use crate::verify::elements::{keys, name};
 use crate::verify::facade;
-use crate::verify::report::{Grid, Section};
+use crate::verify::report::{Grid, ReportSection};
 use crate::workspace::Outcome;
 
 /// Errors at which costs are reported.
@@ -213,7 +213,7 @@ fn compare(problem: &Problem, findings: &mut Findings) -> Outcome<()> {
     );
     let head = std::iter::once("cell".to_owned()).chain(targets.iter().map(|t| format!("CPU s to {t:.0e}"))).collect();
     let runs = ["cell", "n", "unknowns", "error", "CPU s"].map(str::to_owned).to_vec();
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: format!("work and precision: {}", problem.name),
         reading: "Error against CPU time and against unknowns, a line for each cell, a point for each mesh. The lower left is best; the slope is the order of the cell.".into(),
         figures: vec![

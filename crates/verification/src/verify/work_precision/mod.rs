@@ -6,10 +6,10 @@ mod problems;
 mod solids;
 mod springs;
 
-use super::curve::{self, Case, TARGETS};
+use super::curve::{self, ProblemCurves, TARGETS};
 
 use super::check::{Bound, Check, number};
-use super::report::{Grid, Section};
+use super::report::{Grid, ReportSection};
 use super::{Bench, Findings, Suite};
 use crate::plot::{self, Labels, Series};
 use crate::workspace::Outcome;
@@ -58,7 +58,7 @@ pub fn is_known(names: &[String]) -> Outcome<()> {
     }
 }
 
-fn report(case: &Case, findings: &mut Findings) {
+fn report(case: &ProblemCurves, findings: &mut Findings) {
     let mut check = |quantity: String, measured: f64, bound: Bound, note: String| {
         findings.checks.push(Check::new(&case.name, quantity, measured, bound).noted(note));
     };
@@ -138,7 +138,7 @@ fn report(case: &Case, findings: &mut Findings) {
         number(case.reference_error)
     );
     let table = Grid { caption, head, rows: case.curves.iter().map(row).collect() };
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: format!("work and precision: {}", case.name),
         reading: "Error against run time, a line for each method. The lower left is best; a steeper line is a higher order, and a line that ends early stopped there.".into(),
         figures,

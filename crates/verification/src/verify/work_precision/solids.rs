@@ -1,6 +1,6 @@
 //! Work and precision of finite-element bodies: free flight, cantilever, impacts without and with friction.
 
-use crate::verify::curve::{Case, Curve, Point, relative_distance, timed};
+use crate::verify::curve::{Curve, Point, ProblemCurves, relative_distance, timed};
 use crate::workspace::Outcome;
 use std::path::Path;
 use stoss_integrators::SCHEMES;
@@ -139,7 +139,7 @@ const EXACT: [Combination; 6] = [
 ];
 
 /// The five cases.
-pub fn cases(quick: bool) -> Outcome<Vec<Case>> {
+pub fn cases(quick: bool) -> Outcome<Vec<ProblemCurves>> {
     let fewer = u32::from(quick);
     let smooth = |name: &'static str, about: &'static str, bodies: &str| Setup {
         name,
@@ -253,7 +253,7 @@ fn combinations(setup: &Setup) -> Outcome<Vec<Combination>> {
     Ok(all)
 }
 
-fn case(setup: &Setup) -> Outcome<Case> {
+fn case(setup: &Setup) -> Outcome<ProblemCurves> {
     let finest = setup.coarsest << (setup.levels - 1);
     let reference_steps = setup.finer * finest;
     let scheme = combination(setup.reference, "nts");
@@ -293,7 +293,7 @@ fn case(setup: &Setup) -> Outcome<Case> {
         curve.checked_order = smooth.then_some(f64::from(order));
         curves.push(curve);
     }
-    Ok(Case {
+    Ok(ProblemCurves {
         name: setup.name.into(),
         about: format!("{}, relative error of all displacements at T = {}", setup.about, setup.end),
         reference: format!(

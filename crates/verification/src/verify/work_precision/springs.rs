@@ -1,6 +1,6 @@
 //! Work and precision of the soft and the stiff spring (theory/integrators#spring).
 
-use crate::verify::curve::{Case, Curve, Point, relative_distance, timed};
+use crate::verify::curve::{Curve, Point, ProblemCurves, relative_distance, timed};
 use crate::workspace::Outcome;
 use stoss_integrators::{SCHEMES, Scheme, scheme};
 use stoss_model_problems::{Effort, ModelError, SpringPendulum, simulate};
@@ -26,14 +26,14 @@ fn end_position(problem: &SpringPendulum, scheme: &dyn Scheme, steps: u64) -> Re
 }
 
 /// Soft and stiff spring, all schemes.
-pub fn cases(quick: bool) -> Outcome<Vec<Case>> {
+pub fn cases(quick: bool) -> Outcome<Vec<ProblemCurves>> {
     [("soft spring", SpringPendulum::soft(), Some("6.5")), ("stiff spring", SpringPendulum::stiff(), None)]
         .into_iter()
         .map(|(name, problem, figure)| case(name, &problem, figure, quick))
         .collect()
 }
 
-fn case(name: &str, problem: &SpringPendulum, figure: Option<&str>, quick: bool) -> Outcome<Case> {
+fn case(name: &str, problem: &SpringPendulum, figure: Option<&str>, quick: bool) -> Outcome<ProblemCurves> {
     // Extrapolated from two runs of the midpoint rule; the difference to the extrapolation of coarser ones is its error.
     let midpoint = scheme("midpoint")?;
     let run = |steps| end_position(problem, midpoint.as_ref(), steps).map(|(q, _)| q);
@@ -72,7 +72,7 @@ fn case(name: &str, problem: &SpringPendulum, figure: Option<&str>, quick: bool)
         curve.failures = curve.failures.pop().map(|last| format!("from {last}")).into_iter().collect();
         curves.push(curve);
     }
-    Ok(Case {
+    Ok(ProblemCurves {
         name: name.into(),
         about: format!("Spring pendulum, c = {:.0e}, relative error of the position at T = {END}", problem.stiffness),
         reference: format!("midpoint rule with steps of {:.0e}, extrapolated", END / REFERENCE_STEPS as f64),

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 use super::super::check::{Bound, Check, number};
 use super::super::launch::launch;
-use super::super::report::{Grid, Section};
+use super::super::report::{Grid, ReportSection};
 use super::super::{Bench, Findings};
 use crate::workspace::{Outcome, write};
 use case::{Case, Word};
@@ -63,7 +63,7 @@ pub fn measure(bench: &Bench) -> Outcome<Findings> {
         write(&bench.folder.join(FOLDER).join("table.md"), &document::proposal(&documented, &found))?;
     }
     let counts = counts.iter().map(|(word, count)| vec![(*word).to_owned(), count.to_string()]).collect();
-    findings.sections.push(Section {
+    findings.sections.push(ReportSection {
         title: "Extreme cases".into(),
             reading: "Every contact method and scheme on stiff, thin, fast and degenerate scenes. A run is accepted if it is exact in what it promises or ends with an error that names the cause; the table of docs/verification/stability.md must not get worse.".into(),
         figures: Vec::new(),

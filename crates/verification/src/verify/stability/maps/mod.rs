@@ -14,7 +14,7 @@ mod text;
 
 use super::super::check::{Bound, Check};
 use super::super::launch::launch_within;
-use super::super::report::{Grid, Section};
+use super::super::report::{Grid, ReportSection};
 use super::super::side_by_side::side_by_side;
 use super::super::{Bench, Findings};
 use crate::plot::{self, Cell, Labels};
@@ -155,12 +155,12 @@ fn picture(map: &str, cells: &[&Record]) -> String {
     plot::map(labels, &places, &names, &WORDS, &cells)
 }
 
-fn section(records: &[Record]) -> Section {
+fn section(records: &[Record]) -> ReportSection {
     let maps = by_map(records);
     let rows = maps.iter().map(|(map, cells)| {
         std::iter::once((*map).to_owned()).chain(counts(cells).map(|count| count.to_string())).collect()
     });
-    Section {
+    ReportSection {
         title: "Stability maps".into(),
         reading: "Each cell is a run of a few elements with a closed form. Right: the closed form holds and the watch calls the run sound; doubtful: the watch says so; named error: the run ends with one, or with the verdict wrong; silent: the watch calls the run sound and the closed form does not hold.".into(),
         figures: maps.iter().map(|(map, cells)| picture(map, cells)).collect(),
