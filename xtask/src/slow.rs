@@ -44,6 +44,7 @@ pub fn command(workspace: &Workspace, log: Option<PathBuf>) -> Outcome<bool> {
         println!("slow: a test failed; all is in {}", log.display());
         return Ok(false);
     }
+    text.lines().filter(|line| line.starts_with("test result")).for_each(|line| println!("{line}"));
     let times = times(&text);
     let all: f64 = times.programs.iter().map(|(seconds, _)| seconds).sum();
     println!("slow: {} tests passed in {} programs, {all:.0} s", times.tests.len(), times.programs.len());

@@ -213,13 +213,13 @@ fn frames_agree_on_which_gaps_are_shown() {
     run(folder.path(), "out", &["--quiet", "--until", "0.004"]);
     for frame in ["frame_000000.vtu", "frame_000002.vtu"] {
         let data = stoss::mesh_io::read_vtu(folder.path().join("out/frames").join(frame)).unwrap();
-        let gap = data.point_field("gap").expect("there is contact");
+        let gap = data.point_data.get("gap").expect("there is contact");
         assert!(gap.values.iter().all(|g| g.is_nan()), "{frame}: {:?}", gap.values);
     }
     let near = folder_with(SCENE);
     run(near.path(), "out", &["--quiet", "--until", "0.002"]);
     let data = stoss::mesh_io::read_vtu(near.path().join("out/frames/frame_000000.vtu")).unwrap();
-    let gaps = &data.point_field("gap").unwrap().values;
+    let gaps = &data.point_data["gap"].values;
     assert_eq!(gaps.iter().filter(|g| (*g - 0.02).abs() < 1e-12).count(), 9, "{gaps:?}");
 }
 
@@ -392,7 +392,7 @@ fn frames_have_status_friction_and_slip_of_contact() {
     let folder = folder_with(&text.replace("end = 10.0", "end = 2.0").replace("every = 100", "every = 200"));
     run(folder.path(), "out", &[]);
     let frame = stoss::mesh_io::read_vtu(folder.path().join("out/frames/frame_000200.vtu")).unwrap();
-    let field = |name: &str| &frame.point_data.iter().find(|field| field.name == name).unwrap().values;
+    let field = |name: &str| &frame.point_data[name].values;
     let [status, pressure, friction, slip] =
         ["contact_status", "contact_pressure", "friction_traction", "slip"].map(field);
     let (mut slide, mut stick) = (0, 0);

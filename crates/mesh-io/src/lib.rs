@@ -41,6 +41,8 @@ mod survey;
 #[cfg(feature = "vtkhdf")]
 mod vtkhdf;
 mod vtu;
+mod vtu_cells;
+mod vtu_file;
 mod vtu_mesh;
 mod vtu_read;
 mod write;
@@ -58,5 +60,5 @@ pub use survey::{CellCount, MeshSurvey, Survey};
 #[cfg(feature = "vtkhdf")]
 pub use vtkhdf::{VtkhdfFile, append_vtkhdf, create_vtkhdf, keep_vtkhdf};
 pub use vtu::{Field, VtuFrame, write_vtu, write_vtu_to};
-pub use vtu_read::{OwnedField, VtuData, read_vtu, read_vtu_from_str};
+pub use vtu_read::{Array, VtuData, read_vtu, read_vtu_from_bytes};
 pub use write::write_mesh;

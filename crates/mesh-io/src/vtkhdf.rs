@@ -7,10 +7,11 @@
 //!
 //! What is read are files that this module wrote. Nothing is locked: a program that reads while a frame is written must be able to try again.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::atomic;
-use crate::{MeshIoError, OwnedField, VtuData, VtuFrame};
+use crate::{Array, MeshIoError, VtuData, VtuFrame};
 use rust_hdf5::{DatatypeMessage, H5Dataset, H5File, H5Group, H5Type, Hdf5Error};
 
 /// Numbers in a chunk of an array with one number a frame.
@@ -262,10 +263,18 @@ impl VtkhdfFile {
         let nodes = self.set("Connectivity")?.read_raw::<i64>().map_err(failed)?;
         let ends = self.set("Offsets")?.read_raw::<i64>().map_err(failed)?;
         let kinds = self.set("Types")?.read_raw::<u8>().map_err(failed)?;
+        let numbers = nodes.iter().map(|&n| u32::try_from(n).ok().filter(|&n| (n as usize) < self.points));
+        let numbers: Option<Vec<u32>> = numbers.collect();
+        let cell =
+            |ends: &[i64]| numbers.as_deref()?.get(usize::try_from(ends[0]).ok()?..usize::try_from(ends[1]).ok()?);
+        let cells: Option<Vec<(u8, &[u32])>> =
+            kinds.iter().zip(ends.windows(2)).map(|(&kind, ends)| Some((kind, cell(ends)?))).collect();
         let fits = data.points.len() == self.points
             && kinds.len() == self.cells
-            && nodes.iter().all(|&n| usize::try_from(n).is_ok_and(|n| n < self.points && n <= u32::MAX as usize))
-            && ends.split_first().is_some_and(|(_, ends)| data.add_cells(&nodes, ends, &kinds).is_some());
+            && ends.len() == self.cells + 1
+            && ends.first() == Some(&0)
+            && ends.last().is_some_and(|&end| end as usize == nodes.len())
+            && cells.is_some_and(|cells| data.add_cells(cells.into_iter()).is_some());
         if !fits {
             return Err(error(&self.path, "points and cells do not fit their numbers"));
         }
@@ -287,7 +296,7 @@ impl VtkhdfFile {
     }
 
     /// Arrays of a group in a frame, by name.
-    fn fields(&self, group: &str, frame: usize, rows: usize) -> Result<Vec<OwnedField>, MeshIoError> {
+    fn fields(&self, group: &str, frame: usize, rows: usize) -> Result<BTreeMap<String, Array>, MeshIoError> {
         let failed = |problem: Hdf5Error| error(&self.path, problem);
         let field = |name: String| {
             let offset = self.set(&format!("Steps/{group}Offsets/{name}"))?;
@@ -299,7 +308,7 @@ impl VtkhdfFile {
             let counts = shape(rows, components);
             let starts = [&[first], &vec![0; counts.len() - 1][..]].concat();
             let values = set.read_slice::<f64>(&starts, &counts).map_err(failed)?;
-            Ok(OwnedField { name, components, values })
+            Ok((name, Array { components, values }))
         };
         self.names(group)?.into_iter().map(field).collect()
     }

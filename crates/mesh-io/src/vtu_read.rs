@@ -1,79 +1,82 @@
-//! Reads VTU files that [`crate::write_vtu`] wrote: for tests, pictures and comparisons.
-//!
-//! This is not a reader of VTU files in general: one piece, the cells that are written in their order, inline
-//! binary arrays without compression.
+//! Frames of results as [`crate::write_vtu`] writes them: the cells in their order, arrays by name.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::MeshIoError;
 use crate::lines::syntax;
 use crate::vtu::{TIME, VTK_POLY_LINE, VTK_VERTEX};
-use crate::{MeshIoError, xml};
+use crate::vtu_file::{self, Named};
 use stoss_mesh::Elements;
 use stoss_reference_element::{CellKind, FaceKind, FaceNodes};
 
-/// A named array read from a file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OwnedField {
-    /// Name of the array.
-    pub name: String,
-    /// Number of components.
+/// Values on points or cells, row by row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Array {
+    /// Numbers in a row.
     pub components: usize,
-    /// The values, all components of the first point or cell first.
+    /// Values of all rows.
     pub values: Vec<f64>,
 }
 
-/// The content of a file.
-#[derive(Debug, Clone, Default, PartialEq)]
+impl Array {
+    /// Row `index`.
+    pub fn row(&self, index: usize) -> &[f64] {
+        &self.values[index * self.components..(index + 1) * self.components]
+    }
+
+    /// Euclidean length of row `index`; of a scalar the value itself, with its sign.
+    pub fn magnitude(&self, index: usize) -> f64 {
+        match self.row(index) {
+            [value] => *value,
+            row => row.iter().map(|value| value * value).sum::<f64>().sqrt(),
+        }
+    }
+}
+
+/// One frame. Cells stand in the order elements, facets, lines, vertices.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct VtuData {
-    /// Coordinates.
+    /// Coordinates of the points as stored.
     pub points: Vec<[f64; 3]>,
     /// Kinds and points of the elements.
     pub elements: Elements,
-    /// Kinds and points of the facets.
+    /// Kinds and points of the facets of surfaces.
     pub facets: Vec<FaceNodes>,
-    /// Points of the lines.
+    /// Points of each line.
     pub lines: Vec<Vec<u32>>,
     /// Single points.
     pub vertices: Vec<u32>,
-    /// Fields of the points.
-    pub point_data: Vec<OwnedField>,
-    /// Fields of the cells: elements, facets, lines, vertices.
-    pub cell_data: Vec<OwnedField>,
-    /// Fields of the frame.
-    pub field_data: Vec<OwnedField>,
+    /// Arrays on points by name.
+    pub point_data: BTreeMap<String, Array>,
+    /// Arrays on cells by name.
+    pub cell_data: BTreeMap<String, Array>,
+    /// Arrays of the frame by name.
+    pub field_data: BTreeMap<String, Array>,
     /// The time.
     pub time: Option<f64>,
 }
 
 impl VtuData {
-    /// The field of the points with this name.
-    pub fn point_field(&self, name: &str) -> Option<&OwnedField> {
-        self.point_data.iter().find(|f| f.name == name)
-    }
-
-    /// Takes over cells, of which `offsets` are the ends in `nodes`; `None` if there are others than those that are written, or in another order.
-    pub(crate) fn add_cells(&mut self, nodes: &[i64], offsets: &[i64], kinds: &[u8]) -> Option<()> {
-        let mut start = 0;
-        for (&end, &kind) in offsets.iter().zip(kinds) {
-            let end = usize::try_from(end).ok()?;
-            let cell: Vec<u32> = nodes.get(start..end)?.iter().map(|&n| n as u32).collect();
-            start = end;
+    /// Takes over cells; `None` if there are others than those that are written, or in another order.
+    pub(crate) fn add_cells<'a>(&mut self, cells: impl Iterator<Item = (u8, &'a [u32])>) -> Option<()> {
+        for (kind, cell) in cells {
             let solid = CellKind::ALL.into_iter().find(|solid| solid.table().vtk == kind);
             let facet = FaceKind::ALL.into_iter().find(|facet| facet.vtk() == kind);
             let after_facets = self.lines.len() + self.vertices.len();
             match (kind, solid, facet) {
                 (_, Some(solid), _) if self.facets.len() + after_facets == 0 && cell.len() == solid.node_count() => {
-                    self.elements.push(solid, &cell);
+                    self.elements.push(solid, cell);
                 }
                 (_, _, Some(facet)) if after_facets == 0 && cell.len() == facet.node_count() => {
                     self.facets.push(FaceNodes::from_fn(facet, |k| cell[k]));
                 }
-                (VTK_POLY_LINE, ..) if self.vertices.is_empty() && cell.len() >= 2 => self.lines.push(cell),
-                (VTK_VERTEX, ..) => self.vertices.push(*<&[u32; 1]>::try_from(cell.as_slice()).ok()?.first()?),
+                (VTK_POLY_LINE, ..) if self.vertices.is_empty() && cell.len() >= 2 => self.lines.push(cell.to_vec()),
+                (VTK_VERTEX, ..) => self.vertices.push(*<&[u32; 1]>::try_from(cell).ok()?.first()?),
                 _ => return None,
             }
         }
-        (offsets.len() == kinds.len() && start == nodes.len()).then_some(())
+        Some(())
     }
 }
 
@@ -84,124 +87,32 @@ impl VtuData {
 pub fn read_vtu(path: impl AsRef<Path>) -> Result<VtuData, MeshIoError> {
     let path = path.as_ref();
     let bytes = std::fs::read(path).map_err(|source| MeshIoError::Io { path: path.to_owned(), source })?;
-    read_vtu_from_str(path, &String::from_utf8_lossy(&bytes))
+    read_vtu_from_bytes(path, &bytes)
 }
 
-/// [`read_vtu`] for a text in memory; `path` is used in messages only.
+/// [`read_vtu`] for a file in memory; `path` is used in messages only.
 ///
 /// # Errors
 /// [`MeshIoError::Syntax`].
-pub fn read_vtu_from_str(path: impl AsRef<Path>, text: &str) -> Result<VtuData, MeshIoError> {
-    Reader { path: path.as_ref(), text, position: 0 }.read()
-}
-
-struct Reader<'a> {
-    path: &'a Path,
-    text: &'a str,
-    position: usize,
-}
-
-const REMEDY: &str = "only VTU files written by Stoss are read";
-
-impl<'a> Reader<'a> {
-    fn error(&self, value: &str, remedy: &str) -> MeshIoError {
-        let line =
-            self.text.as_bytes()[..self.position.min(self.text.len())].iter().filter(|&&b| b == b'\n').count() + 1;
-        syntax(self.path, line, value, format_args!("{remedy}; {REMEDY}"))
+pub fn read_vtu_from_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<VtuData, MeshIoError> {
+    let path = path.as_ref();
+    let file = vtu_file::read(path, bytes, |_, _| true)?;
+    let error = |line, value: &str, remedy: &str| {
+        Err(syntax(path, line, value, format_args!("{remedy}; only frames written by Stoss are read")))
+    };
+    let mut pieces = file.pieces.into_iter();
+    let (Some(piece), None) = (pieces.next(), pieces.next()) else {
+        return error(1, "several pieces", "expected one piece");
+    };
+    let mut data = VtuData::default();
+    if data.add_cells(piece.cells()).is_none() {
+        return error(piece.line, "the cells", "expected elements, facets, lines and vertices, in this order");
     }
-
-    fn read(mut self) -> Result<VtuData, MeshIoError> {
-        let mut data = VtuData::default();
-        let (mut section, mut counts) = ("", None);
-        let (mut nodes, mut offsets, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
-        let mut closed = false;
-        while let Some(tag) = xml::next_tag(self.text, self.position) {
-            self.position = tag.end;
-            match tag.name() {
-                "VTKFile" => {
-                    let expected =
-                        [("type", "UnstructuredGrid"), ("byte_order", "LittleEndian"), ("header_type", "UInt64")];
-                    if tag.attribute("compressor").is_some()
-                        || expected.iter().any(|(k, v)| tag.attribute(k) != Some(v))
-                    {
-                        return Err(
-                            self.error(tag.text, "expected an uncompressed little-endian grid with UInt64 headers")
-                        );
-                    }
-                }
-                "Piece" => {
-                    let count = |name| tag.attribute(name).and_then(|v| v.parse::<usize>().ok());
-                    let (Some(points), Some(cells), None) = (count("NumberOfPoints"), count("NumberOfCells"), counts)
-                    else {
-                        return Err(self.error(tag.text, "expected one piece with numbers of points and cells"));
-                    };
-                    counts = Some((points, cells));
-                }
-                name @ ("FieldData" | "PointData" | "CellData" | "Points" | "Cells") => section = name,
-                "DataArray" => {
-                    let name = tag.attribute("Name").and_then(xml::unescape);
-                    let Some(name) = name else { return Err(self.error(tag.text, "expected an array with a name")) };
-                    let components = tag.attribute("NumberOfComponents").unwrap_or("1").parse::<usize>().unwrap_or(0);
-                    let bytes = self.array(&tag)?;
-                    match (section, name.as_str(), tag.attribute("type")) {
-                        ("Cells", "connectivity", Some("Int64")) => nodes = self.values(&bytes, i64::from_le_bytes)?,
-                        ("Cells", "offsets", Some("Int64")) => offsets = self.values(&bytes, i64::from_le_bytes)?,
-                        ("Cells", "types", Some("UInt8")) => kinds = bytes,
-                        (_, _, Some("Float64")) if components > 0 => {
-                            let values = self.values(&bytes, f64::from_le_bytes)?;
-                            let field = OwnedField { name, components, values };
-                            match section {
-                                "Points" if components == 3 => data.points = field.values.as_chunks().0.to_vec(),
-                                "FieldData" if field.name == TIME => data.time = field.values.first().copied(),
-                                "FieldData" => data.field_data.push(field),
-                                "PointData" => data.point_data.push(field),
-                                "CellData" => data.cell_data.push(field),
-                                _ => return Err(self.error(tag.text, "unexpected array")),
-                            }
-                        }
-                        _ => return Err(self.error(tag.text, "unexpected array")),
-                    }
-                }
-                "/VTKFile" => closed = true,
-                _ => {}
-            }
-        }
-        let Some((points, cells)) = counts.filter(|_| closed) else {
-            return Err(self.error("end of file", "the file is cut off"));
-        };
-        let fits = |fields: &[OwnedField], tuples: usize| {
-            fields.iter().all(|f| f.components.checked_mul(tuples) == Some(f.values.len()))
-        };
-        let consistent = data.points.len() == points
-            && kinds.len() == cells
-            && nodes.iter().all(|&n| usize::try_from(n).is_ok_and(|n| n < points && n <= u32::MAX as usize))
-            && fits(&data.point_data, points)
-            && fits(&data.cell_data, cells)
-            && data.add_cells(&nodes, &offsets, &kinds).is_some();
-        if !consistent {
-            return Err(self.error("the arrays", "their lengths and contents must fit the numbers of points and cells"));
-        }
-        Ok(data)
-    }
-
-    /// The bytes of the array whose tag was just read.
-    fn array(&self, tag: &xml::Tag) -> Result<Vec<u8>, MeshIoError> {
-        let end = self.text[tag.end..].find('<').map(|i| tag.end + i);
-        let (Some(end), Some("binary")) = (end, tag.attribute("format")) else {
-            return Err(self.error(tag.text, "expected an inline binary array"));
-        };
-        let bytes = crate::base64::decode(&self.text[tag.end..end]);
-        match bytes.as_deref().and_then(|b| b.split_first_chunk::<8>()) {
-            Some((length, content)) if u64::from_le_bytes(*length) == content.len() as u64 => Ok(content.to_vec()),
-            _ => Err(self.error(tag.text, "the array is not base64, or its length is wrong")),
-        }
-    }
-
-    fn values<T, const N: usize>(&self, bytes: &[u8], convert: fn([u8; N]) -> T) -> Result<Vec<T>, MeshIoError> {
-        let (chunks, rest) = bytes.as_chunks::<N>();
-        if !rest.is_empty() {
-            return Err(self.error("an array", "its length does not fit its type"));
-        }
-        Ok(chunks.iter().map(|&c| convert(c)).collect())
-    }
+    let arrays = |fields: Vec<Named>| {
+        fields.into_iter().map(|f| (f.name, Array { components: f.components, values: f.values })).collect()
+    };
+    data.field_data = arrays(file.field_data);
+    data.time = data.field_data.remove(TIME).and_then(|time| time.values.first().copied());
+    (data.points, data.point_data, data.cell_data) = (piece.points, arrays(piece.point_data), arrays(piece.cell_data));
+    Ok(data)
 }

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use stoss_mesh::Mesh;
-use stoss_mesh_io::{Contents, MeshIoError, read_contents, read_contents_from_bytes};
+use stoss_mesh_io::{Contents, MeshIoError, read_contents, read_contents_from_bytes, read_vtu};
 
 fn data(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
@@ -41,6 +41,10 @@ fn encodings_of_meshio() {
         let second = contents.mesh(Some("body=2")).unwrap();
         assert_eq!((second.elements.len(), second.nodes.len()), (1, 8));
         assert!(second.nodes.iter().all(|x| x[0] >= 1.0) && !second.has_set("left"));
+        // The same as a frame.
+        let frame = read_vtu(data(name)).unwrap();
+        assert_eq!((frame.points.len(), frame.elements.len(), frame.facets.len()), (12, 2, 1), "{name}");
+        assert_eq!(frame.cell_data["body"].values[..2], [1.0, 2.0], "{name}");
     }
 }
 

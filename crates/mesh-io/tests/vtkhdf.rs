@@ -2,7 +2,7 @@
 use std::path::Path;
 use stoss_mesh::Elements;
 use stoss_mesh_io::{
-    Field, MeshIoError, VtkhdfFile, VtuData, VtuFrame, append_vtkhdf, create_vtkhdf, keep_vtkhdf, read_vtu_from_str,
+    Field, MeshIoError, VtkhdfFile, VtuData, VtuFrame, append_vtkhdf, create_vtkhdf, keep_vtkhdf, read_vtu_from_bytes,
     write_vtu_to,
 };
 use stoss_reference_element::{CellKind, FaceKind, FaceNodes};
@@ -72,7 +72,7 @@ fn write(path: &Path, frames: std::ops::Range<usize>) {
 fn vtu(k: usize) -> VtuData {
     let mut text = Vec::new();
     Values::new(k).write(k as f64 / 8.0, |frame| write_vtu_to(&mut text, frame)).unwrap();
-    read_vtu_from_str("frame", &String::from_utf8(text).unwrap()).unwrap()
+    read_vtu_from_bytes("frame", &text).unwrap()
 }
 
 /// Equal, bit for bit: NaN is no number.

@@ -264,8 +264,6 @@ proptest! {
             *facet = FacetNodes::from_fn(nodes.kind(), |k| nodes[(k + start as usize) % 4]);
         }
         prop_assert!(difference(&MassProperties::of_surface(&surface, 1.0).unwrap(), &inside) < 1e-14);
-        let back = MassProperties::from_inertia(whole.mass, whole.centre, whole.inertia()).unwrap();
-        prop_assert!(difference(&back, &whole) < 1e-14);
 
         // the same trilinear solid cut in eight: its parts have the same moments, so the rule is exact for them
         let parts = Hexahedron::new(corners, [2; 3]).generate().unwrap();
@@ -320,34 +318,4 @@ fn errors_are_named() {
     nan.nodes[3][0] = f64::NAN;
     assert!(matches!(MassProperties::of_surface(&nan, 1.0), Err(MeshError::Volume { .. })));
     assert!(MassProperties::of_cone(1.0, 1.0, 1.0, 1.0).is_err());
-}
-
-#[test]
-fn inertia_that_no_body_has() {
-    let diagonal = |d: [f64; 3]| matrix(|i, j| if i == j { d[i] } else { 0.0 });
-    let of = |inertia| MassProperties::from_inertia(2.0, [1.0, 2.0, 3.0], inertia);
-    let good = of(diagonal([3.0, 4.0, 5.0])).unwrap();
-    assert_eq!(good.euler, diagonal([3.0, 2.0, 1.0]));
-    assert_eq!(good.inertia(), diagonal([3.0, 4.0, 5.0]));
-    // a rod is allowed, a moment beyond the sum of the others is not, in whatever axes
-    of(diagonal([4.0, 4.0, 0.0])).unwrap();
-    assert!(of(diagonal([1.0, 1.0, 2.1])).is_err());
-    let r = Rotation { axis: [1.0, 2.0, -1.0], degrees: 40.0, about: [0.0; 3] }.matrix().unwrap();
-    let turned = |d| product(&product(&r, &diagonal(d)), &transposed(&r));
-    of(turned([1.0, 1.0, 1.9])).unwrap();
-    assert!(of(turned([1.0, 1.0, 2.1])).is_err());
-    assert!(of(diagonal([-1.0, -1.0, -1.0])).is_err());
-    assert!(
-        of(matrix(|i, j| if i == j {
-            1.0
-        } else if i < j {
-            0.1
-        } else {
-            0.0
-        }))
-        .is_err()
-    );
-    assert!(of(diagonal([f64::NAN, 1.0, 1.0])).is_err());
-    assert!(MassProperties::from_inertia(0.0, [0.0; 3], diagonal([1.0; 3])).is_err());
-    assert!(MassProperties::from_inertia(1.0, [f64::INFINITY, 0.0, 0.0], diagonal([1.0; 3])).is_err());
 }

@@ -53,7 +53,7 @@ pub use error::PartDataError;
 pub use frame::{JointFrame, axes_along};
 pub use joint::{
     CoordinateFriction, CoordinateKind, CoordinateOptions, CoordinateSpring, Directions, Drive, DriveFunction, JOINTS,
-    Joint, JointEntry, JointError, JointKind, PiecewiseLinear, Pretension, joint_entry,
+    Joint, JointEntry, JointError, JointKind, PiecewiseLinear, Pretension,
 };
 pub use kernel::{GradientAt, Kernel};
 pub use line::tributary_lengths;

@@ -61,13 +61,13 @@ fn cells(grid: &Grid) -> (Vec<i64>, Vec<u8>) {
         push(kind.table().vtk, &mut nodes.iter().map(|&node| i64::from(node)));
     }
     for facet in &grid.facets {
-        push(if facet.len() == 3 { 5 } else { 9 }, &mut facet.iter().map(|&node| node as i64));
+        push(facet.kind().vtk(), &mut facet.iter().map(|&node| i64::from(node)));
     }
     for line in &grid.lines {
-        push(4, &mut line.iter().map(|&node| node as i64));
+        push(4, &mut line.iter().map(|&node| i64::from(node)));
     }
     for &vertex in &grid.vertices {
-        push(1, &mut std::iter::once(vertex as i64));
+        push(1, &mut std::iter::once(i64::from(vertex)));
     }
     (cells, types)
 }

@@ -281,15 +281,14 @@ fn camera(grid: &Grid, place: [f64; 3]) -> Camera {
 
 /// The cells around a place: those that are not farther than the nearest [`NEAR`] ones.
 fn around(grid: &Grid, place: [f64; 3]) -> Grid {
-    let middle = |points: &mut dyn ExactSizeIterator<Item = usize>| -> f64 {
+    let middle = |points: &[u32]| -> f64 {
         let count = points.len().max(1) as f64;
-        let corners = points.map(|point| crate::paint::deformed(grid, point));
+        let corners = points.iter().map(|&point| crate::paint::deformed(grid, point as usize));
         let sum = corners.fold([0.0; 3], |sum, x| std::array::from_fn(|i| sum[i] + x[i]));
         distance(sum.map(|x| x / count), place)
     };
-    let elements: Vec<f64> =
-        grid.elements.iter().map(|cell| middle(&mut cell.iter().map(|&node| node as usize))).collect();
-    let facets: Vec<f64> = grid.facets.iter().map(|cell| middle(&mut cell.iter().copied())).collect();
+    let elements: Vec<f64> = grid.elements.iter().map(middle).collect();
+    let facets: Vec<f64> = grid.facets.iter().map(|cell| middle(cell)).collect();
     let mut all: Vec<f64> = elements.iter().chain(&facets).copied().collect();
     if all.len() <= NEAR {
         return grid.clone();
@@ -308,15 +307,14 @@ fn around(grid: &Grid, place: [f64; 3]) -> Grid {
     let elements_near = crate::vtu::chosen(&grid.elements, (0..elements.len()).filter(|&k| keep(k, elements[k])));
     let first = elements.len();
     let facets_near: Vec<_> =
-        (0..facets.len()).filter(|&k| keep(first + k, facets[k])).map(|k| grid.facets[k].clone()).collect();
+        (0..facets.len()).filter(|&k| keep(first + k, facets[k])).map(|k| grid.facets[k]).collect();
     Grid {
         points: grid.points.clone(),
         elements: elements_near,
         facets: facets_near,
-        lines: Vec::new(),
-        vertices: Vec::new(),
         point_data: grid.point_data.clone(),
         cell_data: [("body".to_owned(), Array { components: 1, values: bodies })].into(),
+        ..Grid::default()
     }
 }
 

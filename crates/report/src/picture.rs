@@ -123,7 +123,7 @@ impl<'a> Motif<'a> {
         if !surface.places().flatten().all(f64::is_finite) {
             return Err(format!("{}: positions that are not finite cannot be drawn", frame_of.path.display()).into());
         }
-        let shape = if grid.is_undeformed() { ", undeformed: no displacement is stored" } else { "" };
+        let shape = if crate::vtu::is_undeformed(grid) { ", undeformed: no displacement is stored" } else { "" };
         let factor =
             self.options.deformation.map(|factor| format!(", displacements times {factor}")).unwrap_or_default();
         let caption = format!("time {}, frame {frame}{shape}{factor}", time(&self.folder, frame_of.time));
@@ -226,11 +226,12 @@ fn chosen(grid: &Grid, names: &[String], wanted: &[String]) -> Result<Grid, Stri
     Ok(Grid {
         points: grid.points.clone(),
         elements: crate::vtu::chosen(&grid.elements, of(0)),
-        facets: of(1).map(|k| grid.facets[k].clone()).collect(),
+        facets: of(1).map(|k| grid.facets[k]).collect(),
         lines: of(2).map(|k| grid.lines[k].clone()).collect(),
         vertices: of(3).map(|k| grid.vertices[k]).collect(),
         point_data: grid.point_data.clone(),
         cell_data: [("body".to_owned(), Array { components: 1, values })].into(),
+        ..Grid::default()
     })
 }
 

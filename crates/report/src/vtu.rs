@@ -1,55 +1,12 @@
-//! Frames that `stoss` writes, as the crate `stoss-mesh-io` reads them, with arrays by name and points as indices; and collections of frames.
+//! Frames that `stoss` writes, as the crate `stoss-mesh-io` reads them, and collections of frames.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use stoss_mesh::Elements;
-use stoss_mesh_io::{OwnedField, VtuData, read_pvd_from_str, read_vtu, read_vtu_from_str};
+pub use stoss_mesh_io::{Array, VtuData as Grid};
+use stoss_mesh_io::{read_pvd_from_str, read_vtu};
 
 use crate::Outcome;
-
-/// Values on points or cells, row by row.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Array {
-    /// Numbers in a row.
-    pub components: usize,
-    /// Values of all rows.
-    pub values: Vec<f64>,
-}
-
-impl Array {
-    /// Row `index`.
-    pub fn row(&self, index: usize) -> &[f64] {
-        &self.values[index * self.components..(index + 1) * self.components]
-    }
-
-    /// Euclidean length of row `index`; of a scalar the value itself, with its sign.
-    pub fn magnitude(&self, index: usize) -> f64 {
-        match self.row(index) {
-            [value] => *value,
-            row => row.iter().map(|value| value * value).sum::<f64>().sqrt(),
-        }
-    }
-}
-
-/// One frame. Cells stand in the order elements, facets, lines, vertices.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Grid {
-    /// Coordinates of the points as stored.
-    pub points: Vec<[f64; 3]>,
-    /// Elements of deformable bodies.
-    pub elements: Elements,
-    /// Points of each facet of a surface, three or four.
-    pub facets: Vec<Vec<usize>>,
-    /// Points of each line.
-    pub lines: Vec<Vec<usize>>,
-    /// Single points.
-    pub vertices: Vec<usize>,
-    /// Arrays on points by name.
-    pub point_data: BTreeMap<String, Array>,
-    /// Arrays on cells by name.
-    pub cell_data: BTreeMap<String, Array>,
-}
 
 /// The elements with these numbers.
 pub(crate) fn chosen(elements: &Elements, numbers: impl Iterator<Item = usize>) -> Elements {
@@ -58,29 +15,9 @@ pub(crate) fn chosen(elements: &Elements, numbers: impl Iterator<Item = usize>) 
     chosen
 }
 
-impl Grid {
-    /// Whether the frame has no displacement, so that every point is drawn where it was at the start.
-    pub(crate) fn is_undeformed(&self) -> bool {
-        self.point_data.get("displacement").is_none_or(|array| array.components != 3)
-    }
-}
-
-impl From<VtuData> for Grid {
-    fn from(data: VtuData) -> Self {
-        let indices = |nodes: &[u32]| nodes.iter().map(|&node| node as usize).collect::<Vec<_>>();
-        let arrays = |fields: Vec<OwnedField>| {
-            fields.into_iter().map(|f| (f.name, Array { components: f.components, values: f.values })).collect()
-        };
-        Self {
-            facets: data.facets.iter().map(|nodes| indices(nodes)).collect(),
-            lines: data.lines.iter().map(|nodes| indices(nodes)).collect(),
-            vertices: indices(&data.vertices),
-            point_data: arrays(data.point_data),
-            cell_data: arrays(data.cell_data),
-            points: data.points,
-            elements: data.elements,
-        }
-    }
+/// Whether a frame has no displacement, so that every point is drawn where it was at the start.
+pub(crate) fn is_undeformed(grid: &Grid) -> bool {
+    grid.point_data.get("displacement").is_none_or(|array| array.components != 3)
 }
 
 /// Reads a file.
@@ -88,7 +25,7 @@ impl From<VtuData> for Grid {
 /// # Errors
 /// What is wrong with it, with its name.
 pub fn load(path: &Path) -> Outcome<Grid> {
-    Ok(read_vtu(path)?.into())
+    Ok(read_vtu(path)?)
 }
 
 /// Reads a frame, counted from 0, of a VTKHDF file.
@@ -97,7 +34,7 @@ pub fn load(path: &Path) -> Outcome<Grid> {
 /// What is wrong with the file, with its name; without the feature `vtkhdf` that it cannot be read.
 #[cfg(feature = "vtkhdf")]
 pub fn load_part(path: &Path, frame: usize) -> Outcome<Grid> {
-    Ok(stoss_mesh_io::VtkhdfFile::open(path)?.read(frame)?.into())
+    Ok(stoss_mesh_io::VtkhdfFile::open(path)?.read(frame)?)
 }
 
 /// Times of the frames of a VTKHDF file.
@@ -132,14 +69,6 @@ fn absent(path: &Path) -> Box<dyn std::error::Error> {
     format!("{}: this build reads VTU frames only (cargo feature `vtkhdf`)", path.display()).into()
 }
 
-/// Reads the text of a file.
-///
-/// # Errors
-/// What is wrong with it.
-pub fn parse(text: &str) -> Outcome<Grid> {
-    Ok(read_vtu_from_str("frame", text)?.into())
-}
-
 /// Time and path (relative to the collection) of every frame of a `.pvd` file.
 ///
 /// # Errors
@@ -154,18 +83,18 @@ pub(crate) mod tests {
     use super::*;
     use stoss_mesh_io::{Field, VtuFrame, write_vtu_to};
 
-    /// Text of a frame.
-    pub fn write(frame: &VtuFrame) -> String {
+    /// A frame, written and read.
+    pub fn copied(frame: &VtuFrame) -> Grid {
         let mut out = Vec::new();
         write_vtu_to(&mut out, frame).unwrap();
-        String::from_utf8(out).unwrap()
+        stoss_mesh_io::read_vtu_from_bytes("frame", &out).unwrap()
     }
 
     /// A cube with an array `speed` on the points.
     pub fn cube(speed: &[f64; 8]) -> Grid {
         let point_data = vec![Field { name: "speed", components: 1, values: speed }];
         let cube = Elements::from(vec![[0, 1, 2, 3, 4, 5, 6, 7]]);
-        parse(&write(&VtuFrame { points: &CUBE, elements: cube.blocks(), point_data, ..VtuFrame::default() })).unwrap()
+        copied(&VtuFrame { points: &CUBE, elements: cube.blocks(), point_data, ..VtuFrame::default() })
     }
 
     /// The eight corners of a unit cube in VTK's order.
@@ -193,15 +122,14 @@ pub(crate) mod tests {
             cell_data: vec![Field { name: "body", components: 1, values: &[0.0, 1.0, 1.0, 2.0, 3.0] }],
             ..VtuFrame::default()
         };
-        let grid = parse(&write(&frame)).unwrap();
+        let grid = copied(&frame);
         assert_eq!((&grid.points[..], grid.elements), (&CUBE[..], vec![[0, 1, 2, 3, 4, 5, 6, 7]].into()));
-        assert_eq!(grid.facets, [vec![0, 1, 2], vec![4, 5, 6, 7]]);
+        assert_eq!(grid.facets, [[0, 1, 2].into(), [4, 5, 6, 7].into()]);
         assert_eq!((grid.lines, grid.vertices), (vec![vec![0, 3, 6]], vec![5]));
         assert_eq!(grid.cell_data["body"].values, [0.0, 1.0, 1.0, 2.0, 3.0]);
         assert_eq!(grid.point_data["velocity"].row(6), [1.0; 3]);
         assert_eq!(grid.point_data["velocity"].magnitude(6), 3.0_f64.sqrt());
         assert_eq!(cube(&[-1.5; 8]).point_data["speed"].magnitude(1), -1.5);
-        assert!(parse(&write(&frame)[..1000]).is_err());
     }
 
     #[test]

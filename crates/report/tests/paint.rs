@@ -2,7 +2,6 @@
 
 use stoss_mesh_io::{Field, VtuFrame, write_vtu_to};
 use stoss_report::paint::{Camera, Primitives, Shot, Style, draw};
-use stoss_report::vtu;
 
 /// Quadrilaterals of a box whose corners are numbered from `first` on as those of a hexahedron.
 const SIDES: [[u32; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
@@ -64,7 +63,7 @@ fn a_trebuchet_is_seen_from_the_side() {
     };
     let mut text = Vec::new();
     write_vtu_to(&mut text, &frame).unwrap();
-    let grid = vtu::parse(&String::from_utf8(text).unwrap()).unwrap();
+    let grid = stoss_mesh_io::read_vtu_from_bytes("frame", &text).unwrap();
     let surface = Primitives::new(&grid, "speed").unwrap();
     let style = Style { title: "Trebuchet", label: "speed", width: 560.0, range: None };
     let shots = [-90.0, -60.0].map(|azimuth| (Camera { azimuth, elevation: 8.0 }, surface.clone()));

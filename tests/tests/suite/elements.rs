@@ -138,7 +138,7 @@ fn frames_show_nodes_and_not_what_contact_sees() {
     assert_eq!(frame.points.len(), nodes);
     let kinds: Vec<String> = frame.elements.kinds().iter().map(|kind| kind.to_string()).collect();
     assert_eq!(kinds, ["hex20", "tet10"]);
-    let field = |name: &str| &frame.point_data.iter().find(|field| field.name == name).unwrap().values;
+    let field = |name: &str| &frame.point_data[name].values;
     // Vertices in the middles of the lower body's faces come between the nodes of both bodies in the model, not in the frame.
     let lower = model.bodies[0].nodes.len();
     let (mut on_edges, mut corners) = (0, 0);

@@ -555,8 +555,8 @@ fn means_between_frames_are_the_weight() {
         // Mean pressures of the frame times the areas of the nodes.
         let frame = whole.path().join(format!("out/frames/frame_{step:06}.vtu"));
         let frame = stoss::mesh_io::read_vtu(&frame).unwrap();
-        let pressure = &frame.point_field("contact_pressure").unwrap().values;
-        let gap = &frame.point_field("gap").unwrap().values;
+        let pressure = &frame.point_data["contact_pressure"].values;
+        let gap = &frame.point_data["gap"].values;
         let mut sum = 0.0;
         for (k, x) in frame.points.iter().enumerate().skip(27).filter(|(_, x)| x[2] == 1.0) {
             let share = |x: f64| if x.abs() == 0.5 { 0.25 } else { 0.5 };
@@ -564,7 +564,7 @@ fn means_between_frames_are_the_weight() {
             assert!(gap[k].is_finite());
         }
         assert!((sum / -mean - 1.0).abs() < 0.02, "{sum:e} {mean:e}");
-        assert!(frame.point_field("friction_traction").is_none() && frame.point_field("slip").is_none());
+        assert!(!frame.point_data.contains_key("friction_traction") && !frame.point_data.contains_key("slip"));
     }
     // In single steps it is far from that.
     let all = std::fs::read_to_string(whole.path().join("out/general.csv")).unwrap();

@@ -301,7 +301,7 @@ fn states_are_fields_and_probes() {
     // On the way back it is elastic.
     assert_eq!((of(back, "p0"), of(back, "p3"), of(back, "p6")), (a, 0.0, 0.0));
     let frame = stoss::mesh_io::read_vtu(options.out.join("frames/frame_000011.vtu")).unwrap();
-    let field = |name: &str| frame.point_data.iter().find(|field| field.name == name).unwrap().values.clone();
+    let field = |name: &str| frame.point_data[name].values.clone();
     let strain = field("equivalent_plastic_strain");
     assert!(strain[..8].iter().all(|x| (x - a).abs() < 1e-12) && strain[8..].iter().all(|x| *x == 0.0), "{strain:?}");
     assert_eq!((field("back_stress").len(), field("plastic_strain").len(), field("yielding").len()), (96, 96, 16));

@@ -128,9 +128,9 @@ fn assert_same_results(a: &Path, b: &Path) {
     }
     for name in files(a).iter().filter(|name| name.ends_with(".vtu")) {
         let [a, b] = [a, b].map(|folder| read_vtu(folder.join(name)).unwrap());
-        for (field, of_b) in a.point_data.iter().zip(&b.point_data) {
-            assert_eq!(field.name, of_b.name);
-            assert_close(&format!("{name} {}", field.name), &field.values, &of_b.values, largest(&field.values));
+        for ((field, of_a), (of, of_b)) in a.point_data.iter().zip(&b.point_data) {
+            assert_eq!(field, of);
+            assert_close(&format!("{name} {field}"), &of_a.values, &of_b.values, largest(&of_a.values));
         }
     }
 }

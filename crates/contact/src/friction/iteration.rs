@@ -13,7 +13,7 @@ pub struct PointIteration {
 }
 
 impl PointIteration {
-    /// Whether the point is to be linearised on [`Friction::sticking_step`] although it slides, see [`Self::follow`].
+    /// Whether the point is to be linearised on [`super::Friction::sticking_step`] although it slides, see [`Self::follow`].
     pub fn is_reversed(&self) -> bool {
         self.reversed
     }

@@ -6,14 +6,9 @@ use stoss_reference_element::{CellKind, Family, QuadratureRule, quadrature};
 
 use super::SurfaceMesh;
 use super::revolution::tip_radius;
-use crate::error::parameter;
 use crate::generate::validate;
 use crate::vector::det;
 use crate::{Mesh, MeshError};
-
-/// Largest part of the trace by which a tensor of inertia may violate symmetry or positivity of its Euler tensor: that
-/// of numbers typed in with six digits.
-const INERTIA_TOLERANCE: f64 = 1e-6;
 
 /// Points of degree 5 in all cells.
 fn rule(kind: CellKind) -> QuadratureRule {
@@ -135,39 +130,6 @@ impl MassProperties {
         closed_form(PI * r * r * h * area / 3.0, centre, [across, across, along], density)
     }
 
-    /// Mass properties from mass, centre of mass and the tensor of inertia `I` about it: `E = tr(I) / 2 1 - I`. Of small asymmetries
-    /// the mean is taken.
-    ///
-    /// # Errors
-    /// [`MeshError::Parameter`]: a mass that is not positive, numbers that are not finite, a tensor that is not
-    /// symmetric, or one that no body has: its Euler tensor must be positive semidefinite, which says that no principal
-    /// moment exceeds the sum of the other two.
-    pub fn from_inertia(mass: f64, centre: [f64; 3], inertia: [[f64; 3]; 3]) -> Result<MassProperties, MeshError> {
-        validate::positive("mass", mass)?;
-        validate::finite("centre", &centre)?;
-        validate::finite("inertia", inertia.as_flattened())?;
-        let half_trace = 0.5 * (inertia[0][0] + inertia[1][1] + inertia[2][2]);
-        let euler: [[f64; 3]; 3] = std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                let mean = 0.5 * (inertia[i][j] + inertia[j][i]);
-                if i == j { half_trace - inertia[i][i] } else { -mean }
-            })
-        });
-        if !half_trace.is_finite() || half_trace < 0.0 {
-            return Err(parameter("inertia", inertia, "must have a positive and finite trace"));
-        }
-        let largest = (0..9).map(|k| (inertia[k / 3][k % 3] - inertia[k % 3][k / 3]).abs()).fold(0.0, f64::max);
-        if largest > INERTIA_TOLERANCE * half_trace {
-            return Err(parameter("inertia", inertia, "must be symmetric"));
-        }
-        if !is_semidefinite(&euler, half_trace) {
-            let remedy = "no principal moment may exceed the sum of the other two, for no body has such a tensor; is it \
-                          given about the centre of mass?";
-            return Err(parameter("inertia", inertia, remedy));
-        }
-        Ok(MassProperties { mass, centre, euler })
-    }
-
     /// The tensor of inertia about the centre of mass, `I = tr(E) 1 - E` (mass times squared length).
     pub fn inertia(&self) -> [[f64; 3]; 3] {
         let e = &self.euler;
@@ -285,17 +247,6 @@ fn checked(volume: f64, properties: MassProperties) -> Result<MassProperties, Me
     let finite =
         volume.is_finite() && mass.is_finite() && centre.iter().chain(euler.as_flattened()).all(|a| a.is_finite());
     if positive && finite { Ok(properties) } else { Err(MeshError::Volume { volume }) }
-}
-
-/// All principal minors of a symmetric tensor are at least zero, but for a part of the powers of `scale`.
-fn is_semidefinite(a: &[[f64; 3]; 3], scale: f64) -> bool {
-    if scale == 0.0 {
-        return a.as_flattened().iter().all(|&x| x == 0.0);
-    }
-    let b: [[f64; 3]; 3] = a.map(|row| row.map(|x| x / scale));
-    let minor = |i: usize, j: usize| b[i][i] * b[j][j] - b[i][j] * b[j][i];
-    let minors = [b[0][0], b[1][1], b[2][2], minor(0, 1), minor(1, 2), minor(2, 0), det(&b)];
-    minors.iter().all(|&m| m >= -INERTIA_TOLERANCE)
 }
 
 /// Mean of points; zero without any.

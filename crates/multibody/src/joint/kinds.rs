@@ -193,11 +193,6 @@ pub const JOINTS: &[JointEntry] = &[
     },
 ];
 
-/// The row of that name, if there is one.
-pub fn joint_entry(name: &str) -> Option<&'static JointEntry> {
-    JOINTS.iter().find(|entry| entry.name == name)
-}
-
 impl JointEntry {
     /// The kind, for points that are so far `apart` (a length), which counts only where a distance is kept.
     pub fn kind(&self, apart: f64) -> JointKind {
@@ -324,8 +319,8 @@ mod tests {
             assert_eq!(kind.functions(1.0).len(), kind.equations());
             assert_eq!(kind.equations() + degrees_of_freedom(entry), 6, "{}", entry.name);
         }
-        assert_eq!(joint_entry("distance").map(|entry| entry.kind(0.7)), Some(JointKind::Distance { length: 0.7 }));
-        assert!(joint_entry("glue").is_none());
+        let distance = JOINTS.iter().find(|entry| entry.name == "distance").map(|entry| entry.kind(0.7));
+        assert_eq!(distance, Some(JointKind::Distance { length: 0.7 }));
     }
 
     /// What each kind leaves of six (theory/multibody#joints).

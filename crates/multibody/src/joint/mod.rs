@@ -10,7 +10,7 @@ mod kinds;
 mod options;
 
 pub use coordinate::CoordinateKind;
-pub use kinds::{Directions, JOINTS, JointEntry, JointKind, joint_entry};
+pub use kinds::{Directions, JOINTS, JointEntry, JointKind};
 pub use options::{
     CoordinateFriction, CoordinateOptions, CoordinateSpring, Drive, DriveFunction, PiecewiseLinear, Pretension,
 };

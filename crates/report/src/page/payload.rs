@@ -247,7 +247,7 @@ impl Cache {
             let reference = shape.nodes.iter().map(|&point| first.points[point]).collect();
             let streams = Streams { reference, components: streams.clone(), ..Streams::default() };
             let (fields, arrays) = (Field::of(first), arrays.clone());
-            Self { shape, fields, arrays, stamps: Vec::new(), streams, is_undeformed: first.is_undeformed() }
+            Self { shape, fields, arrays, stamps: Vec::new(), streams, is_undeformed: crate::vtu::is_undeformed(first) }
         };
         let whole = of_shape(Connectivity::new(first, &folder.bodies, true));
         if whole.numbers() * folder.frames.len() <= NUMBERS / runs.max(1) {

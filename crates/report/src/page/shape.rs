@@ -98,24 +98,26 @@ impl Connectivity {
         for body in 0..count.min(total) {
             let starts = shape.lengths();
             let elements = chosen(&grid.elements, of(0, body));
-            let facets: Vec<&[usize]> = of(1, body).map(|k| grid.facets[k].as_slice()).collect();
-            let lines: Vec<&[usize]> = of(2, body).map(|k| grid.lines[k].as_slice()).collect();
-            let points: Vec<usize> = of(3, body).map(|k| grid.vertices[k]).collect();
-            let of_elements = elements.iter().flatten().map(|&node| node as usize);
-            let others = facets.iter().chain(&lines).copied().flatten().chain(&points).copied();
-            let Some(first) = of_elements.chain(others).min() else { continue };
+            let facets: Vec<&[u32]> = of(1, body).map(|k| &*grid.facets[k]).collect();
+            let lines: Vec<&[u32]> = of(2, body).map(|k| grid.lines[k].as_slice()).collect();
+            let points: Vec<u32> = of(3, body).map(|k| grid.vertices[k]).collect();
+            let others = facets.iter().chain(&lines).copied().flatten().chain(&points);
+            let Some(&first) = elements.iter().flatten().chain(others).min() else { continue };
+            let first = first as usize;
             let faces = boundary(&elements);
             shape.facets.extend(faces.iter().map(|face| face.points.map(|point| numbering.of(point))));
             shape.sides.extend(faces.iter().map(|face| mask(face.edges)));
-            let corner = |facet: &[usize], k: usize| facet[k.min(facet.len() - 1)];
+            let corner = |facet: &[u32], k: usize| facet[k.min(facet.len() - 1)] as usize;
             shape.facets.extend(
                 facets.iter().map(|facet| [0, 1, 2, 3].map(|k| corner(facet, k)).map(|point| numbering.of(point))),
             );
             shape.sides.resize(shape.facets.len(), mask([true; 4]));
             for line in lines {
-                shape.segments.extend(line.windows(2).map(|ends| [numbering.of(ends[0]), numbering.of(ends[1])]));
+                shape
+                    .segments
+                    .extend(line.windows(2).map(|ends| [ends[0], ends[1]].map(|end| numbering.of(end as usize))));
             }
-            shape.points.extend(points.iter().map(|&point| numbering.of(point)));
+            shape.points.extend(points.iter().map(|&point| numbering.of(point as usize)));
             for k in 0..if has_inside { elements.len() } else { 0 } {
                 let corners = hexahedron(elements.kind(k).table().family);
                 shape.elements.push(corners.map(|corner| numbering.of(elements[k][corner] as usize)));
@@ -152,7 +154,7 @@ mod tests {
         let mut grid = cube(&[0.0; 8]);
         // Three points of no cell, a triangle, a line of two segments and a single point.
         grid.points.extend([[9.0; 3]; 7]);
-        grid.facets = vec![vec![11, 12, 13]];
+        grid.facets = vec![[11, 12, 13].into()];
         grid.lines = vec![vec![12, 13, 14]];
         grid.vertices = vec![14];
         grid.cell_data.insert("body".into(), Array { components: 1, values: vec![0.0, 1.0, 2.0, 3.0] });

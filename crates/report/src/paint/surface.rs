@@ -64,19 +64,19 @@ impl Primitives {
         let solids = boundary(&grid.elements).into_iter().map(quad);
         let open = open_bodies(grid);
         let facets = grid.facets.iter().enumerate().map(|(k, facet)| {
-            let corner = |k: usize| facet[k.min(facet.len() - 1)];
+            let corner = |k: usize| facet[k.min(facet.len() - 1)] as usize;
             let has_back = open.contains(&body_of_facet(grid, k));
             let points = [0, 1, 2, 3].map(corner);
             Quad { is_rigid: true, has_back, ..quad(LinearFace { points, edges: [true; 4] }) }
         });
-        let line = |line: &Vec<usize>| Line {
-            points: line.iter().map(|&point| place(point)).collect(),
-            values: line.iter().map(|&point| value(point)).collect(),
+        let line = |line: &Vec<u32>| Line {
+            points: line.iter().map(|&point| place(point as usize)).collect(),
+            values: line.iter().map(|&point| value(point as usize)).collect(),
         };
         Ok(Self {
             quads: solids.chain(facets).collect(),
             lines: grid.lines.iter().map(line).collect(),
-            points: grid.vertices.iter().map(|&point| (place(point), value(point))).collect(),
+            points: grid.vertices.iter().map(|&point| (place(point as usize), value(point as usize))).collect(),
         })
     }
 
@@ -107,7 +107,7 @@ fn open_bodies(grid: &Grid) -> BTreeSet<u64> {
         let next = facet.iter().cycle().skip(1);
         facet.iter().zip(next).map(move |(&a, &b)| (body_of_facet(grid, k), a, b))
     });
-    let edges: BTreeSet<(u64, usize, usize)> = edges.collect();
+    let edges: BTreeSet<(u64, u32, u32)> = edges.collect();
     edges.iter().filter(|&&(body, a, b)| !edges.contains(&(body, b, a))).map(|&(body, ..)| body).collect()
 }
 
@@ -159,7 +159,7 @@ mod tests {
     use crate::paint::camera::{cross, dot};
     use crate::vtu::tests::{CUBE, cube as grid};
     use std::collections::BTreeMap;
-    use stoss_reference_element::CellKind;
+    use stoss_reference_element::{CellKind, FaceNodes};
 
     fn cube() -> Grid {
         grid(&[1.0; 8])
@@ -227,16 +227,17 @@ mod tests {
     fn facets_point_outwards_and_open_surfaces_have_a_back() {
         let faces = boundary(&cube().elements);
         let mut grid = Grid { elements: Elements::new(), ..cube() };
-        grid.facets = faces[..5].iter().map(|face| face.points.to_vec()).collect();
-        let [a, b, c, d] = faces[5].points;
-        grid.facets.extend([vec![a, b, c], vec![a, c, d]]);
+        let facet = |face: &LinearFace| FaceNodes::from(face.points.map(|point| point as u32));
+        grid.facets = faces[..5].iter().map(facet).collect();
+        let [a, b, c, d] = faces[5].points.map(|point| point as u32);
+        grid.facets.extend([FaceNodes::from([a, b, c]), [a, c, d].into()]);
         let closed = Primitives::new(&grid, "speed").unwrap();
         assert!((volume(&closed) - 1.0).abs() < 1e-14);
         assert!(closed.quads.len() == 7 && closed.quads.iter().all(|quad| quad.is_rigid && !quad.has_back));
         grid.facets.truncate(5);
         assert!(Primitives::new(&grid, "speed").unwrap().quads.iter().all(|quad| quad.has_back));
         // Two bodies, the first of them open.
-        grid.facets.extend(faces.iter().map(|face| face.points.to_vec()));
+        grid.facets.extend(faces.iter().map(facet));
         let values = (0..11).map(|k| if k < 5 { 0.0 } else { 1.0 }).collect();
         grid.cell_data.insert("body".into(), Array { components: 1, values });
         let backs: Vec<bool> =

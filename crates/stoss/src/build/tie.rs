@@ -113,7 +113,6 @@ fn made(
                 SceneInterface::Close => Interface::Close,
             },
             reach: item.reach,
-            ..TieOptions::default()
         };
         let is_given = |c: usize| tied[c] || model.follows_its_face(c as u32 / 3);
         let (is_fixed, is_always_fixed) = (|c: usize| first[c] || is_given(c), |c: usize| always[c] || is_given(c));

@@ -144,28 +144,28 @@ fields = ["displacement", "principal_stresses", "deformation_gradient", "green_l
         read_vtu(&path).unwrap()
     };
     let start = read(&simulation);
-    assert!(start.point_field("reaction").unwrap().values.iter().all(|&r| r == 0.0));
+    assert!(start.point_data["reaction"].values.iter().all(|&r| r == 0.0));
     while !simulation.finished() {
         simulation.advance().unwrap();
     }
     let data = read(&simulation);
-    let names: Vec<&str> = data.point_data.iter().map(|field| field.name.as_str()).collect();
+    let names: Vec<&str> = data.point_data.keys().map(String::as_str).collect();
     // No velocity and no Cauchy stress: they were not asked for.
     let asked = [
-        "displacement",
-        "principal_stresses",
         "deformation_gradient",
+        "displacement",
         "green_lagrange_strain",
         "logarithmic_strain",
+        "principal_stresses",
         "reaction",
     ];
     assert_eq!(names, asked);
     let corner = data.points.iter().position(|x| *x == [1.0; 3]).unwrap();
-    let u = &data.point_field("displacement").unwrap().values[3 * corner..3 * corner + 3];
+    let u = &data.point_data["displacement"].values[3 * corner..3 * corner + 3];
     let (wide, long) = (1.0 + u[0], 1.0 + u[2]);
     assert!(long > 1.1 && wide < 0.99 && (u[0] - u[1]).abs() < 1e-9);
     let everywhere = |name: &str, expected: &[f64], bound: f64| {
-        let values = &data.point_field(name).unwrap().values;
+        let values = &data.point_data[name].values;
         assert_eq!(values.len(), data.points.len() * expected.len());
         for row in values.chunks_exact(expected.len()) {
             assert!(
@@ -183,7 +183,7 @@ fields = ["displacement", "principal_stresses", "deformation_gradient", "green_l
     let j = wide * wide * long;
     let of_law = (mu * (long * long - 1.0) + lambda * j.ln()) / j;
     assert!((of_law - force / (wide * wide)).abs() < 1e-6 * force);
-    let reaction = &data.point_field("reaction").unwrap().values;
+    let reaction = &data.point_data["reaction"].values;
     let sum: f64 = reaction.chunks_exact(3).map(|r| r[2]).sum();
     assert!((sum + force).abs() < 1e-8 * force, "{sum}");
     for (x, r) in data.points.iter().zip(reaction.chunks_exact(3)) {
@@ -260,8 +260,8 @@ fn a_frame_has_surfaces_lines_and_points() {
     assert_eq!((data.facets.len(), &data.facets[1][..]), (2, &[1, 3, 4][..]));
     assert_eq!(data.elements.iter().flatten().min(), Some(&5));
     assert_eq!((data.lines, data.vertices), (vec![vec![18, 19, 20, 21]], vec![17]));
-    assert_eq!(data.cell_data[0].values, [0.0, 0.0, 1.0, 1.0, 2.0, 3.0]);
-    let von_mises = &data.point_data.iter().find(|field| field.name == "von_mises").unwrap().values;
+    assert_eq!(data.cell_data["body"].values, [0.0, 0.0, 1.0, 1.0, 2.0, 3.0]);
+    let von_mises = &data.point_data["von_mises"].values;
     assert!((0..22).all(|k| von_mises[k].is_nan() != (5..17).contains(&k)), "{von_mises:?}");
     // A direction is no point of a drawing.
     let wrong = Drawing { points: vec![DrawnPoint { name: "d".into(), node: single + 1 }], ..Drawing::default() };

@@ -182,7 +182,7 @@ pub fn judge_folder(folder: &Path) -> Result<Verdict, OutputError> {
     let mut previous: Option<Vec<f64>> = None;
     for stored in frames::stored(folder)? {
         let (step, path, data) = (stored.step, stored.file(), stored.read()?);
-        let displacement = data.point_field("displacement").filter(|field| field.components == 3);
+        let displacement = data.point_data.get("displacement").filter(|field| field.components == 3);
         let Some(displacement) = displacement else {
             let reason = "it has no field `displacement`: run again with it in [output] fields".into();
             return Err(damaged(path, reason));

@@ -124,7 +124,7 @@ impl Model {
                 .iter()
                 .enumerate()
                 .filter(|(k, _)| of(first + k) == index)
-                .map(|(_, nodes)| nodes.clone())
+                .map(|(_, nodes)| nodes.iter().map(|&n| n as usize).collect())
                 .collect();
             let is_plane = table.get("shape").and_then(|s| s.get("kind")).and_then(Value::as_str) == Some("plane");
             let kind = match (is_rigid, is_plane) {

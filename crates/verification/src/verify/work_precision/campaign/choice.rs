@@ -27,6 +27,11 @@ pub struct Choice {
 }
 
 impl Choice {
+    /// A combination with the direct solver and the tolerance 1e-9.
+    pub const fn direct(scheme: &'static str, method: &'static str, cell: &'static str, mesh: u32, steps: u32) -> Self {
+        Self { scheme, method, cell, mesh, steps, solver: "direct", tolerance: 1e-9 }
+    }
+
     /// Name of files of the run.
     pub fn slug(&self) -> String {
         let Self { scheme, method, cell, mesh, steps, solver, tolerance } = self;

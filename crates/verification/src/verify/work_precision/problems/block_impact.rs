@@ -6,15 +6,7 @@ use crate::verify::Run;
 use crate::verify::work_precision::campaign::{Choice, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
-const BEST: Choice = Choice {
-    scheme: "energy-momentum",
-    method: "nts",
-    cell: "hex8",
-    mesh: 8,
-    steps: 96,
-    solver: "direct",
-    tolerance: 1e-9,
-};
+const BEST: Choice = Choice::direct("energy-momentum", "nts", "hex8", 8, 96);
 
 const FINE: Choice = Choice { method: "mortar", mesh: 16, steps: 192, ..BEST };
 

@@ -4,15 +4,7 @@ use crate::verify::Run;
 use crate::verify::work_precision::campaign::{Choice, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
-const BEST: Choice = Choice {
-    scheme: "energy-momentum",
-    method: "mortar",
-    cell: "hex8",
-    mesh: 4,
-    steps: 40,
-    solver: "direct",
-    tolerance: 1e-9,
-};
+const BEST: Choice = Choice::direct("energy-momentum", "mortar", "hex8", 4, 40);
 
 /// See the module.
 pub const PROBLEM: Problem = Problem {

@@ -6,15 +6,7 @@ use crate::verify::Run;
 use crate::verify::work_precision::campaign::{Choice, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
-const BEST: Choice = Choice {
-    scheme: "energy-momentum",
-    method: "nts",
-    cell: "hex20",
-    mesh: 2,
-    steps: 120,
-    solver: "direct",
-    tolerance: 1e-9,
-};
+const BEST: Choice = Choice::direct("energy-momentum", "nts", "hex20", 2, 120);
 
 const FINE: Choice = Choice { method: "mortar", mesh: 4, steps: 240, ..BEST };
 

@@ -5,15 +5,7 @@ use crate::verify::Run;
 use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, last, no_files};
 use crate::workspace::Outcome;
 
-const BEST: Choice = Choice {
-    scheme: "statics",
-    method: "none",
-    cell: "hex27 mixed",
-    mesh: 6,
-    steps: 5,
-    solver: "direct",
-    tolerance: 1e-9,
-};
+const BEST: Choice = Choice::direct("statics", "none", "hex27 mixed", 6, 5);
 
 /// See the module.
 pub const PROBLEM: Problem = Problem {

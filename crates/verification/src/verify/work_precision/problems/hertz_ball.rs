@@ -18,15 +18,7 @@ const GAP: f64 = 1e-5;
 /// Nodes so near to the radius are on the surface: those in the middle of edges lie a little beside it.
 const ON_SURFACE: f64 = 1e-4;
 
-const BEST: Choice = Choice {
-    scheme: "statics",
-    method: "mortar dual",
-    cell: "hex8",
-    mesh: 4,
-    steps: 2,
-    solver: "direct",
-    tolerance: 1e-9,
-};
+const BEST: Choice = Choice::direct("statics", "mortar dual", "hex8", 4, 2);
 
 /// See the module.
 pub const PROBLEM: Problem = Problem {

@@ -13,15 +13,7 @@ const RADII: [f64; 2] = [1.0, 2.0];
 /// Stretch of the inner radius, which fixes the pressure.
 const STRETCH: f64 = 1.4;
 
-const BEST: Choice = Choice {
-    scheme: "statics",
-    method: "none",
-    cell: "hex27 mixed",
-    mesh: 3,
-    steps: 2,
-    solver: "direct",
-    tolerance: 1e-9,
-};
+const BEST: Choice = Choice::direct("statics", "none", "hex27 mixed", 3, 2);
 
 /// See the module.
 pub const PROBLEM: Problem = Problem {

@@ -12,15 +12,7 @@ const END: f64 = 4.0;
 /// General contact acts over a distance.
 const GAP: f64 = 1e-3;
 
-const BEST: Choice = Choice {
-    scheme: "statics",
-    method: "mortar dual",
-    cell: "hex8",
-    mesh: 4,
-    steps: 32,
-    solver: "direct",
-    tolerance: 1e-9,
-};
+const BEST: Choice = Choice::direct("statics", "mortar dual", "hex8", 4, 32);
 
 /// See the module.
 pub const PROBLEM: Problem = Problem {

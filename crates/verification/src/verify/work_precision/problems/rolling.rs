@@ -5,15 +5,7 @@ use crate::verify::Run;
 use crate::verify::work_precision::campaign::{Choice, Claim, Problem, Reference, Values, no_files};
 use crate::workspace::Outcome;
 
-const BEST: Choice = Choice {
-    scheme: "energy-momentum",
-    method: "nts",
-    cell: "hex8",
-    mesh: 32,
-    steps: 200,
-    solver: "direct",
-    tolerance: 1e-9,
-};
+const BEST: Choice = Choice::direct("energy-momentum", "nts", "hex8", 32, 200);
 
 /// See the module.
 pub const PROBLEM: Problem = Problem {

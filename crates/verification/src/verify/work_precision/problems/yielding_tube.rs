@@ -15,15 +15,7 @@ const RADII: [f64; 2] = [1.0, 2.0];
 /// Radius up to which it yields.
 const FRONT: f64 = 1.5;
 
-const BEST: Choice = Choice {
-    scheme: "statics",
-    method: "none",
-    cell: "hex27 mixed",
-    mesh: 8,
-    steps: 4,
-    solver: "direct",
-    tolerance: 1e-9,
-};
+const BEST: Choice = Choice::direct("statics", "none", "hex27 mixed", 8, 4);
 
 /// See the module.
 pub const PROBLEM: Problem = Problem {

@@ -2,12 +2,19 @@
 
 use stoss_reference_element::{CellKind, FaceKind, FacetNodes};
 
-use super::Names;
 use crate::contents::{Source, entry};
 use crate::place::FileLocation;
 use crate::{Contents, MeshIoError};
 
 const VOXEL: u8 = 11;
+
+/// The groups of a cell.
+pub(crate) struct Names {
+    /// `array=value`.
+    pub values: Vec<String>,
+    /// Arrays of zeros and ones.
+    pub choices: Vec<String>,
+}
 
 /// Name of a type, and whether it has a volume.
 fn describe(kind: u8) -> (&'static str, bool) {
@@ -70,7 +77,7 @@ fn remedy(kind: u8) -> &'static str {
 }
 
 /// Adds a cell of a type with its nodes.
-pub(super) fn add(
+pub(crate) fn add(
     contents: &mut Contents,
     kind: u8,
     cell: usize,
