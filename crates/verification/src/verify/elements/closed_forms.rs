@@ -206,7 +206,7 @@ fn punch(form: &Form) -> Outcome<(f64, String)> {
 pub fn measure(findings: &mut Findings, quick: bool) -> Outcome<()> {
     let mut rows = Vec::new();
     for form in &FORMS {
-        if quick && !matches!(form.kind, CellKind::Hex8 | CellKind::Hex27 | CellKind::Tet10) {
+        if quick && !(form.close && matches!(form.kind, CellKind::Hex8 | CellKind::Hex27 | CellKind::Tet10)) {
             continue;
         }
         let name = form.name();

@@ -6,14 +6,25 @@ use stoss_solver::{Simulation, StepRecord};
 use toml::{Table, Value};
 
 /// Runs a scene to its end and looks after each step.
-pub fn run(scene: &Table, name: &str, mut look: impl FnMut(&Simulation, &[Probe], &StepRecord)) -> Outcome<Simulation> {
+pub fn run(scene: &Table, name: &str, look: impl FnMut(&Simulation, &[Probe], &StepRecord)) -> Outcome<Simulation> {
+    run_until(scene, name, f64::INFINITY, look)
+}
+
+/// Runs a scene as [`run`], no farther than the first step that ends at this time or later.
+pub fn run_until(
+    scene: &Table,
+    name: &str,
+    until: f64,
+    mut look: impl FnMut(&Simulation, &[Probe], &StepRecord),
+) -> Outcome<Simulation> {
     let text = toml::to_string(scene)?;
     let scene = stoss_scene::parse(&text, name).map_err(|error| error.to_string())?;
     let built = build(&scene, std::path::Path::new(".")).map_err(|error| error.to_string())?;
     let Built { mut simulation, schedule, probes, .. } = built;
     loop {
         schedule.events(&mut simulation, &probes)?;
-        if simulation.finished() && !schedule.advance(&mut simulation)? {
+        let ended = simulation.state().time > until - 1e-9;
+        if ended || simulation.finished() && !schedule.advance(&mut simulation)? {
             return Ok(simulation);
         }
         let record = simulation.advance()?;
