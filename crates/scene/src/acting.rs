@@ -1,8 +1,8 @@
 //! What acts on a coordinate of a joint: motor, limits, friction, spring, pretension.
 
 use crate::Series;
-use crate::event::before_end;
-use crate::read::{Node, Table, World};
+use crate::read::{Node, Table};
+use crate::world::{World, before_end};
 use stoss_multibody::CoordinateKind;
 use stoss_scene_derive::table;
 

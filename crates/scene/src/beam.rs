@@ -1,8 +1,10 @@
 //! `[[beam]]`: axis, section, material, initial velocity of a beam.
 
 use crate::Kind;
-use crate::read::{Node, Setting, Table, Value, poisson};
+use crate::catalogue::poisson;
+use crate::read::{Node, Table, Value};
 use crate::vector::{cross, dot, norm, parallel, perpendicular, scaled, sub};
+use crate::world::Setting;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;

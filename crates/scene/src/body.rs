@@ -1,8 +1,9 @@
 //! `[[body]]`: mesh, placement, material, density, initial velocity.
 
 use crate::names::named;
-use crate::read::{Node, Setting, Table, Value};
-use crate::{Material, MeshSource};
+use crate::read::{Node, Table, Value};
+use crate::world::Setting;
+use crate::{Material, MeshSource, OneOrMany};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;
@@ -10,7 +11,6 @@ use serde::Serialize;
 use std::borrow::Cow;
 use stoss_reference_element::CellKind;
 use stoss_scene_derive::table;
-use toml::de::DeValue;
 
 named! {
     /// Mass matrix of a body.
@@ -223,47 +223,6 @@ pub struct Rotation {
     /// A point on the axis; the origin of the coordinates of the mesh if left out.
     #[key(default, dimension = Length)]
     pub about: [f64; 3],
-}
-
-/// One value or a list of them; see [`OneOrMany::as_slice`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema), schemars(rename = "{T}s"))]
-#[serde(untagged)]
-pub enum OneOrMany<T> {
-    /// A single one.
-    One(T),
-    /// Several, in their order.
-    Many(Vec<T>),
-}
-
-impl<C, T: Value<C>> Value<C> for OneOrMany<T> {
-    fn read(node: &Node<'_>, context: &C) -> Option<Self> {
-        match node.value {
-            DeValue::Array(_) => node.list(|node| T::read(node, context)).map(Self::Many),
-            _ => T::read(node, context).map(Self::One),
-        }
-    }
-}
-
-impl<T> Default for OneOrMany<T> {
-    fn default() -> Self {
-        Self::Many(Vec::new())
-    }
-}
-
-impl<T> OneOrMany<T> {
-    /// The values in their order.
-    pub fn as_slice(&self) -> &[T] {
-        match self {
-            Self::One(value) => std::slice::from_ref(value),
-            Self::Many(values) => values,
-        }
-    }
-
-    /// True if there is none.
-    pub fn is_empty(&self) -> bool {
-        self.as_slice().is_empty()
-    }
 }
 
 /// Rotations in the order in which they are applied.

@@ -4,9 +4,11 @@
 use crate::Dimension;
 use crate::chosen::of_which;
 use crate::contact_method::{ContactMethod, METHODS, MethodEntry};
-use crate::names::{known, named};
-use crate::read::{Contradiction, Node, Table, Value, World, contact_reference, is_line};
+use crate::names::named;
+use crate::read::{Contradiction, Node, Table, Value};
+use crate::spelling::known;
 use crate::tie::Multipliers;
+use crate::world::{World, contact_reference, is_line};
 use crate::{Friction, Kind, Series, split_set};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;

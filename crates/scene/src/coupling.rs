@@ -1,7 +1,8 @@
 //! Kinematic and distributing coupling of sets of deformable bodies to a reference point; `[[coupling]]`.
 
 use crate::names::named;
-use crate::read::{Node, World, part_name, set_reference};
+use crate::read::Node;
+use crate::world::{World, part_name, set_reference};
 use crate::{PartKind, split_set};
 use stoss_scene_derive::table;
 

@@ -1,6 +1,7 @@
 //! `[[equation]]`: linear equations between displacements, multi-point constraints.
 
-use crate::read::{Node, Table, Value, World, action_name, part_name, raw, set_reference};
+use crate::read::{Node, Table, Value};
+use crate::world::{World, action_name, part_name, raw, set_reference};
 use crate::{Component, Series, split_set};
 use std::collections::BTreeSet;
 use stoss_scene_derive::table;

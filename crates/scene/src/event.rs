@@ -1,9 +1,10 @@
 //! `[[event]]` and `[[stage]]`: changes in the course of a run.
 
 use crate::general::MAX_STEPS;
-use crate::names::known;
 use crate::probe::{component_fits, probe_component, probe_of};
-use crate::read::{Action, GRAVITY, Node, Table, Value, World, raw};
+use crate::read::{Node, Table, Value};
+use crate::spelling::known;
+use crate::world::{Action, GRAVITY, World, before_end, raw};
 use crate::{Automatic, Integrator, Kind, ProbeComponent, Stabilise, Time};
 use stoss_scene_derive::table;
 
@@ -96,15 +97,6 @@ fn one_cause(_: &mut EventKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> 
         (true, true) => table.fail("when", "`time` is given too", "remove one of them"),
         (false, false) => table.missing("time", "time = 0.5` or `when = { probe = \"pull\", above = 10.0 }"),
         _ => Some(()),
-    }
-}
-
-/// A time after the start, up to the end of the run.
-pub(crate) fn before_end(node: &Node<'_>, world: &World<'_>) -> Option<f64> {
-    let time = node.positive()?;
-    match world.end {
-        Some(end) if time > end => node.fail(format!("is after the end of the run, {end}"), "choose a time in the run"),
-        _ => Some(time),
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::names::named;
 use crate::probe::{component_fits, probe_component, probe_of};
-use crate::read::{Table, World, time_in_run};
+use crate::read::Table;
+use crate::world::{World, time_in_run};
 use crate::{Kind, ProbeComponent, Verdict};
 use stoss_scene_derive::table;
 

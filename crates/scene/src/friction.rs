@@ -4,8 +4,10 @@ use crate::ContactMethod;
 #[cfg(feature = "schema")]
 use crate::catalogue;
 use crate::catalogue::Parameter;
+use crate::catalogue::{law_parameters, of_row};
 use crate::names::named;
-use crate::read::{Node, Table, Value, World, law_parameters, of_row};
+use crate::read::{Node, Table, Value};
+use crate::world::World;
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;

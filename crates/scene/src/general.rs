@@ -4,7 +4,7 @@
 use crate::Dimension;
 use crate::names::named;
 use crate::read::{Node, Table, Value};
-use crate::{Component, OneOrMany, Units};
+use crate::{Component, Kind, OneOrMany, Units};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;
@@ -13,16 +13,6 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use stoss_integrators::{SCHEMES, SchemeError};
 use stoss_scene_derive::table;
-
-named! {
-    /// Kind of analysis of a scene or a stage.
-    Kind {
-        /// With inertia: needs `[time] integrator` and the density of every body.
-        Dynamic = "dynamic",
-        /// Without inertia: a sequence of equilibria while loads and prescribed displacements follow their tables.
-        QuasiStatic = "quasi-static",
-    }
-}
 
 named! {
     /// Solver for linear systems.

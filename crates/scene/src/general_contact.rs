@@ -5,7 +5,8 @@ use crate::Dimension;
 #[cfg(feature = "schema")]
 use crate::catalogue;
 use crate::names::named;
-use crate::read::{Node, Table, Value, World, is_name, part_name, surface_reference};
+use crate::read::{Node, Table, Value, is_name};
+use crate::world::{World, part_name, surface_reference};
 use crate::{Friction, Integrator};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

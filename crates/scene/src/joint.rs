@@ -3,9 +3,10 @@
 use crate::acting::{Coordinate, limits, limits_act};
 use crate::chosen::{Chosen, Rows, of_which};
 use crate::coupling::Coupling;
-use crate::names::known;
-use crate::read::{Node, Table, Value, World, action_name};
+use crate::read::{Node, Table, Value};
+use crate::spelling::known;
 use crate::vector::{norm, perpendicular, sub};
+use crate::world::{World, action_name};
 use crate::{ActingOn, JointFriction, JointSpring, Kind, Motor, PartKind, Pretension, split_set};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;

@@ -22,9 +22,11 @@ mod beam;
 mod body;
 mod catalogue;
 mod chosen;
+mod component;
 mod contact;
 mod contact_method;
 mod coupling;
+mod document;
 mod equation;
 mod event;
 mod expect;
@@ -35,11 +37,13 @@ mod general_contact;
 mod gravity;
 mod inelastic;
 mod joint;
+mod kind;
 mod left_out;
 mod load;
 mod material;
 mod mesh;
 mod names;
+mod one_or_many;
 mod output;
 mod part;
 mod prescribe;
@@ -55,7 +59,10 @@ mod schema;
 mod series;
 mod set;
 mod set_expression;
+mod set_parser;
+mod sets;
 mod source;
+mod spelling;
 mod string;
 mod support;
 mod sweep;
@@ -63,14 +70,14 @@ mod tie;
 mod units;
 mod vector;
 mod watch;
+mod world;
 
 pub use acting::{ActingOn, JointFriction, JointSpring, Motor, Pretension};
 pub use beam::{Arc, Beam, CircleSection, RectangleSection, Section, SectionShape, SectionStiffness, TubeSection};
-pub use body::{
-    Body, Cell, Damping, Integration, Mass, OneOrMany, Rotation, Rotations, RoundShape, RoundSurface, Volumetric,
-};
+pub use body::{Body, Cell, Damping, Integration, Mass, Rotation, Rotations, RoundShape, RoundSurface, Volumetric};
 pub use catalogue::{Parameter, given};
 pub use chosen::{Chosen, Rows};
+pub use component::Component;
 pub use contact::{
     Closing, ClosingFriction, Constraint, Contact, Edges, Enforcement, GapAtClosing, Integrals, OverlapAtStart,
     Reduction, SurfaceMass,
@@ -82,13 +89,13 @@ pub use event::{Event, EventCondition, Stage};
 pub use expect::{Expect, ExpectedValue, Interval, Outcome};
 pub use friction::{Friction, Slip, Stick, Sticking};
 pub use general::{
-    Automatic, FORMAT, Factors, Header, InsideOut, Integrator, Kind, LinearSolver, PlaneSection, Solver, Stabilise,
-    Time,
+    Automatic, FORMAT, Factors, Header, InsideOut, Integrator, LinearSolver, PlaneSection, Solver, Stabilise, Time,
 };
 pub use general_contact::{GeneralContact, GeneralFriction, GeneralPair, Initial};
 pub use gravity::Gravity;
 pub use inelastic::{Fibres, Moduli, Mullins, Plasticity, Rate};
 pub use joint::{GROUND, Joint, JointKind, JointPoint, Spring};
+pub use kind::Kind;
 pub use left_out::{LeftOut, Omission};
 pub use load::{Load, LoadKind};
 pub use material::{Inelasticity, Material};
@@ -96,9 +103,9 @@ pub use mesh::{
     Ball, Block, Cylinder, Disc, Generator, Hexahedron, HollowBall, HollowTorus, Indenter, LShape, MeshFile,
     MeshSource, Portion, Rectangle, Refinement,
 };
-pub use names::known;
+pub use one_or_many::OneOrMany;
 pub use output::{FrameFormat, Frames, Output};
-pub use part::PartKind;
+pub use part::{PartKind, split_set};
 pub use prescribe::{Prescribe, PrescribedRotation};
 pub use probe::Probe;
 pub use problem::{Problem, SceneErrors};
@@ -107,9 +114,10 @@ pub use rigid::{BoxShape, ConeShape, CylinderShape, PlaneShape, Rigid, Shape, Sp
 #[cfg(feature = "schema")]
 pub use schema::json_schema;
 pub use series::{Series, SeriesTable};
-pub use set::{BoxRegion, Component, PlaneRegion, SetDefinition, split_set};
+pub use set::{BoxRegion, PlaneRegion, SetDefinition};
 pub use set_expression::{Formula, RegionKind, Relation, SetExpression, SetRegion};
 pub use source::Location;
+pub use spelling::known;
 pub use stoss_multibody::{CoordinateKind, Directions};
 pub use string::{ElasticString, PointMass};
 pub use support::{Support, SupportPer};
@@ -293,7 +301,7 @@ impl Scene {
 /// All problems of the scene: those of TOML's syntax if there are any, otherwise unknown keys, wrong types, missing keys, values
 /// out of range and contradictions.
 pub fn parse(text: &str, file: &str) -> Result<Scene, SceneErrors> {
-    read::scene(text, file, &OwnNames::default(), &[])
+    document::scene(text, file, &OwnNames::default(), &[])
 }
 
 /// Names of a user's own laws.
@@ -312,7 +320,7 @@ pub struct OwnNames<'a> {
 /// # Errors
 /// The errors of [`parse`].
 pub fn parse_with(text: &str, file: &str, own_laws: &OwnNames<'_>) -> Result<Scene, SceneErrors> {
-    read::scene(text, file, own_laws, &[])
+    document::scene(text, file, own_laws, &[])
 }
 
 /// The scene as of [`parse_with`], with other values for some parameters: names and expressions in the parameters, as in
@@ -326,5 +334,5 @@ pub fn parse_set(
     own_laws: &OwnNames<'_>,
     overrides: &[(String, String)],
 ) -> Result<Scene, SceneErrors> {
-    read::scene(text, file, own_laws, overrides)
+    document::scene(text, file, own_laws, overrides)
 }

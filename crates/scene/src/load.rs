@@ -1,8 +1,10 @@
 //! `[[load]]`: pressures, tractions, forces, moments.
 
 use crate::coupling::Coupling;
-use crate::names::{known, named};
-use crate::read::{KnownPart, Table, World, action_name, meshed_part, set_reference};
+use crate::names::named;
+use crate::read::Table;
+use crate::spelling::known;
+use crate::world::{KnownPart, World, action_name, meshed_part, set_reference};
 use crate::{PartKind, Series, split_set};
 use stoss_scene_derive::table;
 

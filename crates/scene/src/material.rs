@@ -3,7 +3,9 @@
 #[cfg(feature = "schema")]
 use crate::catalogue;
 use crate::catalogue::{Parameter, given};
-use crate::read::{Node, Setting, Table, Value, law_parameters, of_row};
+use crate::catalogue::{law_parameters, of_row};
+use crate::read::{Node, Table, Value};
+use crate::world::Setting;
 use crate::{Fibres, Moduli, Mullins, Plasticity};
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

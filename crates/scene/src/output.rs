@@ -1,7 +1,8 @@
 //! `[output]`: frames, their fields, and checkpoints.
 
 use crate::names::named;
-use crate::read::{Node, Table, Value, World, time_in_run};
+use crate::read::{Node, Table, Value};
+use crate::world::{World, time_in_run};
 use crate::{Field, Kind};
 use stoss_scene_derive::table;
 

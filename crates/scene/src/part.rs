@@ -48,3 +48,8 @@ impl Scene {
         self.joints.iter().position(|joint| joint.name == name)
     }
 }
+
+/// Part and set of a reference `part.set`: what is before and after the first dot.
+pub fn split_set(reference: &str) -> Option<(&str, &str)> {
+    reference.split_once('.').filter(|(body, set)| !body.is_empty() && !set.is_empty())
+}

@@ -1,6 +1,7 @@
 //! `[[prescribe]]`: prescribed displacements and motions.
 
-use crate::read::{Node, Table, Value, World, action_name, set_reference};
+use crate::read::{Node, Table, Value};
+use crate::world::{World, action_name, set_reference};
 use crate::{Component, PartKind, Series, split_set};
 use stoss_scene_derive::table;
 

@@ -2,8 +2,9 @@
 
 use crate::chosen::of_which;
 use crate::joint::slides;
-use crate::names::known;
-use crate::read::{KnownProbe, Node, Table, Value, World, is_name, part_name, raw, set_reference};
+use crate::read::{Node, Table, Value, is_name};
+use crate::spelling::known;
+use crate::world::{KnownProbe, World, part_name, raw, set_reference};
 use crate::{Extremum, Kind, PartKind, ProbeComponent, Quantity};
 use stoss_multibody::{CoordinateKind, JointEntry};
 use stoss_scene_derive::table;
@@ -193,7 +194,7 @@ fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Opti
             if quantity == Some(Quantity::JointAngle) && kind.coordinates.first() != Some(&CoordinateKind::Angle) =>
         {
             node.fail(
-                format!("is a joint `{kind}`, which has no angle"),
+                format!("is a joint `{}`, which has no angle", kind.name),
                 format!(
                     "choose one of the kinds {}",
                     of_which::<JointEntry>(|kind| kind.coordinates.first() == Some(&CoordinateKind::Angle))
@@ -201,7 +202,7 @@ fn joint(node: &Node<'_>, quantity: Option<Quantity>, world: &World<'_>) -> Opti
             )
         }
         Some((_, Some(kind))) if quantity == Some(Quantity::JointDisplacement) && !slides(kind) => node.fail(
-            format!("is a joint `{kind}`, for whose displacement there is no probe"),
+            format!("is a joint `{}`, for whose displacement there is no probe", kind.name),
             format!("choose one of the kinds {}; a second coordinate is in joints.csv", of_which(slides)),
         ),
         Some(_) => Some(name),

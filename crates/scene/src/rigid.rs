@@ -1,7 +1,8 @@
 //! `[[rigid]]`: surface, placement, mass, initial velocity of a rigid body.
 
-use crate::read::{Limit, Node, Setting, Table, divisions};
+use crate::read::{Limit, Node, Table, divisions};
 use crate::vector::{cross, dot};
+use crate::world::Setting;
 use crate::{GROUND, Kind, MeshSource, Rotations};
 use stoss_scene_derive::table;
 

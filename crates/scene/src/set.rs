@@ -1,27 +1,9 @@
 //! `[[set]]`: sets of a body by a box or a plane.
 
-use crate::names::named;
-use crate::read::{Node, Table, World, is_name, meshed_part};
+use crate::read::{Node, Table, is_name};
+use crate::split_set;
+use crate::world::{World, meshed_part};
 use stoss_scene_derive::table;
-
-named! {
-    /// Cartesian component.
-    Component {
-        /// Along x.
-        X = "x",
-        /// Along y.
-        Y = "y",
-        /// Along z.
-        Z = "z",
-    }
-}
-
-impl Component {
-    /// 0, 1 or 2.
-    pub fn index(self) -> usize {
-        self as usize
-    }
-}
 
 /// `[[set]]`: nodes, facets and elements of a body, or of a rigid body with a surface, inside a box or on a plane, in the reference configuration after placement.
 /// Exactly one of `box` and `plane`.
@@ -45,11 +27,6 @@ impl SetDefinition {
     pub fn local_name(&self) -> &str {
         split_set(&self.name).map_or(&self.name, |(_, set)| set)
     }
-}
-
-/// Part and set of a reference `part.set`: what is before and after the first dot.
-pub fn split_set(reference: &str) -> Option<(&str, &str)> {
-    reference.split_once('.').filter(|(body, set)| !body.is_empty() && !set.is_empty())
 }
 
 /// An axis-parallel box.

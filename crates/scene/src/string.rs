@@ -3,9 +3,10 @@
 use crate::Kind;
 use crate::beam::{elements, points};
 use crate::body::Mass;
-use crate::read::{Setting, Table};
+use crate::read::Table;
 use crate::rigid::joined_name;
 use crate::vector::{norm, sub};
+use crate::world::Setting;
 use stoss_scene_derive::table;
 
 /// `[[string]]`: an elastic string (cable), with axial stiffness only.

@@ -1,7 +1,8 @@
 //! `[[support]]`: elastic foundation, springs and dashpots to the ground.
 
 use crate::names::named;
-use crate::read::{Node, Table, World, set_reference};
+use crate::read::{Node, Table};
+use crate::world::{World, set_reference};
 use crate::{Kind, PartKind, split_set};
 use stoss_scene_derive::table;
 

@@ -1,7 +1,7 @@
 //! `[sweep]`: runs of a scene with many values of its parameters.
 
-use crate::names::known;
 use crate::read::{Node, PARAMETERS, Table, Value};
+use crate::spelling::known;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,7 +1,8 @@
 //! Mesh ties.
 
 use crate::names::named;
-use crate::read::{Node, Table, World, surface_reference};
+use crate::read::{Node, Table};
+use crate::world::{World, surface_reference};
 use crate::{PartKind, split_set};
 use stoss_scene_derive::table;
 

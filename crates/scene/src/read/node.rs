@@ -4,8 +4,8 @@
 
 use super::old;
 use super::values::{self, Parameters};
-pub(crate) use crate::names::{known, nearest};
 use crate::source::{Source, element};
+use crate::spelling::known;
 use crate::{Location, Problem};
 use std::cell::{Cell, RefCell};
 use std::ops::{Range, RangeInclusive};

@@ -1,8 +1,9 @@
 //! A table of the document: required and optional keys, and those that nobody asked for.
 
-use super::node::{Node, known, nearest};
+use super::node::Node;
 use super::old;
 use crate::source::join;
+use crate::spelling::{known, nearest};
 use std::cell::{Cell, RefCell};
 use toml::de::{DeTable, DeValue};
 

@@ -1,7 +1,7 @@
 //! Values of parameters and of expressions over them.
 
 use crate::expression::{self, ExpressionError, Name};
-use crate::names::known;
+use crate::spelling::known;
 use std::collections::BTreeMap;
 
 /// Parameters by name; `None` has a value that is wrong.

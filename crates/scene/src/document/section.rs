@@ -1,7 +1,7 @@
 //! What a scene of plane sections can have.
 
-use super::table::Table;
-use super::world::raw;
+use crate::read::Table;
+use crate::world::raw;
 use crate::{Body, Component, Gravity, Header, Kind, Load, MeshSource, PlaneSection, Prescribe, Series};
 use std::collections::BTreeSet;
 use toml::de::DeValue;

@@ -1,7 +1,8 @@
 //! Parses expressions over sets; the grammar is in [`crate::SetExpression`]'s module.
 
 use crate::expression::{self, ExpressionError, Formula, Name};
-use crate::{RegionKind, Relation, SetRegion, known};
+use crate::spelling::known;
+use crate::{RegionKind, Relation, SetRegion};
 
 /// Deepest nesting of brackets.
 const DEPTH: usize = 64;

@@ -1,10 +1,9 @@
 //! Reads `[sets]`, and expressions in place of references to sets.
 
-use super::node::{Node, is_name};
-use super::set_parser::{self, Known, SetError, is_expression};
-use super::table::Table;
 use crate::SetExpression;
 use crate::expression::{Name, is_parameter_name};
+use crate::read::{Node, Table, is_name};
+use crate::set_parser::{self, Known, SetError, is_expression};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 

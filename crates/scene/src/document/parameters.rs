@@ -1,9 +1,9 @@
 //! Reads `[parameters]` and evaluates expressions in place of numbers.
 
-use super::node::{Node, Report, known};
-use super::values::{Parameters, TABLE, complaint};
 use crate::expression::{self, ExpressionError, Name};
+use crate::read::{Node, PARAMETERS as TABLE, Parameters, Report, complaint};
 use crate::source::join;
+use crate::spelling::known;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use toml::de::{DeTable, DeValue};

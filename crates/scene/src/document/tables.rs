@@ -1,20 +1,20 @@
 //! Reads the whole document, table after table.
 
-use super::node::is_name;
-use super::sets::Sets;
-use super::table::Table;
-use super::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
-use super::{Value, parameters};
+use super::parameters;
 use crate::event::{have_own_schemes, stages};
 use crate::general::Clock;
 use crate::general_contact::is_default;
+use crate::read::{Table, Value, is_name};
+use crate::sets::Sets;
 use crate::source::Source;
+use crate::world::{Action, GRAVITY, KnownPart, Setting, Unique, World, raw};
 use crate::{
     Beam, Body, Contact, Edges, ElasticString, Equation, Event, GROUND, GeneralContact, Header, Joint, JointKind, Kind,
     LeftOut, Load, OwnNames, PartKind, PointMass, Prescribe, Rigid, Scene, SetCoupling, SetDefinition, Spring, Stage,
     Support, Tie, Time, equation, probe, rigid,
 };
 use std::collections::{BTreeMap, BTreeSet};
+use stoss_multibody::JointEntry;
 use toml::de::DeValue;
 
 type Tables<'a> = Vec<Option<Table<'a>>>;
@@ -413,6 +413,6 @@ fn held(prescriptions: &Tables<'_>, events: &Tables<'_>, stages: &Tables<'_>) ->
 }
 
 /// The kind of a joint, if it can be read; nothing is reported.
-fn joint_kind(table: &Table<'_>) -> Option<JointKind> {
-    JointKind::from_name(&raw(table, "kind")?)
+fn joint_kind(table: &Table<'_>) -> Option<&'static JointEntry> {
+    JointKind::from_name(&raw(table, "kind")?).map(|kind| kind.row())
 }

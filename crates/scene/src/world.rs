@@ -1,10 +1,11 @@
 //! What the parts of a scene must know about each other, and the names in it.
 
-use super::node::{Node, known};
-use super::sets::Sets;
-use super::table::Table;
-use crate::{JointKind, Kind, PartKind, ProbeComponent, split_set};
+use crate::read::{Node, Table};
+use crate::sets::Sets;
+use crate::spelling::known;
+use crate::{Kind, PartKind, ProbeComponent, split_set};
 use std::collections::BTreeMap;
+use stoss_multibody::JointEntry;
 use toml::de::DeValue;
 
 /// What a part must know of the scene.
@@ -129,7 +130,7 @@ pub(crate) struct World<'a> {
     /// False if a part's name could not be read, or is that of another one: then an unknown part may be that one.
     pub(crate) parts_complete: bool,
     /// Joints and their kinds, if they could be read.
-    pub(crate) joints: Vec<(String, Option<JointKind>)>,
+    pub(crate) joints: Vec<(String, Option<&'static JointEntry>)>,
     /// Names of equations that could be read.
     pub(crate) equations: Vec<String>,
     pub(crate) actions: Vec<(String, Action)>,
@@ -294,5 +295,14 @@ pub(crate) fn time_in_run(node: &Node<'_>, world: &World<'_>) -> Option<f64> {
     match world.end.filter(|&end| time > end) {
         Some(end) => node.fail(format!("is after the end of the run, {end}"), "choose a time in the run"),
         None => Some(time),
+    }
+}
+
+/// A time after the start, up to the end of the run.
+pub(crate) fn before_end(node: &Node<'_>, world: &World<'_>) -> Option<f64> {
+    let time = node.positive()?;
+    match world.end {
+        Some(end) if time > end => node.fail(format!("is after the end of the run, {end}"), "choose a time in the run"),
+        _ => Some(time),
     }
 }
