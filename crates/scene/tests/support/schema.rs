@@ -132,7 +132,7 @@ fn items(value: &Value, argument: &Value, path: &str, found: &mut Vec<String>, h
     }
 }
 
-/// Paths of properties without a description, tags of variants aside.
+/// Paths of properties without a description, tags of variants and properties that are refused aside.
 pub fn undocumented(schema: &Value) -> Vec<String> {
     let mut found = Vec::new();
     collect(schema, "", &mut found);
@@ -145,7 +145,10 @@ fn collect(value: &Value, path: &str, found: &mut Vec<String>) {
             for (key, inner) in object {
                 if key == "properties" {
                     for (name, property) in inner.as_object().unwrap() {
-                        if property.get("description").is_none() && property.get("const").is_none() {
+                        if property != &Value::Bool(false)
+                            && property.get("description").is_none()
+                            && property.get("const").is_none()
+                        {
                             found.push(format!("{path}.{name}"));
                         }
                     }
