@@ -36,7 +36,7 @@ use syn::{Data, DeriveInput, parse_macro_input};
 /// | `example = "1.0"` | value in the remedy for a key that is missing; a required key has one |
 /// | `dimension = Length` | physical dimension: a variant of `Dimension`, a list of them, or words |
 /// | `positive`, `not_negative`, `name`, `direction`, ... | a reader of `Node` for the value, or for the numbers of an array |
-/// | `range = 0.0..=1.0` | smallest and largest value, of a number or of a whole number |
+/// | `range = 1..=3` | smallest and largest value of a whole number |
 /// | `read = path` | `fn(&Node) -> Option<T>`: a reader of its own |
 /// | `by = path` | `fn(&Node, &context) -> Option<T>`: a reader of its own for the value, or for each element of an array or a list |
 /// | `with = path` | `fn(&Node, &context, &Keys) -> Option<T>`: a reader of its own, which sees the keys that were read before |

@@ -128,10 +128,7 @@ fn key(owner: &Ident, field: &mut Field) -> syn::Result<Key> {
         [Some(path), ..] => quote!(crate::read::alone(#path, node)),
         [_, Some(path), ..] => quote!(crate::read::among(#path, node, context, &keys)),
         [_, _, Some(path), _] => reader(value, &quote!(crate::read::beside(#path, node, context)), false),
-        [.., Some(range)] => {
-            let method = format_ident!("{}", if is_number(value) { "within" } else { "whole_within" });
-            quote!(node.#method(#range))
-        }
+        [.., Some(range)] => quote!(node.whole_within(#range)),
         _ => match options.reader(FLAGS)? {
             Some(name) => reader(value, &quote!(node.#name()), name == "direction"),
             None => reader(value, &quote!(crate::read::Value::read(node, context)), false),

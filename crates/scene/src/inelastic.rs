@@ -1,7 +1,7 @@
 //! What materials of bodies have beside an elastic law: plasticity, Maxwell branches, softening, fibres (theory/inelastic).
 
 use crate::names::named;
-use crate::read::Table;
+use crate::read::{Node, Table};
 use stoss_materials::{
     FibreFamilies, Fibres as GivenFibres, Hardening as Curve, Moduli as Given, Mullins as Softening, Overstress,
     Plasticity as Yielding,
@@ -138,7 +138,7 @@ pub struct Fibres {
     #[key(dimension = Number, example = "10.0", positive)]
     pub k2: f64,
     /// How far they scatter about their direction, from 0 (not at all, if left out) to 1/3 (in all directions alike).
-    #[key(default, skip, dimension = Number, range = 0.0..=1.0 / 3.0)]
+    #[key(default, skip, dimension = Number, read = dispersion)]
     pub dispersion: f64,
     /// Direction of one family, everywhere the same, in the axes of the scene, of the undeformed body in its place.
     #[key(dimension = Number, direction)]
@@ -153,7 +153,7 @@ pub struct Fibres {
     #[key(dimension = Length)]
     pub point: Option<[f64; 3]>,
     /// Angle of the fibres with the circumference in degrees, from 0 to 90; with `axis`.
-    #[key(dimension = Angle, range = 0.0..=90.0)]
+    #[key(dimension = Angle, read = angle)]
     pub angle: Option<f64>,
 }
 
@@ -195,5 +195,19 @@ impl Fibres {
             return table.fail("point", "has no effect without `axis`", "remove it, or give the axis");
         }
         Some(())
+    }
+}
+
+fn dispersion(node: &Node<'_>) -> Option<f64> {
+    match node.number()? {
+        value if (0.0..=1.0 / 3.0).contains(&value) => Some(value),
+        _ => node.fail("must be from 0 to 1/3", "choose 0 for fibres that do not scatter"),
+    }
+}
+
+fn angle(node: &Node<'_>) -> Option<f64> {
+    match node.number()? {
+        value if (0.0..=90.0).contains(&value) => Some(value),
+        _ => node.fail("must be from 0 to 90 degrees", "0 is around the axis, 90 along it"),
     }
 }

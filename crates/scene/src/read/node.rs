@@ -205,16 +205,6 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// A number in a range.
-    pub(crate) fn within(&self, range: RangeInclusive<f64>) -> Option<f64> {
-        let value = self.number()?;
-        if !range.contains(&value) {
-            let words = format!("from {} to {}", range.start(), range.end());
-            return self.fail(format!("must be {words}"), format!("write a number {words}"));
-        }
-        Some(value)
-    }
-
     /// A coefficient of restitution.
     pub(crate) fn restitution(&self) -> Option<f64> {
         let value = self.not_negative()?;
