@@ -68,13 +68,13 @@ impl Options {
         list.map(|list| list.parse_args()).transpose()
     }
 
-    /// Refuses options with other names than these.
-    pub(crate) fn only(&self, names: &[&str]) -> syn::Result<()> {
+    /// Refuses options with other names than these, of which `lists` have parentheses; flags are readers, or of a field.
+    pub(crate) fn only(&self, names: &[&str], lists: &[&str]) -> syn::Result<()> {
         for option in &self.0 {
             let is_known = match option {
                 Meta::NameValue(pair) => names.iter().any(|name| pair.path.is_ident(name)),
-                Meta::Path(_) => true,
-                Meta::List(list) => names.iter().any(|name| list.path.is_ident(name)),
+                Meta::Path(_) => lists.is_empty(),
+                Meta::List(list) => lists.iter().any(|name| list.path.is_ident(name)),
             };
             if !is_known {
                 return Err(syn::Error::new_spanned(

@@ -24,7 +24,7 @@ struct Key {
 
 /// The struct, its keys, and its reader.
 pub(crate) fn expand(arguments: &Options, mut input: DeriveInput) -> syn::Result<TokenStream> {
-    arguments.only(&["example", "context", "check", "check_all"])?;
+    arguments.only(&["example", "check", "check_all"], &["context"])?;
     let Data::Struct(data) = &mut input.data else { unreachable!("called for structs alone") };
     let Fields::Named(fields) = &mut data.fields else {
         return Err(syn::Error::new_spanned(&input.ident, "a table has named fields"));
@@ -104,7 +104,7 @@ pub(crate) fn context(arguments: &Options) -> syn::Result<(TokenStream, TokenStr
 
 fn key(owner: &Ident, field: &mut Field) -> syn::Result<Key> {
     let options = Options::take(&mut field.attrs)?;
-    options.only(OPTIONS)?;
+    options.only(OPTIONS, &[])?;
     let Some(ident) = field.ident.clone() else { unreachable!("fields have names") };
     let (attributes, visibility, ty) = (&field.attrs, &field.vis, &field.ty);
     let name = options.text("name")?.unwrap_or_else(|| ident.to_string());
@@ -124,12 +124,20 @@ fn key(owner: &Ident, field: &mut Field) -> syn::Result<Key> {
         });
     }
     let options_of_reader = ["read", "with", "by", "range"].map(|name| options.value(name));
+    let named = options.reader(FLAGS)?;
+    let readers = options_of_reader.iter().flatten().count() + usize::from(named.is_some());
+    if readers > 1 {
+        return Err(syn::Error::new_spanned(
+            &ident,
+            "a key has one reader: one of read, with, by, range, or the name of one",
+        ));
+    }
     let read = match options_of_reader {
         [Some(path), ..] => quote!(crate::read::alone(#path, node)),
         [_, Some(path), ..] => quote!(crate::read::among(#path, node, context, &keys)),
         [_, _, Some(path), _] => reader(value, &quote!(crate::read::beside(#path, node, context)), false),
         [.., Some(range)] => quote!(node.whole_within(#range)),
-        _ => match options.reader(FLAGS)? {
+        _ => match named {
             Some(name) => reader(value, &quote!(node.#name()), name == "direction"),
             None => reader(value, &quote!(crate::read::Value::read(node, context)), false),
         },

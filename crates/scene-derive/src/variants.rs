@@ -8,7 +8,7 @@ use syn::{Data, DeriveInput, Fields, Ident};
 
 /// The enumeration, the names of its variants, and its reader.
 pub(crate) fn expand(arguments: &Options, mut input: DeriveInput) -> syn::Result<TokenStream> {
-    arguments.only(&["example", "context", "tag"])?;
+    arguments.only(&["example", "tag"], &["context"])?;
     let Some(tag) = arguments.text("tag")? else {
         return Err(syn::Error::new_spanned(
             &input.ident,
@@ -19,7 +19,7 @@ pub(crate) fn expand(arguments: &Options, mut input: DeriveInput) -> syn::Result
     let (mut idents, mut names, mut types) = (Vec::new(), Vec::new(), Vec::new());
     for variant in &mut data.variants {
         let options = Options::take(&mut variant.attrs)?;
-        options.only(&["name"])?;
+        options.only(&["name"], &[])?;
         let ty = match &variant.fields {
             Fields::Unnamed(fields) if fields.unnamed.len() == 1 => fields.unnamed[0].ty.clone(),
             _ => return Err(syn::Error::new_spanned(variant, "a variant holds one table")),

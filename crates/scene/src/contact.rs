@@ -5,7 +5,7 @@ use crate::Dimension;
 use crate::chosen::of_which;
 use crate::contact_method::{ContactMethod, METHODS, MethodEntry};
 use crate::names::named;
-use crate::read::{Contradiction, Node, Table, Value};
+use crate::read::{Contradiction, Node, Table, Value, with_article};
 use crate::spelling::known;
 use crate::tie::Multipliers;
 use crate::world::{World, contact_reference, is_line};
@@ -262,7 +262,9 @@ impl<C> Value<C> for Enforcement {
                 "penalty" => node.fail("needs a stiffness, a traction per length", example),
                 other => node.fail("is not known", known(other, Self::NAMES.iter().copied())),
             },
-            _ => node.fail(format!("must be a word or a table, found a {}", node.value.type_str()), example),
+            _ => {
+                node.fail(format!("must be a word or a table, found {}", with_article(node.value.type_str())), example)
+            }
         }
     }
 }
@@ -308,7 +310,8 @@ fn contact(keys: &mut ContactKeys, table: &Table<'_>, world: &World<'_>) -> Opti
 fn of_method(method: Option<ContactMethod>, table: &Table<'_>) -> Option<()> {
     let method = method?;
     let mut fits = Some(());
-    let of_some = METHODS.iter().flat_map(|method| method.keys).filter(|key| !method.has(key) && table.has(key));
+    let all = METHODS.iter().flat_map(|method| method.keys);
+    let of_some = all.filter(|key| !method.has(key) && table.has(key) && table.asks(key));
     for &key in std::collections::BTreeSet::from_iter(of_some) {
         fits = table.fail(key, method.lacks(key), "remove it, or choose another `method`");
     }

@@ -12,7 +12,7 @@
 //!
 //! # How to add a key
 //! A documented field in the type, and a malformed scene in `tests/malformed.rs`. The attribute `#[key(...)]` of the field says what values it takes, and the function that `#[table(check = ...)]` names, in the
-//! same file, what other keys contradict it (`stoss_scene_derive::table` lists the options). Reader, error messages, schema, reference and completion follow. A
+//! same file, what other keys contradict it (`stoss_scene_derive::table` lists the options). A row of `CASES` in `tests/malformed.rs` is a wrong scene and the line and key of its one problem; `cargo xtask schema` writes schema and reference. Reader, error messages, schema, reference and completion follow. A
 //! new scheme, quantity, field or contact method is one line in its enumeration or table. A key that is renamed or removed gets a line in `read/old.rs`, and [`FORMAT`] grows.
 //!
 #![doc = include_str!("../README.md")]

@@ -1,6 +1,6 @@
 //! Functions of time.
 
-use crate::read::{Node, Value};
+use crate::read::{Node, Value, with_article};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -74,7 +74,7 @@ impl Series {
                 Some(Self::Scalar(value))
             }
             _ => node.fail(
-                format!("must be a constant or a table in time, found a {}", node.value.type_str()),
+                format!("must be a constant or a table in time, found {}", with_article(node.value.type_str())),
                 "write for instance { table = [[0.0, 0.0], [1.0, 0.1]] }",
             ),
         }

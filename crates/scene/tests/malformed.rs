@@ -679,3 +679,20 @@ fn one_part_of_any_kind_is_a_scene() {
         assert!(scene.part("a").is_some() && scene.bodies.is_empty());
     }
 }
+
+#[test]
+fn a_key_with_two_mistakes_is_reported_once() {
+    for (base, from, to, key) in [
+        (DYNAMIC, "constraint = \"modified\"", "constraint = \"modified\"\nrestitution = 2", "contact[0].restitution"),
+        (DYNAMIC, "slave = \"ball.outer\"", "between = [\"ball.outer\", \"plate.top\"]\nslave = 1", "contact[0].slave"),
+        // A key of friction is no key of a contact, whatever the method.
+        (DYNAMIC, "constraint = \"modified\"", "slip = \"direct\"", "contact[0].slip"),
+    ] {
+        assert!(base.contains(from), "{from}");
+        let errors = parse(&base.replacen(from, to, 1), "x.toml").unwrap_err();
+        let found = errors.problems().iter().filter(|problem| problem.key == key).count();
+        assert_eq!(found, 1, "{to}: {errors}");
+    }
+    let slip = parse(&DYNAMIC.replacen("constraint = \"modified\"", "slip = \"direct\"", 1), "x.toml").unwrap_err();
+    assert_eq!(slip.problems()[0].message, "is an unknown key");
+}

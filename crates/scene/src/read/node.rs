@@ -22,8 +22,11 @@ pub(crate) struct Report<'a> {
 
 impl Report<'_> {
     pub(crate) fn add(&self, location: Location, key: String, value: &str, message: String, remedy: String) {
-        let problem = Problem::new(&self.source.file, location, key, value, message, remedy);
-        self.problems.borrow_mut().push(problem);
+        let mut problems = self.problems.borrow_mut();
+        // The first problem of a key is enough: what else is wrong with it may follow from it.
+        if problems.iter().all(|problem| problem.key != key) {
+            problems.push(Problem::new(&self.source.file, location, key, value, message, remedy));
+        }
     }
 
     /// Removes what was reported of a key that is not there.
@@ -63,11 +66,11 @@ impl<'a> Node<'a> {
         None
     }
 
-    /// True for a string, which may be an expression.
     pub(crate) fn is_table(&self) -> bool {
         self.value.is_table()
     }
 
+    /// True for a string, which may be an expression.
     pub(crate) fn is_string(&self) -> bool {
         matches!(self.value, DeValue::String(_))
     }
@@ -300,7 +303,8 @@ pub(crate) fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_')
 }
 
-fn with_article(noun: &str) -> String {
+/// A noun with its article.
+pub(crate) fn with_article(noun: &str) -> String {
     let article = if noun.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
     format!("{article} {noun}")
 }

@@ -76,6 +76,11 @@ impl<'a> Table<'a> {
         self.map.get(key).is_some()
     }
 
+    /// True if the key was asked for.
+    pub(crate) fn asks(&self, key: &str) -> bool {
+        self.known.borrow().contains(&key)
+    }
+
     /// Reports a problem of a key of this table, there or not; always `None`.
     pub(crate) fn fail<T>(
         &self,
