@@ -12,7 +12,7 @@ use syn::{Data, DeriveInput, parse_macro_input};
 /// A table of a scene from a struct, or from an enumeration of structs that a key tells apart.
 ///
 /// The type gets `Clone`, `Debug`, `PartialEq`, `Serialize`, with the feature `schema` also `JsonSchema`, and `crate::read::Value`: reading it from a table of
-/// the document reports every problem with file, line, key, value and remedy, unknown keys among them.
+/// the document reports every problem with file, line, key, value and remedy, unknown keys among them. A struct whose keys may all be left out also gets `Default`: every key left out.
 ///
 /// # Options of the type: `#[table(...)]`
 /// | option | meaning |

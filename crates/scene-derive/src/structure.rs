@@ -20,6 +20,8 @@ struct Key {
     read: TokenStream,
     /// The field from the keys.
     build: TokenStream,
+    /// The field if the key is left out, which a required one cannot be.
+    left_out: Option<TokenStream>,
 }
 
 /// The struct, its keys, and its reader.
@@ -34,6 +36,16 @@ pub(crate) fn expand(arguments: &Options, mut input: DeriveInput) -> syn::Result
     let each = |of: fn(&Key) -> &TokenStream| keys.iter().map(of).cloned().collect::<TokenStream>();
     let (field, functions, partial) = (each(|k| &k.field), each(|k| &k.functions), each(|k| &k.partial));
     let (read, build) = (each(|k| &k.read), each(|k| &k.build));
+    let left_out = keys.iter().map(|key| key.left_out.clone()).collect::<Option<TokenStream>>();
+    let default = left_out.map(|fields| {
+        quote! {
+            impl Default for #name {
+                fn default() -> Self {
+                    Self { #fields }
+                }
+            }
+        }
+    });
 
     let partial_name = format_ident!("{name}Keys");
     let (generic, context) = context(arguments)?;
@@ -50,6 +62,8 @@ pub(crate) fn expand(arguments: &Options, mut input: DeriveInput) -> syn::Result
         #visibility struct #name { #field }
 
         impl #name { #functions }
+
+        #default
 
         #[doc = #about]
         #[derive(Default)]
@@ -121,6 +135,7 @@ fn key(owner: &Ident, field: &mut Field) -> syn::Result<Key> {
                 keys.#ident = table.tables(#name).iter().map(|table| <#of>::from_table(table.as_ref()?, context)).collect();
             },
             build: quote!(#ident: self.#ident?,),
+            left_out: Some(quote!(#ident: Vec::new(),)),
         });
     }
     let options_of_reader = ["read", "with", "by", "range"].map(|name| options.value(name));
@@ -146,7 +161,9 @@ fn key(owner: &Ident, field: &mut Field) -> syn::Result<Key> {
     let rename = options.text("name")?.map(|name| quote!(#[serde(rename = #name)]));
     let dimension = options.dimension();
     let mut functions = TokenStream::new();
+    let mut left_out = None;
     let (serde, read) = if optional.is_some() {
+        left_out = Some(quote!(#ident: None,));
         let read = if options.has("auto") {
             quote!(table.optional(#name, |node| if node.is_auto() { Some(None) } else { #read.map(Some) }).map(Option::flatten))
         } else {
@@ -155,6 +172,7 @@ fn key(owner: &Ident, field: &mut Field) -> syn::Result<Key> {
         (quote!(#[serde(default, skip_serializing_if = "Option::is_none")]), read)
     } else if let Some(default) = default(&options) {
         let function = format_ident!("default_{ident}");
+        left_out = Some(quote!(#ident: Self::#function(),));
         let is_default = format_ident!("is_default_{ident}");
         let path = format!("{owner}::{function}");
         let about = format!("Value of `{name}` if it is left out.");
@@ -183,6 +201,7 @@ fn key(owner: &Ident, field: &mut Field) -> syn::Result<Key> {
         partial: quote!(pub(crate) #ident: Option<#ty>,),
         read: quote!(keys.#ident = #read;),
         build: quote!(#ident: self.#ident?,),
+        left_out,
     })
 }
 

@@ -8,7 +8,6 @@ use stoss_scene_derive::table;
 
 /// Motor, limits, friction and spring on the second coordinate of a joint, with the keys of the first one: `second = { friction = { viscous = 2.0 }, limits = [-0.1, 0.1] }`.
 #[table(example = "{ friction = { viscous = 0.1 } }", context(Coordinate), check = acting)]
-#[derive(Default)]
 pub struct ActingOn {
     /// Prescribed relative motion.
     pub motor: Option<Motor>,

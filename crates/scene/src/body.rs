@@ -180,7 +180,7 @@ pub struct Body {
 /// Damping of a body (Rayleigh): for small strains the force `(mass M + stiffness K) v`. A mode with the angular frequency `w` has the damping ratio
 /// `mass / (2 w) + stiffness w / 2`.
 #[table(example = "{ mass = 0.1, stiffness = 1e-4 }", check_all = damping)]
-#[derive(Copy, Default)]
+#[derive(Copy)]
 pub struct Damping {
     /// Factor of the mass matrix, not negative (1/time); 0 if left out. It also damps rigid motions.
     #[key(default, dimension = Rate, not_negative)]

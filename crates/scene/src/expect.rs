@@ -23,7 +23,6 @@ named! {
 /// quantity in the run unless a `*_scale` is given (needed where the quantity itself is zero, as the linear momentum of a body
 /// that only spins). Energy is the column `total` of `balance.csv`.
 #[table(context(World<'_>), check = expect)]
-#[derive(Default)]
 pub struct Expect {
     /// Expected outcome of the run (`summary.json`).
     pub outcome: Option<Outcome>,

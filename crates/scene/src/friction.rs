@@ -39,7 +39,7 @@ named! {
 
 /// Keys of stick, for laws with stick.
 #[table]
-#[derive(Copy, Default)]
+#[derive(Copy)]
 pub struct Sticking {
     /// Tangential stiffness (traction per length), positive; not with `stick = "multiplier"`. Ten times Young's modulus of the softer body over an edge length if left
     /// out.

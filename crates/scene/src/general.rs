@@ -255,7 +255,6 @@ named! {
 
 /// `[solver]`: settings of the nonlinear and the linear solver.
 #[table(check = solver)]
-#[derive(Default)]
 pub struct Solver {
     /// Relative tolerance of Newton's method, in (0, 1): converged when `residual <= absolute_tolerance + relative_tolerance * scale`, where the scale is the
     /// largest norm of inertial, internal, external and contact forces. 1e-9 if left out.

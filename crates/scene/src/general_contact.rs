@@ -126,25 +126,6 @@ impl JsonSchema for GeneralFriction {
     }
 }
 
-impl Default for GeneralContact {
-    fn default() -> Self {
-        Self {
-            enabled: true,
-            thickness: None,
-            stiffness: 1.0,
-            modulus: None,
-            friction: GeneralFriction::default(),
-            slip_velocity: None,
-            damping: 0.0,
-            with_itself: true,
-            initial: Initial::default(),
-            include: Vec::new(),
-            exclude: Vec::new(),
-            pairs: Vec::new(),
-        }
-    }
-}
-
 /// Whether a scene that does not mention general contact has it: no pair is named, several parts have surfaces, some of them deformable, and all schemes carry it.
 pub(crate) fn is_default<'a>(
     names_pairs: bool,

@@ -35,7 +35,6 @@ pub struct Material {
 
 /// What a material has beside an elastic law of the catalogue; each may be left out.
 #[table(check = inelasticity)]
-#[derive(Default)]
 pub struct Inelasticity {
     /// Von Mises plasticity; none if left out.
     pub plasticity: Option<Plasticity>,

@@ -82,20 +82,6 @@ impl Output {
     }
 }
 
-impl Default for Output {
-    fn default() -> Self {
-        Self {
-            every: Self::DEFAULT_EVERY,
-            interval: None,
-            times: None,
-            last_only: false,
-            format: FrameFormat::default(),
-            fields: None,
-            checkpoint_every: Self::DEFAULT_CHECKPOINT_EVERY,
-        }
-    }
-}
-
 fn times(node: &Node<'_>, world: &World<'_>, _: &OutputKeys) -> Option<Vec<f64>> {
     let times = node.list(|n| time_in_run(n, world))?;
     if times.is_empty() {

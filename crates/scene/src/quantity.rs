@@ -317,13 +317,6 @@ impl Field {
 
     /// True if it is of the state of a material with history, and only bodies with such a material have it. Its name is that of the material's output.
     pub fn is_of_state(self) -> bool {
-        matches!(
-            self,
-            Self::EquivalentPlasticStrain
-                | Self::PlasticStrain
-                | Self::BackStress
-                | Self::Yielding
-                | Self::ViscousStrain
-        )
+        Quantity::from_name(self.name()).is_some_and(Quantity::is_of_state)
     }
 }

@@ -10,7 +10,6 @@ use stoss_scene_derive::table;
 
 /// `[sweep]`: the cases of `stoss sweep`. Exactly one of `grid` and `cases`. A run of the scene by itself ignores it.
 #[table(check = one_of_both, check_all = not_too_many)]
-#[derive(Default)]
 pub struct Sweep {
     /// Values of parameters: each combination is a case. Parameters are in alphabetical order; the last one varies
     /// fastest.

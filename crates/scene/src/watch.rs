@@ -48,9 +48,3 @@ impl Watch {
     /// Depths of less than a third of an edge occur with coarse meshes.
     pub const DEFAULT_LIMIT: f64 = 0.3;
 }
-
-impl Default for Watch {
-    fn default() -> Self {
-        Self { every: None, limit: Self::DEFAULT_LIMIT, on_fault: OnFault::default() }
-    }
-}
