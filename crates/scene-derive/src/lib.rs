@@ -19,7 +19,7 @@ use syn::{Data, DeriveInput, parse_macro_input};
 /// |---|---|
 /// | `example = "{ axis = [0, 0, 1] }"` | what is shown if the value is not a table |
 /// | `context(World<'_>)` | what readers and checks are given beside the document; any type if left out |
-/// | `check = path` | `fn(&mut Keys, &Table, &context) -> Option<()>`, after all keys were read: contradictions between keys. `Keys` is the struct of the same fields, each an `Option` that is `None` where the key is wrong or missing |
+/// | `check = path` | `fn(&Keys, &Table, &context) -> Option<()>`, after all keys were read: contradictions between keys. `Keys` is the struct of the same fields, each an `Option` that is `None` where the key is wrong or missing |
 /// | `check_all = path` | `fn(&Self, &Table, &context) -> Option<()>`, if all keys are right |
 /// | `tag = "kind"` | of an enumeration: key of the name of the variant |
 ///

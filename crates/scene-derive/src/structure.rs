@@ -49,7 +49,7 @@ pub(crate) fn expand(arguments: &Options, mut input: DeriveInput) -> syn::Result
 
     let partial_name = format_ident!("{name}Keys");
     let (generic, context) = context(arguments)?;
-    let check = arguments.value("check").map(|path| quote!(let fits = (#path)(&mut keys, table, context);));
+    let check = arguments.value("check").map(|path| quote!(let fits = (#path)(&keys, table, context);));
     let fits = arguments.value("check").map(|_| quote!(fits?;));
     let check_all = arguments.value("check_all").map(|path| quote!((#path)(&value, table, context)?;));
     let example = arguments.text("example")?.unwrap_or_else(|| "{ key = value }".to_owned());
@@ -88,8 +88,7 @@ pub(crate) fn expand(arguments: &Options, mut input: DeriveInput) -> syn::Result
         impl #name {
             /// Reads the table and reports what is wrong with it.
             pub(crate) fn from_table #generic(table: &crate::read::Table<'_>, context: &#context) -> Option<Self> {
-                #[allow(unused_mut, reason = "a check may change keys")]
-                let mut keys = #partial_name::read(table, context);
+                let keys = #partial_name::read(table, context);
                 #check
                 table.finish();
                 #fits

@@ -104,7 +104,7 @@ impl Coordinate {
     }
 }
 
-fn acting(_: &mut ActingOnKeys, table: &Table<'_>, _: &Coordinate) -> Option<()> {
+fn acting(_: &ActingOnKeys, table: &Table<'_>, _: &Coordinate) -> Option<()> {
     if !["motor", "limits", "friction", "spring"].iter().any(|key| table.has(key)) {
         return table.missing("friction", "friction = { viscous = 0.1 }");
     }
@@ -119,7 +119,7 @@ pub(crate) fn limits_act(table: &Table<'_>) -> Option<()> {
     Some(())
 }
 
-fn motor(_: &mut MotorKeys, table: &Table<'_>, coordinate: &Coordinate) -> Option<()> {
+fn motor(_: &MotorKeys, table: &Table<'_>, coordinate: &Coordinate) -> Option<()> {
     use CoordinateKind::{Angle, Displacement};
     if coordinate.is(Displacement) && table.has("angle") {
         return table.fail("angle", "the coordinate is a displacement, not an angle", "write `displacement`");
@@ -153,7 +153,7 @@ pub(crate) fn limits(node: &Node<'_>) -> Option<[f64; 2]> {
     Some(limits)
 }
 
-fn friction(_: &mut JointFrictionKeys, table: &Table<'_>, coordinate: &Coordinate) -> Option<()> {
+fn friction(_: &JointFrictionKeys, table: &Table<'_>, coordinate: &Coordinate) -> Option<()> {
     use CoordinateKind::{Angle, Displacement};
     if coordinate.is(Displacement) && table.has("radius") {
         return table.fail("radius", "a displacement has no radius", "remove it");

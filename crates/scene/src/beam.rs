@@ -245,7 +245,7 @@ pub(crate) fn elements(node: &Node<'_>, corners: Option<&[[f64; 3]]>) -> Option<
     }
 }
 
-fn arc<C>(keys: &mut ArcKeys, table: &Table<'_>, _: &C) -> Option<()> {
+fn arc<C>(keys: &ArcKeys, table: &Table<'_>, _: &C) -> Option<()> {
     let (Some(centre), Some(start), Some(axis)) = (keys.centre, keys.start, keys.axis) else { return Some(()) };
     let radius = sub(start, centre);
     if radius == [0.0; 3] {
@@ -289,7 +289,7 @@ fn tube_thickness<C>(node: &Node<'_>, _: &C, keys: &TubeSectionKeys) -> Option<f
     }
 }
 
-fn stiffness(keys: &mut SectionStiffnessKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+fn stiffness(keys: &SectionStiffnessKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
     let mass = setting.demand_mass(table, "mass", "mass = 2.0");
     if setting.kind == Some(Kind::Dynamic) {
         match keys.rotary {
@@ -330,7 +330,7 @@ fn up(node: &Node<'_>, keys: &BeamKeys) -> Option<[f64; 3]> {
 /// What a section with a shape has beside it, and one with stiffnesses has not.
 const BESIDE_SHAPES: [&str; 5] = ["young", "poisson", "density", "shear_factor", "torsion_constant"];
 
-fn beam(keys: &mut BeamKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+fn beam(keys: &BeamKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
     let axis = match (table.has("points"), table.has("arc")) {
         (true, true) => table.fail("arc", "`points` are given too", "remove one of them"),
         (false, false) => table.missing("points", "points = [[0, 0, 0], [1, 0, 0]]"),

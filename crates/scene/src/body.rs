@@ -231,7 +231,7 @@ pub type Rotations = OneOrMany<Rotation>;
 /// Keys that have a meaning only with inertia.
 const MOTION: [&str; 5] = ["velocity", "angular_velocity", "velocity_gradient", "velocity_about", "damping"];
 
-fn body(_: &mut BodyKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+fn body(_: &BodyKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
     let mass = setting.demand_mass(table, "density", "density = 10.0");
     setting.at_rest(table, &MOTION)?;
     mass

@@ -299,7 +299,7 @@ fn interference(node: &Node<'_>) -> Option<Series> {
     Some(given)
 }
 
-fn contact(keys: &mut ContactKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+fn contact(keys: &ContactKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
     let sides = sides(keys, table, world);
     let of_method = of_method(keys.method, table);
     let fits = table.refuse(&contradictions(keys, table, world));

@@ -91,7 +91,7 @@ fn terms(node: &Node<'_>, world: &World<'_>, _: &EquationKeys) -> Option<Vec<Equ
     Some(terms)
 }
 
-fn term(_: &mut EquationTermKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
+fn term(_: &EquationTermKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
     let place = match ["set", "body", "point"].map(|key| table.has(key)) {
         [true, false, false] | [false, true, true] => Some(()),
         [true, true, _] => table.fail("body", "the set names its body already", "remove it"),

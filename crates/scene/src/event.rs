@@ -92,7 +92,7 @@ pub struct Stage {
     pub off: Vec<String>,
 }
 
-fn one_cause(_: &mut EventKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
+fn one_cause(_: &EventKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
     match (table.has("time"), table.has("when")) {
         (true, true) => table.fail("when", "`time` is given too", "remove one of them"),
         (false, false) => table.missing("time", "time = 0.5` or `when = { probe = \"pull\", above = 10.0 }"),
@@ -127,7 +127,7 @@ fn released(node: &Node<'_>, world: &World<'_>, _: &EventKeys) -> Option<String>
     }
 }
 
-fn one_bound(keys: &mut EventConditionKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+fn one_bound(keys: &EventConditionKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
     let one = match (table.has("above"), table.has("below")) {
         (true, true) => table.fail("below", "`above` is given too", "write an [[event]] of its own for each"),
         (false, false) => table.missing("above", "above = 10.0"),

@@ -121,7 +121,7 @@ const DYNAMIC: [&str; 9] = [
 /// Keys of `[expect]` that have a meaning only with contact.
 const CONTACT: [&str; 3] = ["energy_change_without_closing", "first_contact", "contact_at_end"];
 
-fn expect(keys: &mut ExpectKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+fn expect(keys: &ExpectKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
     let mut applies = Some(());
     if world.kind == Some(Kind::QuasiStatic) {
         for key in DYNAMIC.into_iter().filter(|&key| table.has(key)) {
@@ -151,6 +151,6 @@ fn interval<C>(interval: &Interval, table: &Table<'_>, _: &C) -> Option<()> {
     Some(())
 }
 
-fn expected_value(keys: &mut ExpectedValueKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+fn expected_value(keys: &ExpectedValueKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
     component_fits(table, world, keys.name.as_deref())
 }

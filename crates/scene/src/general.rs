@@ -315,7 +315,7 @@ pub(crate) const MAX_STEPS: f64 = 1e9;
 /// The clock has so many ticks in a step at most.
 const SMALLEST: f64 = 1e9;
 
-fn time(keys: &mut TimeKeys, table: &Table<'_>, clock: &Clock) -> Option<()> {
+fn time(keys: &TimeKeys, table: &Table<'_>, clock: &Clock) -> Option<()> {
     let integrator = match clock.kind {
         Some(Kind::Dynamic) if !clock.own_schemes && !table.has("integrator") => {
             table.missing("integrator", "integrator = { scheme = \"energy-momentum\" }")
@@ -367,7 +367,7 @@ impl Automatic {
     }
 }
 
-fn automatic<C>(keys: &mut AutomaticKeys, table: &Table<'_>, _: &C) -> Option<()> {
+fn automatic<C>(keys: &AutomaticKeys, table: &Table<'_>, _: &C) -> Option<()> {
     let smallest = match (keys.smallest.flatten(), keys.initial) {
         (Some(smallest), Some(initial)) if smallest > initial => {
             table.fail("smallest", format!("must not exceed `initial` = {initial}"), "choose a smaller one")
@@ -390,7 +390,7 @@ fn fraction(node: &Node<'_>) -> Option<f64> {
     Some(fraction)
 }
 
-fn stabilise<C>(_: &mut StabiliseKeys, table: &Table<'_>, _: &C) -> Option<()> {
+fn stabilise<C>(_: &StabiliseKeys, table: &Table<'_>, _: &C) -> Option<()> {
     match ["fraction", "coefficient"].map(|key| table.has(key)) {
         [true, true] => {
             table.fail("coefficient", "cannot be combined with `fraction`", "give either `fraction` or `coefficient`")
@@ -447,7 +447,7 @@ fn petsc(node: &Node<'_>) -> Option<String> {
     Some(text)
 }
 
-fn solver<C>(keys: &mut SolverKeys, table: &Table<'_>, _: &C) -> Option<()> {
+fn solver<C>(keys: &SolverKeys, table: &Table<'_>, _: &C) -> Option<()> {
     let is_other = keys.linear.is_some_and(|linear| !matches!(linear, LinearSolver::Auto | LinearSolver::Petsc));
     if is_other && matches!(keys.petsc, Some(Some(_))) {
         return table.fail(

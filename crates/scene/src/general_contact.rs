@@ -139,7 +139,7 @@ pub(crate) fn is_default<'a>(
 /// Keys of contacts whose gaps are rows of the system.
 const OF_PAIRS: [&str; 3] = ["overlap", "interference", "closing_friction"];
 
-fn general_contact(_: &mut GeneralContactKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
+fn general_contact(_: &GeneralContactKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
     let mut fits = Some(());
     for key in OF_PAIRS.into_iter().filter(|&key| table.has(key)) {
         fits = table.fail(

@@ -222,7 +222,7 @@ fn has_coordinate(kind: &JointEntry) -> bool {
     !kind.coordinates.is_empty()
 }
 
-fn joint(keys: &mut JointKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+fn joint(keys: &JointKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
     let place = match (keys.at, &keys.between) {
         (Some(at), Some(between)) => in_place(table, between, at.both(), world),
         _ => Some(()),
@@ -284,7 +284,7 @@ fn pretension_acts(table: &Table<'_>) -> Option<()> {
     }
 }
 
-fn spring(keys: &mut SpringKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+fn spring(keys: &SpringKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
     match (keys.at, &keys.between) {
         (Some(at), Some(between)) => in_place(table, between, at, world),
         _ => Some(()),

@@ -118,7 +118,7 @@ impl Load {
     }
 }
 
-fn load(keys: &mut LoadKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+fn load(keys: &LoadKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
     let turns = table.has("angular_velocity");
     let mut axis = Some(());
     for key in ["axis", "about"].into_iter().filter(|&key| !turns && table.has(key)) {

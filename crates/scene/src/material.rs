@@ -50,7 +50,7 @@ pub struct Inelasticity {
 }
 
 /// The moduli say something of the branches.
-fn inelasticity<C>(keys: &mut InelasticityKeys, table: &Table<'_>, _: &C) -> Option<()> {
+fn inelasticity<C>(keys: &InelasticityKeys, table: &Table<'_>, _: &C) -> Option<()> {
     match (&keys.moduli, &keys.prony) {
         (Some(Some(_)), Some(prony)) if prony.is_empty() => {
             table.fail("moduli", "has no effect without `prony`", "remove it, or add prony = [[0.3, 0.01]]")
@@ -99,8 +99,8 @@ impl Value<Setting<'_>> for Material {
             table.finish();
             return Some(Self { law, inelasticity: Inelasticity::default(), parameters: parameters? });
         };
-        let mut keys = InelasticityKeys::read(&table, setting);
-        let fits = inelasticity(&mut keys, &table, setting);
+        let keys = InelasticityKeys::read(&table, setting);
+        let fits = inelasticity(&keys, &table, setting);
         let parameters = of_row(&table, entry);
         table.finish();
         fits?;

@@ -368,7 +368,7 @@ fn refinement(node: &Node<'_>, radius: Option<f64>, across: Option<usize>) -> Op
     Some(refinement)
 }
 
-fn block<C>(keys: &mut BlockKeys, table: &Table<'_>, _: &C) -> Option<()> {
+fn block<C>(keys: &BlockKeys, table: &Table<'_>, _: &C) -> Option<()> {
     let given = match (table.has("size"), table.has("min"), table.has("max")) {
         (true, false, false) | (false, true, true) => Some(()),
         (false, false, false) => table.missing("size", "size = [1, 1, 1]"),

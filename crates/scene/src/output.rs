@@ -90,7 +90,7 @@ fn times(node: &Node<'_>, world: &World<'_>, _: &OutputKeys) -> Option<Vec<f64>>
     Some(times)
 }
 
-fn one_way(_: &mut OutputKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
+fn one_way(_: &OutputKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
     let mut ways = ["every", "interval", "times", "last_only"].into_iter().filter(|&key| table.has(key));
     match (ways.next(), ways.next()) {
         (Some(first), Some(second)) => table.fail(

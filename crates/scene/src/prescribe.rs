@@ -119,7 +119,7 @@ impl PrescribeKeys {
     }
 }
 
-fn prescribe(keys: &mut PrescribeKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
+fn prescribe(keys: &PrescribeKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
     let set = match (table.has("rigid"), table.has("set")) {
         (true, true) => table.fail("set", "is not needed: the rigid body moves as a whole", "remove it, or `rigid`"),
         (false, false) => table.missing("set", "set = \"plate.rim\""),

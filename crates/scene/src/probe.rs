@@ -140,7 +140,7 @@ fn has_component(table: &Table<'_>, quantity: Option<Quantity>) -> Option<()> {
 }
 
 /// Reports what a quantity cannot be of.
-fn place(keys: &mut ProbeKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
+fn place(keys: &ProbeKeys, table: &Table<'_>, world: &World<'_>) -> Option<()> {
     let quantity = keys.quantity;
     let component = has_component(table, quantity);
     let part = keys.body.as_ref().and_then(Option::as_deref).and_then(|name| world.part(name)).map(|part| part.kind);

@@ -250,7 +250,7 @@ impl RigidKeys {
     }
 }
 
-fn rigid(keys: &mut RigidKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+fn rigid(keys: &RigidKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
     let given: Vec<&'static str> = SURFACES.into_iter().filter(|&key| table.has(key)).collect();
     let one_surface = match given.as_slice() {
         [first, second, ..] => {

@@ -68,7 +68,7 @@ fn set_name(node: &Node<'_>, _: &World<'_>, _: &SetDefinitionKeys) -> Option<Str
     Some(text)
 }
 
-fn set(keys: &mut SetDefinitionKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
+fn set(keys: &SetDefinitionKeys, table: &Table<'_>, _: &World<'_>) -> Option<()> {
     let own = match (&keys.body, keys.name.as_deref().and_then(split_set)) {
         (Some(body), Some((owner, set))) if owner != body => table.fail(
             "name",

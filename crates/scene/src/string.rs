@@ -129,7 +129,7 @@ pub struct PointMass {
     pub velocity: [f64; 3],
 }
 
-fn string(keys: &mut ElasticStringKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+fn string(keys: &ElasticStringKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
     let axis = match (table.has("points"), table.has("from"), table.has("to")) {
         (true, false, false) => Some(()),
         (false, true, true) => match (keys.from, keys.to) {
@@ -171,7 +171,7 @@ fn section(table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
     }
 }
 
-fn mass(keys: &mut PointMassKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
+fn mass(keys: &PointMassKeys, table: &Table<'_>, setting: &Setting<'_>) -> Option<()> {
     if keys.mass == Some(0.0) && !setting.is_held && setting.kind != Some(Kind::QuasiStatic) {
         return table.fail("mass", "must be positive", "write a number larger than 0");
     }

@@ -142,7 +142,7 @@ fn cases(node: &Node<'_>) -> Option<Vec<BTreeMap<String, f64>>> {
     Some(cases)
 }
 
-fn one_of_both<C>(_: &mut SweepKeys, table: &Table<'_>, _: &C) -> Option<()> {
+fn one_of_both<C>(_: &SweepKeys, table: &Table<'_>, _: &C) -> Option<()> {
     match (table.has("grid"), table.has("cases")) {
         (true, true) => table.fail("cases", "`grid` is given too", "give one of the two"),
         (false, false) => table.missing("grid", "grid = { mu = [0.0, 0.1, 0.2] }"),
